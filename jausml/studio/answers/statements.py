@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.semantics.conversions import CONVERSIONS
+from jausml.semantics.conversions import CONVERSIONS, UnitEffect
 
 if TYPE_CHECKING:
     from jausml.editing.commands import Child
 
-OF_AUTHORS = tuple(each.name for each in CONVERSIONS.values() if each.takes_factor)
-"""Conversions whose argument the author knows, with 1 in its place: proposed behind all others."""
+_WITH_FACTOR = [each for each in CONVERSIONS.values() if each.takes_factor]
+OF_AUTHORS = tuple(
+    each.name for each in sorted(_WITH_FACTOR, key=lambda each: each.units is UnitEffect.ANY)
+)
+"""Conversions whose argument the author knows, with 1 in its place: proposed behind all others.
+
+Those that say something of units come first.
+"""
 
 
 def innermost(child: Child) -> Child:
