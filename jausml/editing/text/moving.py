@@ -44,6 +44,8 @@ class Moving:
         Raises:
             EditError: The text has no place for it.
         """
+        if _stands_there(obj, owner, feature, position):
+            return
         part = self._desk.part(obj)
         if isinstance(part, Call):
             self._move_call(obj, owner, feature, position)
@@ -52,10 +54,7 @@ class Moving:
         body = self._body(owner, feature, item, position, obj)
         if body is not None and self._can_stay_as_it_is(part, item, owner, feature, body):
             before = self._places.for_owned(owner, feature.name, body, position, obj)
-            place, at = self._desk.outline.place(item)
-            behind = self._desk.outline.place(before)[1] + 1 if before is not None else 0
-            if place is not body or behind != at:
-                self._carry(item, body, before)
+            self._carry(item, body, before)
         else:
             sketch, _ = copied(obj, self._desk.metamodels)
             hang(sketch, owner, feature)
@@ -122,6 +121,19 @@ class Moving:
         moved = [lines[0], *(_shifted(each, first, indent) for each in lines[1:])]
         desk.blocks.insert_raw(body, before, item, [f"{indent}{moved[0]}", *moved[1:]])
         desk.blocks.remove(place, [item])
+
+
+def _stands_there(
+    obj: EObject, owner: EObject, feature: FeatureTable, position: int | None
+) -> bool:
+    """Tells whether an element is where it shall go."""
+    if not feature.many or obj.eContainer() is not owner:
+        return False
+    siblings = list(getattr(owner, feature.name))
+    if obj not in siblings:
+        return False
+    last = len(siblings) - 1
+    return siblings.index(obj) == (last if position is None else min(position, last))
 
 
 def _shifted(line: str, first: str, indent: str) -> str:

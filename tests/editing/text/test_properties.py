@@ -18,7 +18,7 @@ LAYOUTS = {
     "dense": dense,
     "returns": lambda text: text.replace("\n", "\r\n"),
 }
-STEPS = 8
+STEPS = 5
 CASES = [(file, list(LAYOUTS)[at % len(LAYOUTS)]) for at, file in enumerate(FILES)]
 CASES += [(file, layout) for file in FILES if file.stem == "catvehicle" for layout in LAYOUTS]
 
