@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import threading
-from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from ports import free_port
@@ -159,10 +158,4 @@ def test_asyncio(port):
                         break
             return found
 
-    async def drive_in_time():
-        return await asyncio.wait_for(drive(), 30)
-
-    # On a thread of its own: a browser that other tests have open runs a loop on this one.
-    with ThreadPoolExecutor(1) as thread:
-        found = thread.submit(lambda: asyncio.run(drive_in_time())).result()
-    assert found == pytest.approx([1.5] * 4, abs=1e-3)
+    assert asyncio.run(asyncio.wait_for(drive(), 30)) == pytest.approx([1.5] * 4, abs=1e-3)

@@ -15,9 +15,9 @@ PATIENCE = 30_000
 """Milliseconds: long enough for a computer that is busy with other tests."""
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def chromium():
-    """A browser without windows."""
+    """A browser without windows; it is ended soon, for its driver runs an event loop here."""
     if browsers.missing():
         pytest.skip(browsers.missing())
     from playwright.sync_api import sync_playwright

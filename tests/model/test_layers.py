@@ -46,11 +46,16 @@ def test_modules_are_small():
 
 
 def test_metamodels_are_not_loaded_at_import():
-    code = "import jausml.model, jausml.metamodel as m; print(m.load_metamodels.cache_info())"
+    code = (
+        "import sys; opened = []; "
+        "sys.addaudithook(lambda event, given: event == 'open' and opened.append(str(given[0]))); "
+        "import jausml.model, jausml.metamodel as m; print('system.ecore' in ' '.join(opened)); "
+        "m.load_metamodels(); print('system.ecore' in ' '.join(opened))"
+    )
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
     )
-    assert "currsize=0" in done.stdout
+    assert done.stdout.split() == ["False", "True"]
 
 
 def test_public_names_are_listed():

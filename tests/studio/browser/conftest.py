@@ -1,4 +1,4 @@
-"""One browser for all tests of a worker, and a studio for each test."""
+"""One browser for the tests of a module, and a studio for each test."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ PATIENCE = 40_000
 _ADDRESS = re.compile(r"http://\S+#token=\S+")
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def chromium():
-    """A browser without windows."""
+    """A browser without windows; it is ended soon, for its driver runs an event loop here."""
     if missing():
         pytest.skip(missing())
     build_page()
