@@ -22,7 +22,6 @@ from jausml.runtime.services.definitions import ServiceIdentity, Status
 if TYPE_CHECKING:
     import os
     from collections.abc import Callable, Iterator, Mapping, Sequence
-    from types import TracebackType
 
     from jausml.live.messages import Catalogue, MessageEntry
     from jausml.runtime.base.address import JausAddress
@@ -171,12 +170,7 @@ class Component:
         self.start()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.stop()
 
     def start(self) -> None:

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, TypeVar, cast
 from jausml.editing.commands import Add, EditError, Move, Remove, Rename, Set
 from jausml.editing.forest import Thing, default_text, open_features
 from jausml.editing.joins import paths_through
+from jausml.editing.sketches import converted
 from jausml.metamodel import FeatureKind
-from jausml.model.values import convert, suggest
+from jausml.model.values import suggest
 from jausml.model.xmi.writer import lexical
 
 if TYPE_CHECKING:
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
     from jausml.editing.commands import Child, Command, Values
     from jausml.editing.forest import Forest
-    from jausml.metamodel import ClassTable, DataTypeTable, FeatureTable, Metamodels
+    from jausml.metamodel import ClassTable, FeatureTable, Metamodels
     from jausml.model.refs import Ref
 
 NAME = "name"
@@ -261,13 +262,7 @@ def canonical(values: Values, feature: FeatureTable) -> tuple[str, ...]:
     Raises:
         EditError: One is no value of the attribute.
     """
-    found = []
-    for text in values:
-        value, fault = convert(text, cast("DataTypeTable", feature.data_type))
-        if fault is not None:
-            hint = f" ({fault.hint})" if fault.hint else ""
-            raise EditError(f"{feature.name}: {fault.reason}{hint}")
-        found.append(lexical(value, feature))
+    found = [lexical(each, feature) for each in converted(values, feature)]
     if feature.many or feature.unsettable or found != [default_text(feature)]:
         return tuple(dict.fromkeys(found)) if feature.unique else tuple(found)
     return ()

@@ -87,11 +87,6 @@ def renamed(layout: Layout, new_name: Callable[[LayoutKey], LayoutKey | None]) -
     return {view: _renamed(boxes, new_name) for view, boxes in layout.items()}
 
 
-def all_in(layout: Layout, view: str) -> dict[LayoutKey, None]:
-    """Returns the boxes of a view that were placed, as `placed` takes them to forget them."""
-    return dict.fromkeys(layout.get(view, {}))
-
-
 def _renamed(boxes: Positions, new_name: Callable[[LayoutKey], LayoutKey | None]) -> Positions:
     found: Positions = {}
     for key, position in boxes.items():

@@ -15,6 +15,7 @@ from starlette.websockets import WebSocketDisconnect
 
 from jausml.editor.server import make_server
 from jausml.studio import rpc
+from jausml.studio.outgoing import Outgoing
 from jausml.studio.page_socket import greeted
 from jausml.studio.rpc import RpcError
 
@@ -45,8 +46,6 @@ METHODS = frozenset(
 )
 """What a page may ask; the rest is about processes and files."""
 
-_MOST_UNSENT = 1024
-
 
 class LanguageSocket:
     """One conversation with a language server of its own; messages are JSON without headers.
@@ -61,7 +60,7 @@ class LanguageSocket:
         self._root = root
         self._server = make_server(root)
         self._server.protocol.set_writer(self, include_headers=False)
-        self._unsent: asyncio.Queue[str] = asyncio.Queue(_MOST_UNSENT)
+        self._outgoing = Outgoing(socket)
 
     async def run(self, token: Token) -> None:
         """Serves an editor until it goes.
@@ -72,8 +71,9 @@ class LanguageSocket:
         hello = await greeted(self._socket, token)
         if hello is None:
             return
-        self._tell(rpc.answer(hello.id, {}))
-        tasks = [asyncio.create_task(each) for each in (self._receive_all(), self._send_all())]
+        self._outgoing.tell(rpc.answer(hello.id, {}))
+        ways = (self._receive_all(), self._outgoing.send_all())
+        tasks = [asyncio.create_task(each) for each in ways]
         await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
         for task in tasks:
             task.cancel()
@@ -94,14 +94,14 @@ class LanguageSocket:
             request = rpc.parsed(text)
             self._check(request)
         except RpcError as error:
-            self._tell(rpc.refusal(error))
+            self._outgoing.tell(rpc.refusal(error))
             return
         protocol = self._server.protocol
         try:
             protocol.handle_message(json.loads(text, object_hook=protocol.structure_message))
         except (JsonRpcException, AttributeError, KeyError, TypeError, ValueError):
             fault = RpcError(rpc.INVALID_PARAMS, f"{request.method} has other parameters")
-            self._tell(rpc.refusal(fault, request.id))
+            self._outgoing.tell(rpc.refusal(fault, request.id))
 
     def _check(self, request: Request) -> None:
         """Sees to it that only texts below the root are spoken of.
@@ -132,19 +132,10 @@ class LanguageSocket:
         message: dict[str, Any] = json.loads(data)
         if isinstance(message.get("error"), dict):
             message["error"].pop("data", None)
-        self._tell(json.dumps(message))
+        self._outgoing.tell(json.dumps(message))
 
     def close(self) -> None:
         """Ends nothing: the socket ends when the page closes it."""
-
-    def _tell(self, text: str) -> None:
-        with suppress(asyncio.QueueFull):
-            self._unsent.put_nowait(text)
-
-    async def _send_all(self) -> None:
-        with suppress(WebSocketDisconnect, RuntimeError):
-            while not self._unsent.full():
-                await self._socket.send_text(await self._unsent.get())
 
 
 def _is_answer(text: str) -> bool:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from starlette.websockets import WebSocketDisconnect
 
 from jausml.studio import rpc
+from jausml.studio.outgoing import Outgoing
 from jausml.studio.rpc import Request, RpcError
 from jausml.studio.typed import TypedError, typed
 
@@ -29,10 +30,7 @@ _SECONDS_TO_GREET = 10.0
 _MOST_AT_ONCE = 64
 """Requests of a page that wait for their answers."""
 
-_MOST_UNSENT = 1024
-"""Messages that a page has not taken; one that does not listen is left."""
-
-_POLICY_VIOLATION, _TRY_AGAIN_LATER = 1008, 1013
+_POLICY_VIOLATION = 1008
 _LOG = logging.getLogger(__name__)
 
 
@@ -79,7 +77,7 @@ class PageSocket:
         self._socket = socket
         self._session = session
         self._loop = asyncio.get_running_loop()
-        self._unsent: asyncio.Queue[str] = asyncio.Queue(_MOST_UNSENT)
+        self._outgoing = Outgoing(socket)
         self._answering: set[asyncio.Task[None]] = set()
 
     async def run(self, token: Token) -> None:
@@ -87,7 +85,7 @@ class PageSocket:
         hello = await greeted(self._socket, token)
         if hello is None:
             return
-        sending = asyncio.create_task(self._send_all())
+        sending = asyncio.create_task(self._outgoing.send_all())
         with self._session.told(self._tell_soon):
             self._start(self._answer(Request("hello", {}, hello.id)))
             receiving = asyncio.create_task(self._receive_all())
@@ -112,7 +110,7 @@ class PageSocket:
             if len(self._answering) >= _MOST_AT_ONCE:
                 raise RpcError(rpc.BUSY, "too many requests wait", id_=request.id)
         except RpcError as error:
-            self._tell(rpc.refusal(error))
+            self._outgoing.tell(rpc.refusal(error))
         else:
             self._start(self._answer(request))
 
@@ -131,22 +129,11 @@ class PageSocket:
             fault = RpcError(rpc.INTERNAL_ERROR, "this is a fault of jausml; its log shows more")
             told = rpc.refusal(fault, request.id)
         if not request.is_notification:
-            self._tell(told)
+            self._outgoing.tell(told)
 
     # What is told
 
     def _tell_soon(self, message: str) -> None:
         """Tells a message from any thread."""
         with suppress(RuntimeError):  # the loop has ended meanwhile
-            self._loop.call_soon_threadsafe(self._tell, message)
-
-    def _tell(self, message: str) -> None:
-        with suppress(asyncio.QueueFull):
-            self._unsent.put_nowait(message)
-
-    async def _send_all(self) -> None:
-        """Sends what there is to tell until the page goes, or takes nothing any more."""
-        with suppress(WebSocketDisconnect, RuntimeError):
-            while not self._unsent.full():
-                await self._socket.send_text(await self._unsent.get())
-            await self._socket.close(_TRY_AGAIN_LATER)
+            self._loop.call_soon_threadsafe(self._outgoing.tell, message)

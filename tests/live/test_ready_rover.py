@@ -231,9 +231,12 @@ def test_operator_is_killed(world):
     world.run()
     tool = ["-m", "jausml", "ocu", "command", str(ROVER), "SetWrenchEffort", json.dumps(EFFORT)]
     course = ["--rate", "20", "--duration", "600", "--timeout", str(PATIENCE)]
-    operator = world.start(*tool, *course, "--port", world.port, "--authority", str(PILOT - 1))
-    world.moves()
-    operator.kill()
+    own = ["--id", "65000.1.3", "--port", world.port, "--authority", str(PILOT - 1)]
+    operator = world.start(*tool, *course, *own)
+    try:
+        world.moves()
+    finally:
+        operator.kill()
     world.stops()
     world.tells("the source is silent")
 

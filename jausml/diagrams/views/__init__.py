@@ -10,7 +10,7 @@ from jausml.metamodel.classes.system import System
 from jausml.model.values import nearest
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Iterator
     from pathlib import Path
 
     from jausml.diagrams.graph import Graph
@@ -45,13 +45,20 @@ _MOST_SHOWN = 12
 
 
 def view_names(model: Model, *, library: bool = True) -> list[str]:
-    """Returns the views of a model: the system, maps, services and machines.
+    """Returns the views of a model, each once: the system, maps, services and machines.
+
+    A view has the first of its names that no view before it has.
 
     Args:
         model: The model.
         library: Whether those of the shipped library that it uses are among them.
     """
-    return list(_views(model, library=library))
+    found: list[str] = []
+    taken: set[str] = set()
+    for names, _ in _offered(model, library=library):
+        found += [each for each in names if each not in taken][:1]
+        taken.update(names)
+    return found
 
 
 def graph_of(
@@ -68,19 +75,22 @@ def graph_of(
     Raises:
         UnknownViewError: The model has no such view.
     """
-    views = _views(model, library=True)
+    views: dict[str, Callable[[Context], Graph]] = {}
+    for names, make in _offered(model, library=True):
+        for name in names:
+            views.setdefault(name, make)
     if view not in views:
         raise UnknownViewError(view, views)
     return views[view](Context(model, view, diagnostics, root))
 
 
-def _views(model: Model, *, library: bool) -> dict[str, Callable[[Context], Graph]]:
-    found: dict[str, Callable[[Context], Graph]] = {}
+def _offered(
+    model: Model, *, library: bool
+) -> Iterator[tuple[tuple[str, ...], Callable[[Context], Graph]]]:
+    """Yields all names of each view, and what makes its graph."""
     # A system begins with nothing, and a text of nothing may become one.
     first = model.documents[0].roots if model.documents else []
     if not first or isinstance(first[0], System) or system.participants(model):
-        found[SYSTEM] = system.graph
+        yield (SYSTEM,), system.graph
     for module in (maps, services, machines):
-        for name, make in module.offered(model, library=library):
-            found.setdefault(name, make)
-    return found
+        yield from module.offered(model, library=library)

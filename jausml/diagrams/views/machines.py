@@ -20,12 +20,15 @@ if TYPE_CHECKING:
     from jausml.semantics.inherited_machines import Machine
 
 
-def offered(model: Model, *, library: bool) -> Iterator[tuple[str, Callable[[Context], Graph]]]:
-    """Yields the views of machines: by service and name, and by name alone."""
+def offered(
+    model: Model, *, library: bool
+) -> Iterator[tuple[tuple[str, ...], Callable[[Context], Graph]]]:
+    """Yields the names of each machine, by service and name, and by name alone, and its graph."""
     for each in model.instances(jaus.StateMachine, library=library):
         service = each.eContainer()
-        for name in (f"{name_of(service)}.{each.name}", each.name) if each.name else ():
-            yield f"machine:{name}", partial(graph, element=each)
+        if each.name:
+            names = (f"{name_of(service)}.{each.name}", each.name)
+            yield tuple(f"machine:{name}" for name in names), partial(graph, element=each)
 
 
 def graph(context: Context, element: jaus.StateMachine) -> Graph:

@@ -34,11 +34,13 @@ if TYPE_CHECKING:
 _LONGEST_VALUE = 40
 
 
-def offered(model: Model, *, library: bool) -> Iterator[tuple[str, Callable[[Context], Graph]]]:
+def offered(
+    model: Model, *, library: bool
+) -> Iterator[tuple[tuple[str, ...], Callable[[Context], Graph]]]:
     """Yields the views of maps: names, and what makes the graphs."""
     for each in model.instances(bridge.AttributeMap, library=library):
         if each.name:
-            yield f"map:{each.name}", partial(graph, attribute_map=each)
+            yield (f"map:{each.name}",), partial(graph, attribute_map=each)
 
 
 class _Side:

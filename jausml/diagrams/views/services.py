@@ -19,12 +19,14 @@ if TYPE_CHECKING:
     from jausml.model.model import Model
 
 
-def offered(model: Model, *, library: bool) -> Iterator[tuple[str, Callable[[Context], Graph]]]:
-    """Yields the views of services by name, by name and version, and by URN."""
+def offered(
+    model: Model, *, library: bool
+) -> Iterator[tuple[tuple[str, ...], Callable[[Context], Graph]]]:
+    """Yields the names of each service, by name, name and version, and URN, and its graph."""
     for each in model.instances(jaus.Service, library=library):
-        names = [each.name, f"{each.name}/{each.version}", each.urn]
-        for name in names if each.name else ():
-            yield f"service:{name}", partial(graph, service=each)
+        if each.name:
+            names = (each.name, f"{each.name}/{each.version}", each.urn)
+            yield tuple(f"service:{name}" for name in names), partial(graph, service=each)
 
 
 def graph(context: Context, service: jaus.Service) -> Graph:

@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes.ecore import EObject
     from jausml.model.model import Model
 
-_CORE_SET = "core"
-
 
 def participants(model: Model) -> Sequence[jaus.Component | ros.Node]:
     """Returns the components, bridges and nodes of a model, the library's left out."""

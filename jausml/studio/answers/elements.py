@@ -7,7 +7,7 @@ from functools import cache, cached_property
 from threading import Lock
 from typing import TYPE_CHECKING
 
-from jausml.metamodel.classes import jaus, ros
+from jausml.metamodel.classes import bridge, jaus, ros
 from jausml.model import library_root, read_models, refs
 from jausml.model.names import name_of
 from jausml.semantics.ros_paths import ros_name
@@ -97,6 +97,13 @@ def _library() -> Model:
     suffixes = (".xmi", *(suffix for each in NOTATIONS for suffix in each.suffixes))
     paths = sorted(each for each in folder.rglob("*") if each.name.endswith(suffixes))
     return read_models(paths, project_root=folder, notations=NOTATIONS).model
+
+
+def map_around(element: EObject | None) -> bridge.AttributeMap | None:
+    """Returns the map that an element is or stands in, None without one."""
+    while element is not None and not isinstance(element, bridge.AttributeMap):
+        element = element.eContainer()
+    return element
 
 
 def label_of(element: EObject) -> str:

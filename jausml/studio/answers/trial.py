@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from jausml.metamodel import FeatureKind
 from jausml.metamodel.filling import link, new_object, set_value, set_values
-from jausml.model import Document, Model
 from jausml.model.values import convert
-from jausml.model.xmi.parsing import Node
 from jausml.semantics.subject import Subject
+from jausml.studio.answers.elements import map_around
+from jausml.studio.answers.made_models import made_model
 from jausml.validation.rules import all_rules
 
 if TYPE_CHECKING:
@@ -77,19 +76,13 @@ def judge(
     """
     library = new_object(metamodels.classes["bridge.MapLibrary"])
     maps = [_map_like(metamodels, used, each, library) for each in assignments]
-    document = Document(Path("trial"), "trial", is_library=False, given=True)
-    node = Node("", [], {}, None, (1, 1, 0))
-    node.obj = library
-    document.root_nodes.append(node)
-    model = Model([document], metamodels)
-    model.adopt(document, node)
-    subject = Subject(model)
+    subject = Subject(made_model(metamodels, library))
     found: dict[EObject, list[tuple[Rule, Finding]]] = {each: [] for each in maps}
     for rule in all_rules():
         if rule.id in _RULES:
             for finding in rule.check(subject):
-                owner = _map_of(finding.element)
-                if owner in found and finding.element is not owner:
+                owner = map_around(finding.element)
+                if owner is not None and owner in found and finding.element is not owner:
                     found[owner].append((rule, finding))
     return [
         replace(Judged(each, ()), findings=tuple(sorted(found[made], key=_gravity)))
@@ -104,13 +97,6 @@ def _severity(found: tuple[Rule, Finding]) -> str:
 
 def _gravity(found: tuple[Rule, Finding]) -> tuple[int, str]:
     return ("error", "warning", "info").index(_severity(found)), found[0].id
-
-
-def _map_of(element: EObject) -> EObject:
-    around: EObject | None = element
-    while around is not None and around.eClass.name != "AttributeMap":
-        element, around = around, around.eContainer()
-    return around if around is not None else element
 
 
 def _map_like(

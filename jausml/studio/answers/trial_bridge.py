@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.artifact import text_digest
@@ -13,9 +12,8 @@ from jausml.generation.rendering import render
 from jausml.generators.bridge.target import TARGET as BRIDGE
 from jausml.generators.messages.target import TARGET as MESSAGES
 from jausml.metamodel.filling import link, new_object, set_value
-from jausml.model import Document, Model
-from jausml.model.xmi.parsing import Node
 from jausml.semantics.ways import TO_JAUS, TO_ROS
+from jausml.studio.answers.made_models import made_model
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -23,6 +21,7 @@ if TYPE_CHECKING:
     from jausml.metamodel import Metamodels
     from jausml.metamodel.classes import bridge
     from jausml.metamodel.classes.ecore import EObject
+    from jausml.model import Model
 
 BRIDGE_NAME, CONNECTION_NAME = "trial", "tried"
 _SYSTEM = "trial_system"
@@ -94,18 +93,7 @@ def _model(metamodels: Metamodels, used: bridge.AttributeMap, *, to_ros: bool) -
     make.own(owner, "bridgeConnections", connection)
     whole = make("system.System", name=_SYSTEM)
     make.own(whole, "bridges", owner)
-    document = Document(Path("trial.xmi"), "trial.xmi", is_library=False, given=True)
-    node = Node("", [], {}, None, (1, 1, 0))
-    node.obj = whole
-    document.root_nodes.append(node)
-    model = Model([document], metamodels)
-    model.adopt(document, node)
-    for each in (owner, connection):
-        inner = Node("", [], {}, node, (1, 1, 0))
-        inner.obj = each
-        node.children.append(inner)
-        model.adopt(document, inner)
-    return model
+    return made_model(metamodels, whole, owner, connection)
 
 
 class _Maker:

@@ -14,6 +14,7 @@ from jausml.semantics.jaus_paths import JausPlace
 from jausml.semantics.paths import place
 from jausml.semantics.ros_paths import RosPlace
 from jausml.studio.answers.curing.found import renamed_as_meant, unset
+from jausml.studio.answers.elements import map_around
 from jausml.studio.answers.shapes import Cure
 
 if TYPE_CHECKING:
@@ -52,7 +53,7 @@ def _with_step(whole: str, wrong: str, meant: str) -> str:
 
 def _is_found(assignment: bridge.Assignment, path: str, *, is_source: bool) -> bool:
     """Tells whether a path leads somewhere from where an assignment stands."""
-    used = _map_of(assignment)
+    used = map_around(assignment)
     placed = None
     if used is not None and used.message is not None and used.type is not None:
         placed = place(used, assignment, to_ros=_to_ros(assignment))
@@ -174,7 +175,7 @@ def unused_join(found: Found) -> Iterator[Cure]:
 
 def stale_join(found: Found) -> Iterator[Cure]:
     """Drops messages without a fresh message of a join."""
-    used = _map_of(found.element)
+    used = map_around(found.element)
     for join in (*used.joins, *used.reportJoins) if used is not None else ():
         if name_of(join) in found.quoted[-1:]:
             ref = found.scope.ref(join)
@@ -203,13 +204,6 @@ def precision(found: Found) -> Iterator[Cure]:
     """Leaves out a precision that is none."""
     if found.message.endswith("is no distance"):
         yield from unset(found)
-
-
-def _map_of(element: EObject) -> bridge.AttributeMap | None:
-    around: EObject | None = element
-    while around is not None and not isinstance(around, bridge.AttributeMap):
-        around = around.eContainer()
-    return around
 
 
 CURES: Mapping[str, Curing] = {
