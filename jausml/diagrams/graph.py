@@ -172,6 +172,7 @@ class Graph:
         edges: The lines.
         downwards: Whether edges go from top to bottom, not from left to right.
         findings: What is wrong with files, and so belongs to no element.
+        element: Reference to the element that it shows, empty for the whole model.
     """
 
     view: str
@@ -181,6 +182,7 @@ class Graph:
     edges: tuple[Edge, ...] = ()
     downwards: bool = False
     findings: tuple[Finding, ...] = field(default=())
+    element: str = ""
 
     @property
     def by_id(self) -> dict[str, Node]:

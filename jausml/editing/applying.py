@@ -8,6 +8,7 @@ from jausml.editing.commands import Add, EditError, Move, Remove, Rename, Set
 from jausml.editing.forest import Thing, default_text, open_features
 from jausml.editing.joins import paths_through
 from jausml.editing.sketches import converted
+from jausml.editing.states import bereft_transitions, targets_through
 from jausml.metamodel import FeatureKind
 from jausml.model.values import suggest
 from jausml.model.xmi.writer import lexical
@@ -90,7 +91,9 @@ class Applying:
     def _rename(self, command: Rename) -> None:
         thing = self._thing(command.element)
         self.steps.append(command)
-        for each, name, text in paths_through(thing, command.name):
+        paths = paths_through(thing, command.name)
+        targets = targets_through(thing, command.name, self._forest)
+        for each, name, text in [*paths, *targets]:
             self.steps.append(Set(self._forest.ref(each), name, (text,)))
             self._give(each, feature_of(each.table, name), (text,))
         self._give(thing, feature_of(thing.table, NAME), (command.name,))
@@ -213,7 +216,8 @@ class Applying:
             is_needed = feature.lower > 0 and not feature.many
             if thing not in going and is_needed and thing.owner is not None:
                 found.append(_whole(thing))
-        return found
+        lost = bereft_transitions(going, self._forest)
+        return [*found, *(each for each in lost if each not in going)]
 
     def _unlink(self, going: set[Thing]) -> None:
         for thing, name in list(self._forest.referrers(going)):

@@ -10,6 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from jausml.semantics.services import lineage
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
@@ -118,13 +120,21 @@ class Machine:
         self.elements.append(element)
         self._initial.clear()
         for path, state in states_of(element):
-            names = path.split(".")
-            for length in range(1, len(names) + 1):
-                enclosing = ".".join(names[:length])
-                if enclosing not in self.nodes:
-                    self.nodes[enclosing] = Node(enclosing)
-                    self._enclose(enclosing)
-            self.nodes[path].elements.insert(0, state)
+            self.enter(path).elements.insert(0, state)
+
+    def enter(self, path: str) -> Node:
+        """Returns the state of a path, which is there from now on with those that enclose it.
+
+        Args:
+            path: The path.
+        """
+        names = path.split(".")
+        for length in range(1, len(names) + 1):
+            enclosing = ".".join(names[:length])
+            if enclosing not in self.nodes:
+                self.nodes[enclosing] = Node(enclosing)
+                self._enclose(enclosing)
+        return self.nodes[path]
 
     def children(self, path: str) -> list[str]:
         """Returns the states directly inside a state, or the outermost ones of an empty path.
@@ -212,6 +222,19 @@ def machines_of(services: Iterable[jaus.Service]) -> list[Machine]:
             machine.add(element)
         by_service[service] = inherited
     return found
+
+
+def machine_with(element: jaus.StateMachine) -> Machine | None:
+    """Returns a machine put together with those that it extends.
+
+    Args:
+        element: A machine of a service.
+
+    Returns:
+        None where it stands in no service.
+    """
+    chain = reversed(lineage(element.eContainer()))
+    return next((each for each in machines_of(chain) if element in each.elements), None)
 
 
 def states_of(machine: jaus.StateMachine) -> Iterator[tuple[str, jaus.State]]:

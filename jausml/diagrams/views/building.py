@@ -9,6 +9,7 @@ from jausml.diagrams.graph import Edge, End, Graph, Group, Node, Port
 
 if TYPE_CHECKING:
     from jausml.diagrams.views.context import Context
+    from jausml.metamodel.classes.ecore import EObject
 
 
 class Builder:
@@ -49,8 +50,16 @@ class Builder:
         """Tells whether there is such an end."""
         return end.port in self._ports.get(end.node, {})
 
-    def graph(self, title: str, *, downwards: bool = False) -> Graph:
-        """Returns the graph, without frames around nothing."""
+    def graph(
+        self, title: str, element: EObject | None = None, *, downwards: bool = False
+    ) -> Graph:
+        """Returns the graph, without frames around nothing.
+
+        Args:
+            title: What stands above it.
+            element: The element that it shows; None for the whole model.
+            downwards: Whether edges go from top to bottom.
+        """
         named = self.context.named
         nodes = tuple(
             replace(named(node), ports=tuple(named(port) for port in self._ports[node.id].values()))
@@ -68,6 +77,7 @@ class Builder:
             tuple(named(each) for each in _distinct(self.edges)),
             downwards,
             self.context.of_files(),
+            self.context.reference(element),
         )
 
 

@@ -65,14 +65,18 @@ class Context:
 
     def named(self, part: PartT) -> PartT:
         """Returns a part with its key, and with its element where its id is that of one."""
-        keys = self.model.made(Keys)
         known = [self._elements.get(each) for each in part.id.split("!")]
         words = zip(part.id.split("!"), known, strict=True)
+        key = "!".join(word if each is None else self.key(each) for word, each in words)
         return replace(
             part,
             element=part.element or self.reference(self._elements.get(part.id)),
-            key="!".join(word if each is None else keys.of(each) for word, each in words),
+            key=part.key or key,
         )
+
+    def key(self, element: EObject) -> str:
+        """Returns what names an element when positions of elements change."""
+        return self.model.made(Keys).of(element)
 
     def findings(self, *elements: EObject | None, deep: bool = True) -> tuple[Finding, ...]:
         """Returns what was found about elements.

@@ -9,8 +9,7 @@ from jausml.diagrams.graph import Edge, End, Finding, Graph, Group, Node, Port
 from jausml.diagrams.views.building import Builder
 from jausml.diagrams.views.context import details, name_of
 from jausml.metamodel.classes import jaus
-from jausml.semantics.inherited_machines import CORE_STATES, DEEPEST, machines_of
-from jausml.semantics.services import lineage
+from jausml.semantics.inherited_machines import CORE_STATES, DEEPEST, machine_with
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -39,15 +38,14 @@ def graph(context: Context, element: jaus.StateMachine) -> Graph:
         element: The machine.
     """
     builder = Builder(context)
-    service = element.eContainer()
-    chain = list(reversed(lineage(service)))
-    machine = next((each for each in machines_of(chain) if element in each.elements), None)
+    machine = machine_with(element)
     if machine is not None:
         for path in _drawn(machine):
             _add_state(builder, machine, path)
         for path in machine.nodes:
             _add_transitions(builder, machine, path)
-    return builder.graph(f"machine {name_of(element)} of {name_of(service)}", downwards=True)
+    title = f"machine {name_of(element)} of {name_of(element.eContainer())}"
+    return builder.graph(title, element, downwards=True)
 
 
 def _drawn(machine: Machine) -> list[str]:
@@ -101,6 +99,7 @@ def _add_state(builder: Builder, machine: Machine, path: str) -> None:
             details=tuple(each for state in elements for each in details(state)),
             findings=tuple(f for s in elements for f in context.findings(s, deep=False)),
             element=element,
+            key=context.key(elements[-1]) if elements else "",
         )
     )
 

@@ -123,7 +123,7 @@ class _MapView:
         for node in self._nodes():
             builder.add(node)
         builder.edges = self.edges
-        return builder.graph(f"map {name_of(self.map)}")
+        return builder.graph(f"map {name_of(self.map)}", self.map)
 
     def _nodes(self) -> Iterable[Node]:
         """Returns the boxes: both ends, and the joins beside the end that they join."""

@@ -46,7 +46,7 @@ def graph(context: Context, service: jaus.Service) -> Graph:
             Edge(f"{own}!inherits", End(own), End(context.id_of(parent)), "inherits",
                  "inherits", ("inherits",))
         )  # fmt: skip
-    return builder.graph(f"service {name_of(service)} {service.version or ''}".strip())
+    return builder.graph(f"service {name_of(service)} {service.version or ''}".strip(), service)
 
 
 def _add_service(builder: Builder, service: jaus.Service) -> None:

@@ -160,6 +160,7 @@ def _values(
     return {
         "view": graph.view,
         "title": graph.title,
+        "element": graph.element,
         "downwards": graph.downwards,
         "width": round(max((each.right for each in areas), default=0)),
         "height": round(max((each.bottom for each in areas), default=0)),

@@ -1,0 +1,97 @@
+"""Targets of transitions follow the states that they name, in XMI and in text."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from jausml.diagrams.views import graph_of
+from jausml.editing.commands import Place, Remove, Rename
+from jausml.editing.project import Project
+from jausml.metamodel.classes import jaus
+from jausml.model import read_models
+from jausml.model.uris import LIBRARY_URI
+from jausml.text.notation import NOTATIONS
+from jausml.text.writing.unparsing import to_text
+from jausml.validation.engine import check
+
+WINCH = Path(__file__).parents[2] / "models" / "examples" / "winch" / "service.xmi"
+
+
+@pytest.fixture(params=["service.xmi", "service.ros2jaus"])
+def project(request, tmp_path):
+    text = WINCH.read_text(encoding="utf-8").replace("../../library/", LIBRARY_URI)
+    (tmp_path / "service.xmi").write_text(text, encoding="utf-8")
+    if request.param.endswith(".ros2jaus"):
+        model = read_models([tmp_path / "service.xmi"], notations=NOTATIONS).model
+        path = tmp_path / request.param
+        path.write_text(to_text(model.documents[0].roots, model, path), encoding="utf-8")
+        (tmp_path / "service.xmi").unlink()
+    return Project(tmp_path), request.param
+
+
+def states(project, file):
+    model = project.model(file).model
+    return {each.name: each for each in model.instances(jaus.State, library=False)}
+
+
+def targets(project, file):
+    model = project.model(file).model
+    return [e.target for e in model.instances(jaus.Transition, library=False) if e.target]
+
+
+def ref(project, file, name):
+    return project.ref(states(project, file)[name], project.model(file).model)
+
+
+def errors(project, file):
+    found = check(project.model(file)).diagnostics
+    return [each for each in found if each.severity.value == "error"]
+
+
+@pytest.mark.parametrize(
+    ("name", "new", "old_target", "new_target"),
+    [
+        ("Moving", "Turning", "Moving.PayingOut", "Turning.PayingOut"),
+        ("PayingIn", "Pulling", "Moving.PayingIn", "Moving.Pulling"),
+        ("PayingIn", "Pulling", "PayingIn", "Pulling"),
+        ("Locked", "Held.Fast", "Locked", "Held.Fast"),
+    ],
+)
+def test_targets_follow_a_state_that_is_renamed(project, name, new, old_target, new_target):
+    project, file = project
+    before = project.text(file)
+    was = targets(project, file)
+    assert old_target in was
+    entry = project.do([Rename(ref(project, file, name), new)], "rename")
+    now = targets(project, file)
+    assert old_target not in now
+    assert now.count(new_target) >= was.count(old_target)
+    assert errors(project, file) == []
+    assert len(entry.files) == 1
+    project.undo()
+    assert project.text(file) == before
+
+
+def test_transitions_into_a_state_go_with_it_and_are_told_before(project):
+    project, file = project
+    remove = [Remove(ref(project, file, "Locked"))]
+    told = project.preview(remove).referrers
+    assert len([each for each in told if "Transition" in each.label]) == 2
+    project.do(remove, "remove")
+    assert "Locked" not in targets(project, file)
+    assert errors(project, file) == []
+
+
+def test_a_box_that_was_placed_keeps_its_place_when_its_state_is_renamed(project):
+    project, file = project
+
+    def key(title):
+        graph = graph_of(project.model(file).model, "machine:ReceiveFSM")
+        return next(each.key for each in graph.nodes if each.title == title)
+
+    view = "machine:Winch.ReceiveFSM"
+    project.do([Place(file, view, {key("Idle"): (30, 40)})], "place")
+    project.do([Rename(ref(project, file, "Idle"), "Waiting")], "rename")
+    assert project.positions(file, view) == {key("Waiting"): (30, 40)}
