@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.metamodel import FeatureKind
-from jausml.metamodel.filling import link, new_object, set_value, set_values
+from jausml.metamodel.filling import contents, link, new_object, point, set_value, set_values
 from jausml.model.values import convert
 from jausml.semantics.subject import Subject
-from jausml.studio.answers.elements import map_around
 from jausml.studio.answers.made_models import made_model
 from jausml.validation.rules import all_rules
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Collection, Sequence
 
     from jausml.editing.commands import Child
     from jausml.metamodel import FeatureTable, Metamodels
@@ -30,6 +29,9 @@ _RULES = frozenset(
     }
 )
 """The rules that judge an assignment by itself."""
+
+_TOGETHER = _RULES | {"JML415"}
+"""Those that judge it beside the others of its map."""
 
 
 @dataclass(frozen=True)
@@ -75,18 +77,52 @@ def judge(
         assignments: Each with the feature of the map that shall own it.
     """
     library = new_object(metamodels.classes["bridge.MapLibrary"])
-    maps = [_map_like(metamodels, used, each, library) for each in assignments]
+    made: list[EObject] = []
+    for each in assignments:
+        made += _with(metamodels, _map_like(metamodels, used, library), [each])
+    return _judged(metamodels, library, assignments, made, _RULES)
+
+
+def judge_together(
+    metamodels: Metamodels, used: bridge.AttributeMap, assignments: Sequence[Child]
+) -> list[Judged]:
+    """Returns what the rules say of assignments that stand in their map with those it has.
+
+    Args:
+        metamodels: The metamodels of the model.
+        used: The map that they are for.
+        assignments: Each with the feature of the map that shall own it.
+    """
+    library = new_object(metamodels.classes["bridge.MapLibrary"])
+    whole = _map_like(metamodels, used, library)
+    for name in ("toRos", "toJaus"):
+        for each in getattr(used, name):
+            link(whole, metamodels.class_of(whole).features[name], _copied(metamodels, each))
+    return _judged(
+        metamodels, library, assignments, _with(metamodels, whole, assignments), _TOGETHER
+    )
+
+
+def _judged(
+    metamodels: Metamodels,
+    library: EObject,
+    assignments: Sequence[Child],
+    made: Sequence[EObject],
+    rules: Collection[str],
+) -> list[Judged]:
+    """Returns what rules say of elements that were made of assignments."""
     subject = Subject(made_model(metamodels, library))
-    found: dict[EObject, list[tuple[Rule, Finding]]] = {each: [] for each in maps}
+    found: dict[EObject, list[tuple[Rule, Finding]]] = {each: [] for each in made}
     for rule in all_rules():
-        if rule.id in _RULES:
-            for finding in rule.check(subject):
-                owner = map_around(finding.element)
-                if owner is not None and owner in found and finding.element is not owner:
-                    found[owner].append((rule, finding))
+        for finding in rule.check(subject) if rule.id in rules else ():
+            element: EObject | None = finding.element
+            while element is not None and element not in found:
+                element = element.eContainer()
+            if element is not None:
+                found[element].append((rule, finding))
     return [
-        replace(Judged(each, ()), findings=tuple(sorted(found[made], key=_gravity)))
-        for each, made in zip(assignments, maps, strict=True)
+        Judged(each, tuple(sorted(found[own], key=_gravity)))
+        for each, own in zip(assignments, made, strict=True)
     ]
 
 
@@ -99,32 +135,46 @@ def _gravity(found: tuple[Rule, Finding]) -> tuple[int, str]:
     return ("error", "warning", "info").index(_severity(found)), found[0].id
 
 
-def _map_like(
-    metamodels: Metamodels, used: bridge.AttributeMap, assignment: Child, owner: EObject
-) -> EObject:
-    """Makes a map with the ends of another one, and one assignment."""
+def _map_like(metamodels: Metamodels, used: bridge.AttributeMap, owner: EObject) -> EObject:
+    """Makes a map with the ends of another one, without assignments."""
     table = metamodels.class_of(used)
     made: EObject = new_object(table)
     set_value(made, table.features["name"], used.name)
     for name in ("message", "type"):
-        link(made, table.features[name], getattr(used, name))
+        point(made, table.features[name], getattr(used, name))
     for name in ("joins", "reportJoins"):
         for join in getattr(used, name):
-            link(made, table.features[name], _join_like(metamodels, join))
-    link(made, table.features[assignment.feature], made_of(metamodels, assignment))
+            link(made, table.features[name], _copied(metamodels, join))
     link(owner, metamodels.class_of(owner).features["maps"], made)
     return made
 
 
-def _join_like(metamodels: Metamodels, join: EObject) -> EObject:
-    table = metamodels.class_of(join)
+def _with(metamodels: Metamodels, whole: EObject, assignments: Sequence[Child]) -> list[EObject]:
+    """Adds assignments to a map that was made, and returns the elements."""
+    made = [made_of(metamodels, each) for each in assignments]
+    for each, element in zip(assignments, made, strict=True):
+        link(whole, metamodels.class_of(whole).features[each.feature], element)
+    return made
+
+
+def _copied(metamodels: Metamodels, element: EObject) -> EObject:
+    """Returns an element like another one, with all that it owns; what it refers to is the same."""
+    table = metamodels.class_of(element)
     made: EObject = new_object(table)
     for name, feature in table.features.items():
-        value = getattr(join, name)
-        if feature.kind is FeatureKind.CROSS_REFERENCE and value is not None:
-            link(made, feature, value)
-        elif feature.kind is FeatureKind.ATTRIBUTE:
-            set_value(made, feature, value)
+        if name not in element.__dict__ or not feature.settable:
+            continue
+        values = contents(element, feature)
+        if feature.kind is FeatureKind.CROSS_REFERENCE:
+            for each in values:
+                point(made, feature, each)
+        elif feature.kind is FeatureKind.CONTAINMENT:
+            for each in values:
+                link(made, feature, _copied(metamodels, each))
+        elif feature.many:
+            set_values(made, feature, values)
+        elif feature.kind is FeatureKind.ATTRIBUTE and values:
+            set_value(made, feature, values[0])
     return made
 
 

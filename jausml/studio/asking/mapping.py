@@ -8,12 +8,16 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from jausml.studio.answers.assigning import clock, constant, ignore
 from jausml.studio.answers.elements import AnswerError
+from jausml.studio.answers.filling import fill_map
 from jausml.studio.answers.members import end_of
 from jausml.studio.answers.trying import inputs
 from jausml.studio.asking.answering import Port, map_named, map_of, scope_of
+from jausml.studio.asking.showing import OfView
 from jausml.studio.methods import Method
 
 if TYPE_CHECKING:
+    from jausml.metamodel.classes import bridge
+    from jausml.studio.answers.elements import Scope
     from jausml.studio.desk import Desk
 
 Direction = Literal["to_ros", "to_jaus"]
@@ -60,6 +64,7 @@ def methods(desk: Desk) -> Mapping[str, Method[Any]]:
     return {
         "tried": Method(Asked, lambda asked: _inputs(desk, asked)),
         "fill": Method(Filling, lambda asked: _fill(desk, asked)),
+        "fill_map": Method(OfView, lambda asked: _fill_map(desk, asked)),
         "try": Method(Trial, lambda asked: _try(desk, asked)),
     }
 
@@ -71,15 +76,25 @@ def _inputs(desk: Desk, asked: Asked) -> object:
 
 def _fill(desk: Desk, asked: Filling) -> object:
     scope = scope_of(desk, asked.file)
-    used = map_of(scope, asked.view)
-    if used is None:
-        raise AnswerError(f"{asked.view} is no view of a map")
+    used = _map_of(scope, asked.view)
     target = end_of(scope, used, asked.target.node, asked.target.port)
     return {
         "constant": constant(scope, used, target, asked.value),
         "clock": clock(scope, used, target),
         "ignore": ignore(scope, used, target),
     }
+
+
+def _fill_map(desk: Desk, asked: OfView) -> object:
+    scope = scope_of(desk, asked.file)
+    return fill_map(scope, _map_of(scope, asked.view))
+
+
+def _map_of(scope: Scope, view: str) -> bridge.AttributeMap:
+    used = map_of(scope, view)
+    if used is None:
+        raise AnswerError(f"{view} is no view of a map")
+    return used
 
 
 def _try(desk: Desk, asked: Trial) -> object:

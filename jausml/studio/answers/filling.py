@@ -1,0 +1,169 @@
+"""Filling: all assignments of a map that follow from what its two ends say of themselves.
+
+Each is one that drawing from member to member would propose first and that the rules accept without
+a word, also beside all others of the map. What is left is for the author.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.editing.commands import Add, Child
+from jausml.metamodel.classes import bridge
+from jausml.model.names import name_of
+from jausml.semantics.attributes import LIST
+from jausml.semantics.paths import parse_path, target_paths
+from jausml.semantics.ways import TO_ROS
+from jausml.studio.answers.assigning import assign
+from jausml.studio.answers.corresponding import corresponding
+from jausml.studio.answers.members import leaves
+from jausml.studio.answers.statements import OF_AUTHORS, innermost, statement, steps
+from jausml.studio.answers.trial import judge, judge_together
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from jausml.studio.answers.elements import Scope
+    from jausml.studio.answers.members import Member
+
+_Steps = tuple[str, ...]
+
+_FEATURES = {True: "toRos", False: "toJaus"}
+"""The assignments of a map, by whether they go to ROS."""
+
+
+@dataclass(frozen=True, slots=True)
+class Filling:
+    """What fills a map.
+
+    Attributes:
+        label: How the edit is called.
+        commands: What does it; nothing where nothing corresponds.
+        statements: The assignments in the text notation.
+        left: The members that nothing fills then, by `to_ros` and `to_jaus`.
+        refusal: Why there is nothing to do, empty where there is.
+    """
+
+    label: str
+    commands: tuple[Add, ...]
+    statements: tuple[str, ...]
+    left: Mapping[str, tuple[str, ...]]
+    refusal: str = ""
+
+
+def fill_map(scope: Scope, used: bridge.AttributeMap) -> Filling:
+    """Returns what fills the members of a map that nothing fills yet.
+
+    Directions that no connection uses are left alone, unless none is used.
+
+    Args:
+        scope: The model.
+        used: The map.
+    """
+    label = f"Fill map {name_of(used)}"
+    if used.message is None or used.type is None:
+        return Filling(label, (), (), {}, "the map has no message or no type yet")
+    ways = _ways(scope, used)
+    found = {to_ros: _found(scope, used, to_ros=to_ros) for to_ros in ways}
+    children = [each for way in found.values() for each in way]
+    judged = judge_together(scope.model.metamodels, used, children)
+    good = [each.assignment for each in judged if each.is_possible]
+    own = scope.ref(used)
+    return Filling(
+        label,
+        tuple(Add(own, each.feature, each.kind, each.values, each.children) for each in good),
+        tuple(map(statement, good)),
+        {"to_ros" if way else "to_jaus": _left(used, good, to_ros=way) for way in ways},
+        "" if good else "no further members correspond by name, time, or unit and axis",
+    )
+
+
+def _ways(scope: Scope, used: bridge.AttributeMap) -> list[bool]:
+    """Returns the directions in which a map is used, both where it is not yet."""
+    connections = scope.model.instances(bridge.Connection, library=False)
+    wanted = {each.direction.name == TO_ROS for each in connections if each.map is used}
+    return sorted(wanted or {True, False}, reverse=True)
+
+
+def _found(scope: Scope, used: bridge.AttributeMap, *, to_ros: bool) -> list[Child]:
+    """Returns the assignments of one direction, those within one list together."""
+    filled = _filled(used, to_ros=to_ros)
+    targets = [
+        each
+        for each in leaves(used, is_jaus=not to_ros)
+        if not _is_filled(each.outer or each.path, filled)
+    ]
+    found: dict[object, Child] = {}
+    for source, target in corresponding(leaves(used, is_jaus=to_ros), targets):
+        child = _proposed(scope, used, source, target)
+        if child is None:
+            continue
+        key = (source.outer, target.outer) if source.outer else child.values["target"]
+        before = found.get(key)
+        found[key] = child if before is None or not source.outer else _joined(before, child)
+    return list(found.values())
+
+
+def _proposed(
+    scope: Scope, used: bridge.AttributeMap, source: Member, target: Member
+) -> Child | None:
+    """Returns the first assignment of the most members that the rules accept without a word.
+
+    Those with a number that only the author knows are left out.
+    """
+    adds = [each.commands[0] for each in assign(scope, used, source, target).options]
+    children = [
+        Child(each.feature, each.kind, each.values, each.children)
+        for each in adds
+        if isinstance(each, Add)
+    ]
+    own = [each for each in children if not set(steps(each)) & set(OF_AUTHORS)]
+    judged = judge(scope.model.metamodels, used, own)
+    accepted = [each.assignment for each in judged if each.is_accepted]
+    return max(accepted, key=_size, default=None)
+
+
+def _size(child: Child) -> int:
+    values = innermost(child).values
+    return sum(len(values[name][0].split(", ")) for name in ("source", "target"))
+
+
+def _joined(one: Child, other: Child) -> Child:
+    """Returns an assignment of lists with what two of the same lists have."""
+    return Child(one.feature, one.kind, one.values, (*one.children, *other.children))
+
+
+def _filled(used: bridge.AttributeMap, *, to_ros: bool) -> list[_Steps]:
+    """Returns the paths that something fills, or that are left out on purpose."""
+    assignments = getattr(used, _FEATURES[to_ros])
+    return [parse_path(path) for each in assignments for path in target_paths(each)]
+
+
+def _targets(child: Child) -> Iterator[_Steps]:
+    """Yields the paths that an assignment fills."""
+    for path in map(parse_path, child.values["target"][0].split(", ")):
+        inner = [each for each in child.children if each.feature == "assignments"]
+        yield from ((*path, *own) for each in inner for own in _targets(each))
+        if not inner:
+            yield path
+
+
+def _is_filled(path: str, filled: Iterable[_Steps]) -> bool:
+    """Tells whether a member, something around it or something in it is filled."""
+    own = parse_path(path)
+    return any(each[: len(own)] == own or own[: len(each)] == each for each in filled)
+
+
+def _left(used: bridge.AttributeMap, good: Sequence[Child], *, to_ros: bool) -> tuple[str, ...]:
+    """Returns the members that nothing fills once assignments are added, wholes without parts."""
+    filled = _filled(used, to_ros=to_ros)
+    filled += [
+        path for each in good if each.feature == _FEATURES[to_ros] for path in _targets(each)
+    ]
+    left: list[str] = []
+    for each in leaves(used, is_jaus=not to_ros):
+        is_part = bool(left) and each.path.startswith(f"{left[-1]}.")
+        if each.attribute.kind != LIST and not is_part and not _is_filled(each.path, filled):
+            left.append(each.path)
+    return tuple(left)

@@ -1,0 +1,186 @@
+"""Maps that are filled from what corresponds: as authors would, and never what a rule forbids."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from functools import cache
+from typing import TYPE_CHECKING
+
+import pytest
+from answers_support import scope_of
+from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import strategies as st
+
+from jausml.editing.project import Project
+from jausml.metamodel.classes import bridge, jaus, ros
+from jausml.model.names import name_of
+from jausml.semantics.paths import source_paths, target_paths
+from jausml.semantics.ros_paths import ros_name
+from jausml.studio.answers.elements import Scope, library
+from jausml.studio.answers.filling import fill_map
+from jausml.validation.engine import check
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "12"))
+FILE = "robot.ros2jaus"
+READY = [
+    f"library/mappings/{name}.ros2jaus"
+    for name in ("cost_map_2d", "global_pose_sensor", "local_pose_sensor", "velocity_state_driver")
+]
+
+
+class Map:
+    """A project with one map, which begins with the lines that are given."""
+
+    def __init__(self, folder: Path, message: str, kind: str, lines: str = "", head: str = ""):
+        text = f"{head}\nfresh {{\n    JAUS {message}\n    ROS {kind}\n{lines}}}\n"
+        (folder / FILE).write_text(text, encoding="utf-8")
+        self.project = Project(folder)
+
+    @property
+    def scope(self) -> Scope:
+        return Scope(self.project.model(FILE).model, self.project.root)
+
+    @property
+    def map(self) -> bridge.AttributeMap:
+        maps = self.scope.model.instances(bridge.AttributeMap, library=False)
+        return next(each for each in maps if each.name == "fresh")
+
+    def fill(self):
+        return fill_map(self.scope, self.map)
+
+    def take(self):
+        found = self.fill()
+        if found.commands:
+            self.project.do(found.commands, found.label)
+        return found
+
+    def errors(self):
+        report = check(self.project.model(FILE))
+        return [each for each in report.diagnostics if each.severity.value == "error"]
+
+
+def test_a_new_map_is_filled_in_both_directions_by_one_edit_and_tells_what_is_left(tmp_path):
+    used = Map(tmp_path, "ReportVelocityState", "geometry_msgs/TwistStamped")
+    before = (tmp_path / FILE).read_text()
+    found = used.take()
+    assert found.statements[:4] == (
+        "TimeStamp -> header.stamp : timestamp_to_time",
+        "Velocity_X -> twist.linear.x",
+        "Velocity_Y -> twist.linear.y : negate",
+        "Velocity_Z -> twist.linear.z : negate",
+    )
+    assert "twist.angular.z -> YawRate : negate" in found.statements
+    assert found.left == {"to_ros": ("header.frame_id",), "to_jaus": ("Velocity_RMS", "Rate_RMS")}
+    assert len(used.project.log) == 1
+    again = used.fill()
+    assert not again.commands
+    assert "no further" in again.refusal
+    used.project.undo()
+    assert (tmp_path / FILE).read_text() == before
+
+
+def test_what_the_author_wrote_stays_and_the_rest_is_filled(tmp_path):
+    lines = "    JAUS->ROS ( 2 -> twist.linear.x )\n"
+    used = Map(tmp_path, "ReportVelocityState", "geometry_msgs/TwistStamped", lines)
+    found = used.take()
+    assert not any(each.endswith("-> twist.linear.x") for each in found.statements)
+    assert "2 -> twist.linear.x" in (tmp_path / FILE).read_text()
+    assert used.errors() == []
+
+
+def test_angles_become_an_orientation_together(tmp_path):
+    used = Map(tmp_path, "ReportLocalPose", "geometry_msgs/PoseStamped")
+    found = used.fill()
+    assert [each for each in found.statements if "orientation" in each] == [
+        "Roll, Pitch, Yaw -> pose.orientation : frd_angles_to_flu_quaternion",
+        "pose.orientation -> Roll, Pitch, Yaw : flu_quaternion_to_frd_angles",
+    ]
+
+
+def test_nothing_is_filled_where_nothing_corresponds(tmp_path):
+    found = Map(tmp_path, "ReportVelocityState", "std_msgs/String").fill()
+    assert not found.commands
+    assert found.refusal
+    assert found.left["to_ros"] == ("data",)
+
+
+@pytest.fixture(scope="module")
+def compared(tmp_path_factory):
+    """What is filled of shipped maps, were they empty: as their authors wrote it, or otherwise."""
+    folder = tmp_path_factory.mktemp("compared")
+    agreeing, other, filled = [], [], {}
+    for used in (map_ for name in READY for map_ in maps_of(name)):
+        key = f"{name_of(used.message.eContainer())}.{name_of(used.message)}", ros_name(used.type)
+        if key not in filled:
+            filled[key] = {
+                (each.feature, each.values["target"][0]): each.values.get("source", ("",))[0]
+                for each in Map(folder, *key).fill().commands
+            }
+        for feature in ("toRos", "toJaus"):
+            for each in getattr(used, feature):
+                source, target = (", ".join(f(each)) for f in (source_paths, target_paths))
+                found = filled[key].get((feature, target))
+                if found is not None:
+                    alike = agreeing if found == source else other
+                    alike.append((used.name, source, target, found))
+    return agreeing, other
+
+
+def maps_of(name):
+    """Returns the maps of a shipped file."""
+    model = scope_of(name).model
+    maps = model.instances(bridge.AttributeMap)
+    return [each for each in maps if model.document_of(each) is model.documents[0]]
+
+
+def test_what_is_filled_is_what_authors_of_the_shipped_maps_wrote(compared):
+    """Where x of a local frame points is the author's: two maps differ there."""
+    agreeing, other = compared
+    assert len(agreeing) > 50
+    for name, source, _, found in other:
+        assert found in source.split(", ") or name == "local_pose_enu", (name, source, found)
+
+
+@cache
+def messages():
+    """The messages of services that there are in one version, which need no import."""
+    services = library().instances(jaus.Service)
+    counts = Counter(each.name for each in services)
+    return sorted(
+        f"{name_of(service)}.{name_of(each)}"
+        for service in services
+        if counts[service.name] == 1
+        for each in (*service.inputs, *service.outputs)
+        if each.body is not None
+    )
+
+
+@cache
+def kinds():
+    """The ROS types with members."""
+    return sorted(
+        {
+            ros_name(each)
+            for each in library().instances(ros.MessageType)
+            if isinstance(each.eContainer(), ros.InterfacePackage) and len(each.fields)
+        }
+    )
+
+
+@settings(
+    max_examples=EXAMPLES,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    deadline=None,
+)
+@given(data=st.data())
+def test_what_is_filled_never_has_an_error(tmp_path, data):
+    message = data.draw(st.sampled_from(messages()))
+    kind = data.draw(st.sampled_from(kinds()))
+    used = Map(tmp_path, message, kind)
+    assume(not used.errors())
+    found = used.take()
+    assert used.errors() == [], (message, kind, found.statements)
