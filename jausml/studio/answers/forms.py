@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from jausml.metamodel import FeatureKind, ValueKind, documentation
 from jausml.model.refs import LIBRARY
 from jausml.model.words import words
+from jausml.studio.answers.beginnings import usual_values
 from jausml.studio.answers.elements import label_of
+from jausml.studio.answers.moving import usual_texts
 from jausml.studio.answers.shapes import Child, Children, Choice, Field, Form, Kind
 from jausml.studio.answers.targets import legal_targets
 
@@ -177,7 +180,9 @@ def _field(
         default="" if feature.default is None else literal(feature.default),
         documentation=documentation(feature.feature),
         unit=_unit(element, feature),
-        choices=_references(scope, element, feature) if is_reference else choices_of(feature),
+        choices=_references(scope, element, feature)
+        if is_reference
+        else (*choices_of(feature), *usual_texts(element, feature)),
         problems=problems.of(feature.name),
         changeable=not is_fixed,
     )
@@ -240,7 +245,10 @@ def _children(scope: Scope, element: EObject, feature: FeatureTable, *, is_fixed
         label=in_words(feature.name),
         many=feature.many,
         documentation=documentation(feature.feature),
-        kinds=() if is_full or is_fixed or target is None else kinds_of(target),
+        kinds=tuple(
+            replace(each, values=usual_values(scope.model, element, feature, each.kind))
+            for each in (() if is_full or is_fixed or target is None else kinds_of(target))
+        ),
         elements=tuple(
             Child(
                 scope.ref(each),

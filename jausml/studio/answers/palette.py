@@ -7,16 +7,18 @@ from functools import cache, partial
 from typing import TYPE_CHECKING
 
 from jausml.editing.commands import Add, Child, Set
-from jausml.metamodel import FeatureKind, documentation
+from jausml.metamodel import documentation
 from jausml.metamodel.classes import bridge, jaus, ros, system
 from jausml.model.names import name_of
 from jausml.model.words import snake_case, words
 from jausml.semantics.core_services import CORE
 from jausml.semantics.ros_paths import ros_name
+from jausml.studio.answers.beginnings import PACKAGES, usual_values
 from jausml.studio.answers.bridging import bridges_of, carrying, system_of
 from jausml.studio.answers.elements import label_of, library
 from jausml.studio.answers.forms import in_words, kinds_of
 from jausml.studio.answers.fresh import free_address, name_among, participant_name
+from jausml.studio.answers.inheriting import inherit
 from jausml.studio.answers.shapes import Drop, PaletteItem
 
 if TYPE_CHECKING:
@@ -156,6 +158,10 @@ def _services(services: Iterable[jaus.Service]) -> Iterator[Entry]:
             f"{key} component", COMPONENTS, name_of(each), f"provides it, {family} {each.version}",
             about, component, where, names,
         )  # fmt: skip
+        yield _entry(
+            f"{key} inherits", SERVICES, name_of(each), f"inherits, {each.version}", about,
+            partial(_inherited, base=each), where, names,
+        )  # fmt: skip
         for feature in ("provides", "uses"):
             yield _entry(
                 f"{key} {feature}", SERVICES, name_of(each), f"{feature}, {each.version}", about,
@@ -233,7 +239,7 @@ def _elements(scope: Scope, target: EObject | None) -> Iterator[Entry]:
     """Yields the kinds of elements that an element, the bridges or the system can own."""
     for owner in [target] if target is not None else scope.model.documents[0].roots:
         table = scope.model.metamodels.class_of(owner)
-        for feature in sorted(table.contained, key=lambda each: each.name not in _PACKAGES):
+        for feature in sorted(table.contained, key=lambda each: each.name not in PACKAGES):
             is_full = not feature.many and getattr(owner, feature.name) is not None
             for kind in () if is_full or feature.target is None else kinds_of(feature.target):
                 if kind.kind in _others(table, feature):
@@ -316,6 +322,12 @@ def _with_service(
     return [] if own in known else [Set(scope.ref(onto), feature, (*known, own))]
 
 
+def _inherited(scope: Scope, onto: EObject | None, base: jaus.Service) -> Sequence[Command]:
+    if not isinstance(onto, jaus.Service):
+        return []
+    return [each for option in inherit(scope, onto, base).options for each in option.commands]
+
+
 def _endpoint(
     scope: Scope,
     onto: EObject | None,
@@ -351,35 +363,5 @@ def _connection(
 def _element(
     scope: Scope, _: EObject | None, owner: EObject, feature: FeatureTable, kind: str
 ) -> Sequence[Command]:
-    return [Add(scope.ref(owner), feature.name, kind, usual_values(scope, owner, feature, kind))]
-
-
-def usual_values(
-    scope: Scope, owner: EObject, feature: FeatureTable, kind: str
-) -> dict[str, tuple[str, ...]]:
-    """Returns the values that a new element of a class begins with: what can be thought of.
-
-    Args:
-        scope: The model.
-        owner: The element that shall own it.
-        feature: The feature of the owner.
-        kind: Its class.
-    """
-    table = scope.model.metamodels.classes[kind]
-    values: dict[str, tuple[str, ...]] = {}
-    if "name" in table.features and table.features["name"].kind is FeatureKind.ATTRIBUTE:
-        siblings = getattr(owner, feature.name) if feature.many else ()
-        is_package = isinstance(owner, system.System) and feature.name in _PACKAGES
-        values["name"] = (
-            participant_name(table.name, owner) if is_package else name_among(table.name, siblings),
-        )
-    for each in table.features.values():
-        if each.name in _LIKE_NAMES and each.lower > 0 and "name" in values:
-            values[each.name] = values["name"]
-    if "address" in table.features:
-        values["address"] = (free_address(scope.model),)
-    return values
-
-
-_PACKAGES = frozenset({"components", "nodes", "bridges"})
-_LIKE_NAMES = frozenset({"topic", "service", "action"})
+    values = usual_values(scope.model, owner, feature, kind)
+    return [Add(scope.ref(owner), feature.name, kind, values)]

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from jausml.editing.commands import Command
 
@@ -63,11 +63,19 @@ class Field:
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """A class of elements that can be added: `jaus.Component`."""
+    """A class of elements that can be added: `jaus.Component`.
+
+    Attributes:
+        kind: Its name.
+        label: How people name it.
+        documentation: What it means.
+        values: What a new element begins with, such as a name that nobody has.
+    """
 
     kind: str
     label: str
     documentation: str
+    values: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

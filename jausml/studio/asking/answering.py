@@ -5,21 +5,26 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from jausml.diagrams.views import graph_of
 from jausml.diagrams.views.context import Context
-from jausml.metamodel.classes import bridge
+from jausml.metamodel.classes import bridge, jaus
 from jausml.model import refs
 from jausml.studio.answers.assigning import assign, partners
 from jausml.studio.answers.connecting import connect, ends
 from jausml.studio.answers.elements import AnswerError, Scope, label_of
 from jausml.studio.answers.forms import form
+from jausml.studio.answers.inheriting import cut, heritage, join
 from jausml.studio.answers.members import JAUS_END, ROS_END, end_of
+from jausml.studio.answers.moving import lead
 from jausml.studio.answers.palette import MOST, palette
+from jausml.studio.answers.shapes import Options
 from jausml.studio.answers.spots import spot
 from jausml.studio.methods import Method
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.studio.desk import Desk
 
 
@@ -77,6 +82,15 @@ class Start:
     port: str = ""
 
 
+@dataclass(frozen=True)
+class Drawn:
+    """A line that a view shows, by its id."""
+
+    file: str
+    view: str
+    line: str
+
+
 def methods(desk: Desk) -> Mapping[str, Method[Any]]:
     """Returns the methods by name."""
     return {
@@ -84,6 +98,7 @@ def methods(desk: Desk) -> Mapping[str, Method[Any]]:
         "palette": Method(Search, lambda asked: _palette(desk, asked)),
         "connect": Method(Line, lambda asked: _connect(desk, asked)),
         "ends": Method(Start, lambda asked: _ends(desk, asked)),
+        "unlink": Method(Drawn, lambda asked: _unlink(desk, asked)),
     }
 
 
@@ -114,6 +129,12 @@ def _connect(desk: Desk, asked: Line) -> object:
     if used is not None:
         first = end_of(scope, used, asked.source.node, asked.source.port)
         return assign(scope, used, first, end_of(scope, used, asked.target.node, asked.target.port))
+    shown = _shown(scope, asked.view)
+    if isinstance(shown, jaus.StateMachine):
+        return lead(scope, shown, asked.source.node, asked.target.node)
+    if isinstance(shown, jaus.Service):
+        ends_ = ((each.node, each.port) for each in (asked.source, asked.target))
+        return join(scope, *ends_)
     source = spot(scope, asked.source.node, asked.source.port)
     return connect(scope, source, spot(scope, asked.target.node, asked.target.port))
 
@@ -146,12 +167,43 @@ def _ends(desk: Desk, asked: Start) -> object:
     used = map_of(scope, asked.view)
     if used is not None:
         return {"ends": list(_members_beside(scope, ids, used, asked))}
+    shown = _shown(scope, asked.view)
+    if isinstance(shown, jaus.StateMachine):
+        return {"ends": list(_states(scope, asked))}
+    if isinstance(shown, jaus.Service):
+        choices = heritage(scope, asked.port or asked.node)
+        return {"ends": [_end(each.value, each.label, each.documentation) for each in choices]}
     found = []
     for end, why in ends(scope, spot(scope, asked.node, asked.port)):
         port = ids.id_of(end.element) if end.element is not None else ""
         label = " ".join(label_of(each) for each in (end.owner, end.element) if each is not None)
-        found.append({"node": ids.id_of(end.owner), "port": port, "label": label, "why": why})
+        found.append(_end(ids.id_of(end.owner), label, why, port))
     return {"ends": found}
+
+
+def _end(node: str, label: str, why: str, port: str = "") -> dict[str, str]:
+    return {"node": node, "port": port, "label": label, "why": why}
+
+
+def _states(scope: Scope, asked: Start) -> Iterator[dict[str, str]]:
+    """Yields the states of a machine, with that where a line starts."""
+    for each in graph_of(scope.model, asked.view, root=scope.root).nodes:
+        again = "left and entered again" if each.id == asked.node else each.subtitle
+        yield _end(each.id, each.title, again)
+
+
+def _shown(scope: Scope, view: str) -> EObject | None:
+    """Returns the service or machine that a view shows, None for another view."""
+    if view.partition(":")[0] not in ("service", "machine"):
+        return None
+    return scope.find(graph_of(scope.model, view, root=scope.root).element)
+
+
+def _unlink(desk: Desk, asked: Drawn) -> Options:
+    scope = scope_of(desk, asked.file)
+    if isinstance(_shown(scope, asked.view), jaus.Service):
+        return cut(scope, asked.line)
+    return Options(refusal="this line follows from what it joins: delete one of its ends")
 
 
 def _members_beside(
@@ -161,4 +213,4 @@ def _members_beside(
     start = end_of(scope, used, asked.node, asked.port)
     box = f"{ids.id_of(used)}{ROS_END if start.is_jaus else JAUS_END}"
     for each, why in partners(scope, used, start):
-        yield {"node": box, "port": each.path, "label": each.path, "why": why}
+        yield _end(box, each.path, why, each.path)

@@ -1,0 +1,82 @@
+"""What new elements begin with: names, codes and addresses that nobody has."""
+
+from __future__ import annotations
+
+from itertools import chain, count
+from typing import TYPE_CHECKING
+
+from jausml.metamodel import FeatureKind
+from jausml.metamodel.classes import jaus, system
+from jausml.model.names import name_of
+from jausml.semantics.inherited_machines import CORE_MACHINE
+from jausml.semantics.names import package_key
+from jausml.studio.answers.fresh import free_address, name_among, participant_name
+from jausml.text.reading.declaring.messages import FIRST_CODE
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from jausml.metamodel import FeatureTable
+    from jausml.metamodel.classes.ecore import EObject
+    from jausml.model import Model
+
+PACKAGES = frozenset({"components", "nodes", "bridges"})
+"""The features of a system that own packages of generated code."""
+
+_LIKE_NAMES = frozenset({"topic", "service", "action"})
+"""Required features of endpoints that begin with the name of the endpoint."""
+
+_CAPITAL = {
+    "jaus.Service": "Service",
+    "jaus.MessageDef": "Message",
+    "jaus.InternalEvent": "Event",
+    "jaus.StateMachine": CORE_MACHINE,
+    "jaus.State": "State",
+}
+"""What new elements are called whose names have capitals in the standards."""
+
+
+def usual_values(
+    model: Model, owner: EObject, feature: FeatureTable, kind: str
+) -> dict[str, tuple[str, ...]]:
+    """Returns the values that a new element of a class begins with: what can be thought of.
+
+    Args:
+        model: The model.
+        owner: The element that shall own it.
+        feature: The feature of the owner.
+        kind: Its class.
+    """
+    table = model.metamodels.classes[kind]
+    siblings = list(getattr(owner, feature.name)) if feature.many else []
+    values: dict[str, tuple[str, ...]] = {}
+    if "name" in table.features and table.features["name"].kind is FeatureKind.ATTRIBUTE:
+        values["name"] = (_first_name(owner, feature, table.name, kind, siblings),)
+    for each in table.features.values():
+        if each.name in _LIKE_NAMES and each.lower > 0 and "name" in values:
+            values[each.name] = values["name"]
+    if "address" in table.features:
+        values["address"] = (free_address(model),)
+    if kind == "jaus.MessageDef":
+        values["code"] = (free_code(model),)
+    if kind == "jaus.State" and not siblings:
+        values["initial"] = ("true",)
+    return values
+
+
+def _first_name(
+    owner: EObject, feature: FeatureTable, word: str, kind: str, siblings: Iterable[EObject]
+) -> str:
+    if isinstance(owner, system.System) and feature.name in PACKAGES:
+        return participant_name(word, owner)
+    if kind not in _CAPITAL:
+        return name_among(word, siblings)
+    used = {package_key(name_of(each)) for each in siblings if name_of(each)}
+    numbers = chain([""], count(2))
+    return next(e for n in numbers if package_key(e := f"{_CAPITAL[kind]}{n}") not in used)
+
+
+def free_code(model: Model) -> str:
+    """Returns the first code of the range for users that no message of a model has."""
+    used = {str(each.code or "").upper() for each in model.instances(jaus.MessageDef)}
+    return next(e for n in count(FIRST_CODE) if (e := f"0x{n:04X}").upper() not in used)
