@@ -27,7 +27,8 @@ _STYLES = {
         (".py", ".pyi", ".yaml", ".yml", ".cfg", ".ini", ".toml", ".sh", ".cmake", ".repos"), _HASH
     ),
     **dict.fromkeys((".msg", ".srv", ".action", ".gitignore"), _HASH),
-    **dict.fromkeys(("CMakeLists.txt", "Makefile", "Dockerfile"), _HASH),
+    **dict.fromkeys((".service", ".target", ".env", ".conf", ".nft"), _HASH),
+    **dict.fromkeys(("CMakeLists.txt", "Makefile", "Dockerfile", "Containerfile"), _HASH),
     **dict.fromkeys((".xml", ".launch", ".urdf", ".xacro", ".svg", ".html", ".md", ".xmi"), _XML),
     **dict.fromkeys((".dot", ".c", ".h", ".cpp", ".hpp", ".idl"), _SLASHES),
     ".lua": _DASHES,

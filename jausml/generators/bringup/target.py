@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 def tasks(model: Model) -> list[Task]:
     """Returns the files of the package `<system>_bringup`."""
-    system, bringup = system_of(model), _view(model)
+    system, bringup = system_of(model), bringup_view(model)
     package = package_view(
         system,
         bringup.name,
@@ -58,11 +58,12 @@ def tasks(model: Model) -> list[Task]:
 
 def processes(model: Model) -> list[Mapping[str, Any]]:
     """Returns what `jausml run` starts, as the manifest records it."""
-    bringup = _view(model)
+    bringup = bringup_view(model)
     return [_entry(bringup, process) for process in bringup.processes]
 
 
-def _view(model: Model) -> BringupView:
+def bringup_view(model: Model) -> BringupView:
+    """Returns the view of the bring-up package of a valid model."""
     return BringupView(system_of(model), source_of(model), model.made(bridge_views))
 
 

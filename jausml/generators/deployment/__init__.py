@@ -1,0 +1,1 @@
+"""Target `deployment`: what puts a system on the computers of a real network."""

@@ -1,0 +1,411 @@
+"""What is generated for each host: units, containers, firewalls, keys; judged by their readers."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+import yaml
+from deployed import install, moved, read_environment, read_unit, started
+
+from jausml.generation import GenerationError, generate, render
+from jausml.generators.bringup.target import TARGET as BRINGUP
+from jausml.generators.deployment.ports import HIGHEST_SHARED_PORT, dds_ports
+from jausml.generators.deployment.target import TARGET as DEPLOYMENT
+from jausml.model import read_models
+from jausml.runtime.transports.udp.shared_port import neighbour_ports
+from jausml.text.notation import NOTATIONS
+
+ROOT = Path(__file__).resolve().parents[2]
+TWO_HOSTS = (ROOT / "tests" / "live" / "two_hosts.ros2jaus").read_text(encoding="utf-8")
+WORST_EXPOSURE = 20  # tenths; systemd calls up to 2.0 "OK", and a service that says nothing 9.6
+MAPS = "import mappings.velocity_state_sensor\n"
+VEHICLE = "component vehicle { address: 100.1.1  provides: VelocityStateSensor  external: true }\n"
+WATCHER = """bridge watcher {
+    address: 100.1.20
+    allowed: none
+    connection velocity { map: velocity_state  peers: vehicle  rate: 10  topic odometry }
+}
+"""
+
+
+def watcher(settings=""):
+    return WATCHER.replace("    allowed: none\n", settings)
+
+
+VARIANTS = {
+    "multicast": TWO_HOSTS,
+    "tcp": TWO_HOSTS.replace("transport: judp", "transport: jtcp"),
+    "manager": TWO_HOSTS.replace("transport: judp", "transport: nodeManager"),
+    "no multicast": TWO_HOSTS.replace("transport: judp", "multicastTtl: 0"),
+    "one computer": MAPS + VEHICLE + watcher() + "host computer {}\n",
+    "stranger": MAPS + VEHICLE + watcher() + 'host computer { interface: "10.0.0.9" }\n',
+    "allowed": MAPS
+    + VEHICLE
+    + watcher('    allowedHosts: "10.0.0.0/24", "10.0.0.7", "10.0.1.7"\n')
+    + 'host computer { interface: "10.0.0.9" }\n',
+}
+
+
+@pytest.fixture(scope="module")
+def model_of(tmp_path_factory):
+    def read(text):
+        path = tmp_path_factory.mktemp("model") / "rover.ros2jaus"
+        path.write_text(text, encoding="utf-8")
+        result = read_models([path], notations=NOTATIONS)
+        assert not result.has_errors, result.diagnostics
+        return result.model
+
+    return read
+
+
+@pytest.fixture(scope="module")
+def files_of(model_of):
+    """The files of a variant, by their path in the folder of the deployment."""
+    made = {}
+
+    def of(name):
+        if name not in made:
+            files = {
+                each.path: each.text for each in render(model_of(VARIANTS[name]), [DEPLOYMENT])
+            }
+            assert all(path.startswith("rover_deployment/") for path in files)
+            made[name] = {path.partition("/")[2]: text for path, text in files.items()}
+        return made[name]
+
+    return of
+
+
+@pytest.fixture(scope="module")
+def workspace(tmp_path_factory, model_of):
+    out = tmp_path_factory.mktemp("rover")
+    generate(model_of(TWO_HOSTS), [BRINGUP, DEPLOYMENT], out)
+    return out
+
+
+@pytest.fixture(scope="module")
+def image(workspace, tmp_path_factory):
+    """The tree of a computer on which the host `onboard` is installed."""
+    folder = tmp_path_factory.mktemp("image")
+    install(workspace / "rover_deployment" / "hosts" / "onboard", folder)
+    return folder
+
+
+def test_each_host_has_what_runs_on_it(files_of):
+    files = files_of("multicast")
+    units = sorted(path for path in files if path.endswith(".service"))
+    assert units == [
+        "hosts/onboard/jaus-rover-display.service",
+        "hosts/onboard/jaus-rover-vehicle.service",
+        "hosts/station/jaus-rover-watcher.service",
+    ]
+    wants = read_unit(files["hosts/onboard/jaus-rover.target"])["Wants"]
+    assert wants == ["jaus-rover-vehicle.service", "jaus-rover-display.service"]
+    assert "display" not in "".join(
+        text for path, text in files.items() if path.startswith("hosts/station/")
+    )
+
+
+def test_a_unit_starts_its_process_with_what_it_reads_and_no_more(files_of):
+    files = files_of("multicast")
+    vehicle = read_unit(files["hosts/onboard/jaus-rover-vehicle.service"])
+    watcher = read_unit(files["hosts/station/jaus-rover-watcher.service"])
+    start = "/usr/local/lib/jaus/rover/start.sh"
+    assert vehicle["ExecStart"] == [f"{start} vehicle.main"]
+    assert watcher["ExecStart"] == [
+        f"{start} watcher.main --ros-args"
+        " --params-file /etc/jaus/rover/watcher.yaml --enclave /watcher"
+    ]
+    local = "-/etc/jaus/rover/local.env"
+    assert vehicle["EnvironmentFile"] == ["/etc/jaus/rover/jaus.env", local]
+    assert watcher["EnvironmentFile"] == [
+        *("/etc/jaus/rover/jaus.env", "/etc/jaus/rover/ros.env"),
+        local,
+    ]
+    for unit in (vehicle, watcher):
+        assert unit["User"] == ["jaus"]
+        assert unit["CapabilityBoundingSet"] == [""]
+        assert unit["Restart"] == ["on-failure"]
+
+
+def test_what_is_installed_is_what_the_units_name(image):
+    assert (image / "etc" / "sysusers.d" / "jaus.conf").is_file()
+    for unit in ("vehicle", "display"):
+        command, environment = started(image, f"jaus-rover-{unit}.service")
+        assert os.access(command[0], os.X_OK)
+        assert all(Path(word).is_file() for word in command if word.endswith(".yaml"))
+        assert ("ROS_DOMAIN_ID" in environment) is (unit == "display")
+    assert environment["ROS_STATIC_PEERS"] == "10.77.0.2"
+    assert environment["ROS_DOMAIN_ID"] == "7"
+
+
+def test_files_of_users_stay_and_units_of_former_processes_go(workspace, tmp_path):
+    host = workspace / "rover_deployment" / "hosts" / "onboard"
+    install(host, tmp_path)
+    settings = tmp_path / "etc" / "jaus" / "rover"
+    yours = ["local.env", "display.yaml", "firewall.local.nft"]
+    for name in yours:
+        (settings / name).write_text("mine\n", encoding="utf-8")
+    (settings / "ros.env").write_text("old\n", encoding="utf-8")
+    former = tmp_path / "etc" / "systemd" / "system" / "jaus-rover-former.service"
+    other = former.with_name("jaus-winch-arm.service")
+    for unit in (former, other):
+        unit.write_text("[Service]\n", encoding="utf-8")
+    install(host, tmp_path)
+    assert all((settings / name).read_text(encoding="utf-8") == "mine\n" for name in yours)
+    assert "ROS_DOMAIN_ID" in (settings / "ros.env").read_text(encoding="utf-8")
+    assert not former.exists()
+    assert other.exists()
+
+
+@pytest.mark.skipif(not shutil.which("systemd-analyze"), reason="install systemd to judge units")
+def test_systemd_takes_the_units_and_calls_them_hardened(image):
+    base = image / "usr" / "lib" / "systemd" / "system"
+    base.mkdir(parents=True)
+    for path in Path("/usr/lib/systemd/system").glob("*.target"):
+        shutil.copy(path, base)
+    units = sorted((image / "etc" / "systemd" / "system").iterdir())
+    line = ["systemd-analyze", "verify", f"--root={image}", *(each.name for each in units)]
+    verified = subprocess.run(line, capture_output=True, text=True, timeout=60)
+    assert (verified.returncode, verified.stdout + verified.stderr) == (0, "")
+    services = [str(each) for each in units if each.suffix == ".service"]
+    line = ["systemd-analyze", "security", "--offline=yes", f"--threshold={WORST_EXPOSURE}"]
+    judged = subprocess.run([*line, *services], capture_output=True, text=True, timeout=60)
+    assert judged.returncode == 0, judged.stdout + judged.stderr
+
+
+@pytest.mark.parametrize("variant", ["multicast", "manager"])
+def test_containers_run_what_the_units_run_without_privileges(variant, files_of):
+    files = files_of(variant)
+    for host in ("onboard", "station"):
+        folder = f"hosts/{host}"
+        composed = yaml.safe_load(files[f"{folder}/compose.yaml"])
+        assert composed["name"] == "rover"
+        units = [path for path in files if path.startswith(folder) and path.endswith(".service")]
+        assert {f"{folder}/jaus-rover-{name}.service" for name in composed["services"]} == {*units}
+        for name, service in composed["services"].items():
+            unit = read_unit(files[f"{folder}/jaus-rover-{name}.service"])
+            assert service["command"] == unit["ExecStart"][0].split()[1:]
+            read = [Path(each.removeprefix("-")).name for each in unit["EnvironmentFile"]]
+            assert service["env_file"] == read
+            mounts = service.get("volumes", [])
+            wanted = [word for word in service["command"] if word.endswith(".yaml")]
+            assert [f"./{name}.yaml:{word}:ro" for word in wanted] == [
+                each for each in mounts if each.endswith(":ro")
+            ]
+            assert ("/tmp:/tmp" in mounts) is (variant == "manager" and "jaus.env" in read)
+            for file in (*read, *(f"{name}.yaml" for _ in wanted)):
+                assert f"{folder}/{file}" in files
+            check_confined(service)
+            assert f"{folder}/{service['build']['context']}" == f"{folder}/../../.."
+            dockerfile = service["build"]["dockerfile"]
+            assert dockerfile.removeprefix("rover_deployment/") in files
+
+
+def check_confined(service):
+    assert service["user"].split(":")[0] not in ("", "0", "root")
+    assert service["cap_drop"] == ["ALL"]
+    assert service["security_opt"] == ["no-new-privileges:true"]
+    assert service["read_only"] is True
+    assert service["network_mode"] == "host"
+    assert service["restart"] == "on-failure"
+    assert not {"privileged", "cap_add", "devices", "pid", "ipc"} & set(service)
+
+
+def test_the_image_ends_as_the_user_and_has_what_containers_start(files_of):
+    lines = files_of("multicast")["Containerfile"].splitlines()
+    last = lines[len(lines) - 1 - lines[::-1].index("USER 3794:3794") :]
+    assert last == ["USER 3794:3794", 'ENTRYPOINT ["/usr/local/lib/jaus/rover/start.sh"]']
+    assert "COPY rover_deployment/start.sh /usr/local/lib/jaus/rover/start.sh" in lines
+    assert "start.sh" in files_of("multicast")
+
+
+def accepted(firewall):
+    """The rules that let something in, besides those that every host has."""
+    lines = [line.strip() for line in firewall.splitlines()]
+    return [line for line in lines if line.endswith(" accept") and line.startswith("ip ")]
+
+
+def elements(firewall, name):
+    found = re.search(rf"set {name} {{[^}}]*elements = {{ ([^}}]*) }}", firewall)
+    return found.group(1).split(", ") if found else []
+
+
+def test_the_firewall_of_a_host_names_what_the_model_has(files_of):
+    rules = files_of("multicast")["hosts/station/firewall.nft"]
+    assert "policy drop;" in rules
+    assert elements(rules, "jaus_hosts") == elements(rules, "ros_hosts") == ["10.77.0.1"]
+    assert accepted(rules) == [
+        "ip saddr @jaus_hosts ip daddr 10.77.0.2 udp dport { 3794 } accept",
+        "ip protocol igmp accept",
+        "ip saddr @jaus_hosts ip daddr 239.255.0.1 udp dport 3794 accept",
+        "ip saddr 10.77.0.2 ip daddr 239.255.0.1 udp dport 3794 accept",
+        "ip saddr @ros_hosts ip daddr 10.77.0.2 udp dport 9160-9399 accept",
+    ]
+
+
+def test_over_tcp_and_without_multicast_less_is_open(files_of):
+    tcp = accepted(files_of("tcp")["hosts/station/firewall.nft"])
+    assert tcp[0] == "ip saddr @jaus_hosts ip daddr 10.77.0.2 tcp dport { 3794 } accept"
+    assert not any("239.255.0.1" in rule or "igmp" in rule for rule in tcp)
+    alone = accepted(files_of("no multicast")["hosts/station/firewall.nft"])
+    groups = [rule for rule in alone if "239.255.0.1" in rule]
+    assert groups == ["ip saddr 10.77.0.2 ip daddr 239.255.0.1 udp dport 3794 accept"]
+
+
+def test_a_computer_of_its_own_is_closed(files_of):
+    rules = files_of("one computer")["hosts/computer/firewall.nft"]
+    assert accepted(rules) == []
+    assert "ROS_STATIC_PEERS" not in files_of("one computer")["hosts/computer/ros.env"]
+
+
+def test_allowed_hosts_of_a_bridge_may_come(files_of):
+    rules = files_of("allowed")["hosts/computer/firewall.nft"]
+    assert elements(rules, "jaus_hosts") == ["10.0.0.0/24", "10.0.1.7"]
+    assert elements(files_of("stranger")["hosts/computer/firewall.nft"], "jaus_hosts") == []
+
+
+def test_several_processes_of_a_host_have_the_ports_of_the_runtime(model_of):
+    text = TWO_HOSTS.replace(
+        "    node display", "    component arm { address: 100.1.2 }\n    node display"
+    )
+    for port in (3794, HIGHEST_SHARED_PORT, HIGHEST_SHARED_PORT + 1):
+        model = model_of(text.replace("transport: judp", f"port: {port}"))
+        files = {each.path: each.text for each in render(model, [DEPLOYMENT])}
+        rules = files["rover_deployment/hosts/onboard/firewall.nft"]
+        (found,) = re.findall(r"udp dport \{ ([^}]*) \}", rules)
+        known = neighbour_ports(port)
+        assert found == ", ".join([str(port), *([f"{known[0]}-{known[-1]}"] if known else [])])
+        asks = "Which ports have the processes" in files["rover_deployment/README.md"]
+        assert asks is not bool(known)
+
+
+def test_ports_of_a_domain_are_those_of_dds():
+    # As the documentation of ROS 2 counts them: 7400 + 250 * domain + 10 and on.
+    assert dds_ports(0) == "7410-7649"
+    assert dds_ports(101) == "32660-32899"
+
+
+@pytest.mark.skipif(
+    not shutil.which("nft"), reason="install nftables to try the generated firewalls"
+)
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_nft_takes_the_firewalls(variant, files_of, tmp_path):
+    for path, text in files_of(variant).items():
+        if path.endswith("/firewall.nft"):
+            installed = tmp_path / "etc" / "jaus" / "rover"
+            installed.mkdir(parents=True, exist_ok=True)
+            for name in ("firewall.nft", "firewall.local.nft"):
+                source = files_of(variant)[path.replace("firewall.nft", name)]
+                # Examples of what else may come are to be right, too.
+                (installed / name).write_text(moved(source.replace("\n#ip ", "\nip "), tmp_path))
+            line = ["nft", "--check", "--file", str(installed / "firewall.nft")]
+            done = subprocess.run(line, capture_output=True, text=True, timeout=60)
+            if "Operation not permitted" in done.stderr:
+                pytest.skip("nft needs a network of its own, or to be root")
+            assert done.returncode == 0, done.stderr
+            assert text
+
+
+def test_peers_are_named_where_multicast_does_not_pass(files_of):
+    named = "--jaus-peer 100.1.1=10.77.0.1:3794"
+    options = read_environment(files_of("no multicast")["hosts/station/jaus.env"])
+    assert options == {"JAUS_OPTIONS": named}
+    assert read_environment(files_of("multicast")["hosts/station/jaus.env"])["JAUS_OPTIONS"] == ""
+    assert f"\n#JAUS_OPTIONS={named}\n" in files_of("multicast")["hosts/station/local.env"]
+    assert "jaus-peer" not in files_of("tcp")["hosts/station/local.env"]  # the model has said it
+
+
+@pytest.mark.parametrize(
+    ("variant", "question"),
+    [
+        ("stranger", "Where is `vehicle` (100.1.1)?"),
+        ("manager", "Which node manager has this host"),
+        ("multicast", "Who maintains the packages?"),
+        ("multicast", "Who administers this computer?"),
+    ],
+)
+def test_what_the_model_does_not_say_is_asked(variant, question, files_of):
+    assert question in files_of(variant)["README.md"]
+
+
+def test_what_the_model_says_is_not_asked(files_of):
+    assert "Where is" not in files_of("allowed")["README.md"]
+    assert "Where " not in files_of("multicast")["README.md"]
+
+
+def test_a_bridge_that_takes_from_anybody_is_asked_for_networks(model_of):
+    text = VARIANTS["stranger"].replace("peers: vehicle ", "")
+    (readme,) = (
+        each.text for each in render(model_of(text), [DEPLOYMENT]) if each.path.endswith(".md")
+    )
+    assert "Where are the peers of `velocity` of `watcher`?" in readme
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        (MAPS + VEHICLE + watcher(), "has no host to deploy on"),
+        (
+            TWO_HOSTS.replace('interface: "10.77.0.2"', ""),
+            r"rover\.ros2jaus:15:5: host 'station' has the interface 127\.0\.0\.1, which no other",
+        ),
+        (
+            TWO_HOSTS.replace('"10.77.0.2"', '"10.77.0.2"  port: 3795'),
+            r"15:\d+: host 'station' has port 3795 and 'onboard' 3794",
+        ),
+    ],
+)
+def test_hosts_that_cannot_meet_are_refused_with_their_place(text, fault, model_of):
+    with pytest.raises(GenerationError, match=fault):
+        render(model_of(text), [DEPLOYMENT])
+
+
+@pytest.mark.parametrize("name", ["start.sh", "keystore.sh", "hosts/onboard/install.sh"])
+def test_scripts_are_of_their_shell(name, workspace):
+    script = workspace / "rover_deployment" / name
+    assert os.access(script, os.X_OK)
+    shell = script.read_text(encoding="utf-8").splitlines()[0].removeprefix("#!")
+    done = subprocess.run([shell, "-n", str(script)], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+# As much of `ros2 security` as the script uses, with the files that sros2 makes.
+ROS2 = """#!/bin/bash
+set -eu
+echo "$@ in $ROS_DOMAIN_ID" >> "$(dirname "$0")/calls"
+test "$1" = security
+case $2 in
+create_keystore) mkdir -p "$3"/{enclaves,private,public}
+    touch "$3/private/ca.key.pem" "$3/public/ca.cert.pem" "$3/enclaves/governance.p7s" ;;
+create_enclave) mkdir -p "$3/enclaves$4"; touch "$3/enclaves$4/"{key.pem,cert.pem} ;;
+create_permission) test -f "$5"; touch "$3/enclaves$4/permissions.p7s" ;;
+esac
+"""
+
+
+def test_hosts_get_the_keys_of_their_processes_and_none_that_signs(workspace, tmp_path):
+    program = tmp_path / "bin" / "ros2"
+    program.parent.mkdir()
+    program.write_text(ROS2, encoding="utf-8")
+    program.chmod(0o755)
+    keys = tmp_path / "keys"
+    environment = {**os.environ, "PATH": f"{program.parent}:{os.environ['PATH']}"}
+    line = [str(workspace / "rover_deployment" / "keystore.sh"), str(keys)]
+    for _ in range(2):
+        subprocess.run(line, env=environment, check=True, capture_output=True, timeout=60)
+    calls = (program.parent / "calls").read_text(encoding="utf-8").splitlines()
+    assert [call.split()[1] for call in calls].count("create_enclave") == 1  # keys stay
+    assert all(call.endswith(" in 7") for call in calls)
+    own = keys / "hosts" / "station"
+    found = {each.relative_to(own).as_posix() for each in own.rglob("*") if each.is_file()}
+    assert found == {
+        "public/ca.cert.pem",
+        "enclaves/governance.p7s",
+        *(f"enclaves/watcher/{name}" for name in ("cert.pem", "key.pem", "permissions.p7s")),
+    }
+    assert (own / "enclaves" / "watcher" / "key.pem").stat().st_mode & 0o077 == 0
