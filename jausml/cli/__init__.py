@@ -19,6 +19,8 @@ from typing import Any
 import click
 
 from jausml import __version__
+from jausml.cli.choices import COMPLETION
+from jausml.cli.manners import Manners, colour_allowed
 
 VERBS = {
     "init": "Make a project of models.",
@@ -46,6 +48,7 @@ VERBS = {
     "rules": "List the rules.",
     "explain": "Explain a rule.",
     "language-server": "Serve editors of ros2jaus text.",
+    "completion": "Print the script by which a shell completes commands.",
 }
 """The verbs in the order of use, with what `--help` says of them before their module is loaded."""
 
@@ -77,6 +80,19 @@ class Verbs(click.Group):
         """Writes the list of verbs, without loading them."""
         with formatter.section("Commands"):
             formatter.write_dl(list(VERBS.items()))
+
+    def shell_complete(
+        self, ctx: click.Context, incomplete: str
+    ) -> list[click.shell_completion.CompletionItem[Any]]:
+        """Returns the verbs and options that begin so, without loading verbs."""
+        from click.shell_completion import CompletionItem
+
+        verbs = [
+            CompletionItem(name, help=text)
+            for name, text in VERBS.items()
+            if name.startswith(incomplete)
+        ]
+        return [*verbs, *click.Command.shell_complete(self, ctx, incomplete)]
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
         """Runs the command line; characters that a terminal cannot show are escaped."""
@@ -112,9 +128,21 @@ class Verbs(click.Group):
 
 @click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="jausml")
+@click.option("-q", "--quiet", is_flag=True, help="Tell results and problems alone.")
+@click.option("-v", "--verbose", is_flag=True, help="Tell what is done, and how long it takes.")
 @click.option("--debug", is_flag=True, help="Show tracebacks of internal errors.")
-def main(debug: bool) -> None:
-    """Generates ROS 2 <-> JAUS bridges and JAUS components from models."""
+@click.pass_context
+def main(context: click.Context, quiet: bool, verbose: bool, debug: bool) -> None:  # noqa: ARG001
+    """Generates ROS 2 <-> JAUS bridges and JAUS components from models.
+
+    Results go to stdout, all else to stderr. Terminals are coloured unless NO_COLOR is set, and
+    show how far a step is that takes longer than a second.
+    """
+    if quiet and verbose:
+        raise click.UsageError("--quiet and --verbose exclude each other")
+    context.obj = Manners(quiet, verbose)
+    if not colour_allowed():
+        context.color = False
 
 
 def program() -> None:
@@ -123,6 +151,10 @@ def program() -> None:
     Models are cycles of objects that live as long as a short process: to look for garbage among
     them takes as long as the work.
     """
+    if COMPLETION in os.environ:
+        from jausml.cli.completion import offer_files
+
+        offer_files()
     if LASTING.isdisjoint(sys.argv):
         gc.disable()
         # Else the collector looks at all of them at the end.

@@ -5,6 +5,15 @@ Tests compare.
 
 from __future__ import annotations
 
+TEXT_OR_JSON = ("text", "json")
+"""For people, and for programs."""
+
+SHELLS = ("bash", "zsh", "fish")
+"""Shells that are completed for."""
+
+COMPLETION = "_JAUSML_COMPLETE"
+"""The variable by which a shell asks for completions; click makes its name of the program's."""
+
 REPORT_FORMATS = ("text", "json", "junit", "sarif", "github")
 """`jausml.validation.formats`."""
 

@@ -15,6 +15,7 @@ from jausml.cli.network import (
     network_from,
     network_options,
 )
+from jausml.cli.options import format_option
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -49,14 +50,7 @@ def _checks(
 
 @click.command("conformance")
 @click.argument("target", metavar="TARGET_ID", required=False)
-@click.option(
-    "--format",
-    "output_format",
-    type=click.Choice(CONFORMANCE_FORMATS),
-    default="text",
-    show_default=True,
-    help="Format of the report.",
-)
+@format_option("Format of the report.", CONFORMANCE_FORMATS)
 @click.option("--output", metavar="FILE", help="Write the report to a file, not to stdout.")
 @click.option(
     "--only",

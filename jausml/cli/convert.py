@@ -19,6 +19,7 @@ from jausml.cli.common import (
     reading_options,
 )
 from jausml.cli.imported import counted, say, write_document
+from jausml.cli.options import quiet_option
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -38,7 +39,7 @@ _XMI, _TEXT = SUFFIXES
 @reading_options
 @bridge_options
 @frequency_option
-@click.option("-q", "--quiet", is_flag=True, help="Print no summary.")
+@quiet_option("Print no summary.")
 def command(
     source: str,
     target: str,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli.common import PROBLEMS, EnvironmentFault, find_models, reading_options, write_report
+from jausml.cli.manners import step
 
 if TYPE_CHECKING:
     from jausml.cli.common import Reading
@@ -60,14 +61,17 @@ def command(model: str, view: str, output: str, theme: str, reading: Reading) ->
     suffix = PurePath(output).suffix
     if suffix not in SUFFIXES:
         raise click.UsageError(f"-o {output!a} ends in none of {', '.join(SUFFIXES)}")
-    report = check(read_models(find_models([model]), notations=NOTATIONS, **reading))
+    with step("checking the model"):
+        report = check(read_models(find_models([model]), notations=NOTATIONS, **reading))
     try:
         graph = graph_of(report.model, view, report.diagnostics)
     except UnknownViewError as error:
         if report.has_errors:
             click.echo(text.render(report), nl=False, err=True)
         raise EnvironmentFault(str(error)) from error
-    write_report(_rendered(graph, suffix, theme), output)
+    with step("drawing"):
+        picture = _rendered(graph, suffix, theme)
+    write_report(picture, output)
     if report.has_errors:
         click.echo(text.render(report), nl=False, err=True)
         click.echo(text.summary(report), err=True)

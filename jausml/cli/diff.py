@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml.cli.common import PROBLEMS, find_models, reading_options
+from jausml.cli.options import format_option
 from jausml.cli.revisions import checked_out, is_revision
 
 if TYPE_CHECKING:
@@ -29,14 +29,7 @@ _SIGNS = {"added": "+", "removed": "-", "renamed": "~", "changed": "~", "ordered
 @click.command("diff")
 @click.argument("old", metavar="OLD")
 @click.argument("new", metavar="NEW")
-@click.option(
-    "--format",
-    "output_format",
-    type=click.Choice(["text", "json"]),
-    default="text",
-    show_default=True,
-    help="For people, or one JSON object.",
-)
+@format_option("For people, or one JSON object.")
 @click.option(
     "--fail-on",
     type=click.Choice(["nothing", "breaking", "any"]),
@@ -92,9 +85,8 @@ def _write(found: Sequence[Change], output_format: str) -> None:
     if output_format == "json":
         click.echo(json.dumps(_as_json(found), indent=2, ensure_ascii=False))
         return
-    colour = False if os.environ.get("NO_COLOR") else None
     for each in found:
-        click.echo(_line(each), color=colour)
+        click.echo(_line(each))
     click.echo(_summary(found))
 
 

@@ -7,8 +7,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.choices import GROUP, INTERFACE, PORT
 from jausml.cli.common import PROBLEMS, find_models, reading_options
+from jausml.cli.options import (
+    format_option,
+    interface_option,
+    multicast_group_option,
+    port_option,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,35 +24,10 @@ if TYPE_CHECKING:
 
 @click.command("doctor")
 @click.argument("models", nargs=-1, metavar="[MODEL]...")
-@click.option(
-    "--interface",
-    default=INTERFACE,
-    show_default=True,
-    metavar="ADDRESS",
-    help="IPv4 address of the network interface of JAUS.",
-)
-@click.option(
-    "--port",
-    type=click.IntRange(1, 65535),
-    default=PORT,
-    show_default=True,
-    help="UDP and TCP port of JAUS.",
-)
-@click.option(
-    "--multicast-group",
-    default=GROUP,
-    show_default=True,
-    metavar="ADDRESS",
-    help="Multicast group of JUDP.",
-)
-@click.option(
-    "--format",
-    "output_format",
-    type=click.Choice(["text", "json"]),
-    default="text",
-    show_default=True,
-    help="For people, or one JSON object.",
-)
+@interface_option()
+@port_option(text="UDP and TCP port of JAUS.")
+@multicast_group_option()
+@format_option("For people, or one JSON object.")
 @reading_options
 def command(
     models: tuple[str, ...],

@@ -7,10 +7,11 @@ from difflib import get_close_matches
 import click
 
 from jausml.cli.known import known
+from jausml.cli.options import completing
 
 
 @click.command("explain")
-@click.argument("rule_id", metavar="RULE")
+@click.argument("rule_id", metavar="RULE", shell_complete=completing("rules", "rule"))
 def command(rule_id: str) -> None:
     """Explain a rule: what it demands and why, with a bad and a good example."""
     entries = {entry["rule"]: entry for entry in known("rules")}

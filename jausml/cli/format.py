@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli.common import PROBLEMS, EnvironmentFault, find_files
+from jausml.cli.options import quiet_option
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 @click.argument("files", nargs=-1, required=True, metavar="FILE...")
 @click.option("--check", is_flag=True, help="Write nothing; fail when something would change.")
 @click.option("--diff", is_flag=True, help="Write nothing; show what would change as a patch.")
-@click.option("-q", "--quiet", is_flag=True, help="Do not list the files that change.")
+@quiet_option("Do not list the files that change.")
 def command(files: tuple[str, ...], check: bool, diff: bool, quiet: bool) -> None:
     """Lay out ros2jaus text anew: files, or all *.ros2jaus files below folders.
 

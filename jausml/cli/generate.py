@@ -15,6 +15,8 @@ from jausml.cli.common import (
     notations_for,
     reading_options,
 )
+from jausml.cli.manners import remark, step
+from jausml.cli.options import quiet_option
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -87,7 +89,7 @@ class WholeLibraryOption(click.Option):
 )
 @bridge_options
 @reading_options
-@click.option("-q", "--quiet", is_flag=True, help="Do not list files that stay as they are.")
+@quiet_option("Do not list files that stay as they are.")
 def command(
     model: str,
     out: str | None,
@@ -121,7 +123,8 @@ def command(
     folder = _out_folder(model, out)
     selection = _selected(names, whole_library=whole_library)
     notations = notations_for(model, bridge_address, frequency)
-    read = _read(model, reading, notations)
+    with step("reading the model"):
+        read = _read(model, reading, notations)
     if frequency is not None:
         for owner in read.model.instances(bridge.Bridge):
             owner.frequency = frequency
@@ -153,7 +156,8 @@ def _valid_model(read: ReadResult, *, strict: bool) -> Model:
     from jausml.validation.engine import check
     from jausml.validation.formats import text
 
-    report = check(read)
+    with step("checking the model"):
+        report = check(read)
     click.echo(text.render(report), nl=False, err=True)
     if report.has_errors or (strict and report.has_warnings):
         click.echo(f"{text.summary(report)}; nothing generated", err=True)
@@ -191,7 +195,8 @@ def _generated(model: Model, selection: Selection, folder: Path, **options: Any)
     )
 
     try:
-        return generate(model, selection.targets, folder, kept=selection.kept, **options)
+        with step("generating"):
+            return generate(model, selection.targets, folder, kept=selection.kept, **options)
     except InternalError:
         raise
     except NoSystemError as error:
@@ -241,7 +246,7 @@ def _report(result: Result, mode: str, *, quiet: bool) -> None:
         _list(plan, quiet=quiet or mode == "check")
     for action in plan.refused:
         click.echo(f"{plan.out / action.path}: error: {action.reason}", err=True)
-    click.echo(_summary(result), err=True)
+    remark(_summary(result))
     if plan.refused or (mode == "check" and not plan.is_up_to_date):
         raise click.exceptions.Exit(PROBLEMS)
 

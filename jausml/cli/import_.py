@@ -11,6 +11,7 @@ from jausml.cli.choices import REPORT_FORMATS
 from jausml.cli.common import PROBLEMS, find_files
 from jausml.cli.import_ros import ros
 from jausml.cli.imported import counted, document, say, write_document
+from jausml.cli.options import format_option, quiet_option
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -42,15 +43,8 @@ command.add_command(ros)
 )
 @click.option("--without-behaviour", is_flag=True, help="Leave out state machines.")
 @click.option("--force", is_flag=True, help="Overwrite OUT.xmi when it differs.")
-@click.option(
-    "--format",
-    "output_format",
-    type=click.Choice(REPORT_FORMATS),
-    default="text",
-    show_default=True,
-    help="Format of the findings.",
-)
-@click.option("-q", "--quiet", is_flag=True, help="Print no summary.")
+@format_option("Format of the findings.", REPORT_FORMATS)
+@quiet_option("Print no summary.")
 def jsidl(
     paths: tuple[str, ...],
     output: str | None,

@@ -11,6 +11,7 @@ import click
 from jausml.cli.choices import REPORT_FORMATS
 from jausml.cli.common import PROBLEMS, EnvironmentFault
 from jausml.cli.imported import counted, document, say, write_document
+from jausml.cli.options import format_option, quiet_option
 
 if TYPE_CHECKING:
     from jausml.importers.ros import ImportResult, PackageSource
@@ -37,15 +38,8 @@ if TYPE_CHECKING:
 )
 @click.option("--without-comments", is_flag=True, help="Leave out comments and their units.")
 @click.option("--force", is_flag=True, help="Overwrite files that differ.")
-@click.option(
-    "--format",
-    "output_format",
-    type=click.Choice(REPORT_FORMATS),
-    default="text",
-    show_default=True,
-    help="Format of the findings.",
-)
-@click.option("-q", "--quiet", is_flag=True, help="Print no summary.")
+@format_option("Format of the findings.", REPORT_FORMATS)
+@quiet_option("Print no summary.")
 def ros(
     packages: tuple[str, ...],
     output: str | None,

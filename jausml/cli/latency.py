@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml.cli.common import PROBLEMS, FiniteRange
+from jausml.cli.manners import warn
 from jausml.cli.messages import read_model, to_json
-from jausml.cli.operating import Settings, operator_options, remark, until_interrupted
+from jausml.cli.operating import Settings, operator_options, until_interrupted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -126,7 +127,7 @@ def _show(
 ) -> None:
     for each in streams:
         if each.fault:
-            remark(f"{each.component} {each.report.name}: no event: {each.fault}")
+            warn(f"{each.component} {each.report.name}: no event: {each.fault}")
     if as_json:
         bridges = [_bridge_as_json(each) for each in connections]
         reports = [_as_json(each) for each in streams]

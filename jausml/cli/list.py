@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml.cli.known import known, library_file
-from jausml.cli.messages import format_option, model_option, to_json, write
+from jausml.cli.messages import line_format_option, model_option, to_json, write
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -20,7 +20,7 @@ def command() -> None:
 
 @command.command("services")
 @click.option("--set", "set_name", metavar="NAME", help="Only the services of a service set.")
-@format_option
+@line_format_option
 @model_option
 def services(set_name: str | None, output_format: str, models: tuple[str, ...]) -> None:
     """List services with their versions.
@@ -56,7 +56,7 @@ def _services(models: tuple[str, ...]) -> list[dict[str, Any]]:
     metavar="SERVICE",
     help="Only those of a service, inherited ones too: URN or name, then /VERSION if meant.",
 )
-@format_option
+@line_format_option
 @model_option
 def messages(service: str | None, output_format: str, models: tuple[str, ...]) -> None:
     """List messages with their codes.
@@ -97,7 +97,7 @@ def _shortened(services: Sequence[str]) -> str:
     "--ros", "ros_type", metavar="TYPE", help="Only those of a ROS type, joined ones too."
 )
 @click.option("--jaus", "message_name", metavar="MESSAGE", help="Only those of a JAUS message.")
-@format_option
+@line_format_option
 @model_option
 def maps(
     ros_type: str | None, message_name: str | None, output_format: str, models: tuple[str, ...]

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from jausml.cli.choices import TEXT_OR_JSON
 from jausml.cli.common import PROBLEMS, EnvironmentFault, find_models
+from jausml.cli.options import format_option
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -32,17 +34,10 @@ model_option = click.option(
 )
 
 
-FORMATS = click.Choice(["text", "json"])
+FORMATS = click.Choice(TEXT_OR_JSON)
 """Formats of the output: for people and for programs."""
 
-format_option = click.option(
-    "--format",
-    "output_format",
-    type=FORMATS,
-    default="text",
-    show_default=True,
-    help="For people, or one JSON object a line.",
-)
+line_format_option = format_option("For people, or one JSON object a line.")
 
 
 class ModelFault(click.ClickException):

@@ -4,19 +4,23 @@ from __future__ import annotations
 
 import signal
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.choices import GROUP, INTERFACE, PORT, TRANSPORTS
+from jausml.cli.choices import TRANSPORTS
 from jausml.cli.messages import model_option
+from jausml.cli.options import (
+    interface_option,
+    multicast_group_option,
+    peer_option,
+    port_option,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from jausml.live.peers.network import Network
-
-F = TypeVar("F", bound="Callable[..., Any]")
 
 _OPTIONS = (
     click.option(
@@ -26,41 +30,10 @@ _OPTIONS = (
         metavar="ID",
         help="JAUS id of this tool, subsystem.node.component; by default a free one of 65000.",
     ),
-    click.option(
-        "--interface",
-        "--jaus-interface",
-        "interface",
-        default=INTERFACE,
-        show_default=True,
-        metavar="ADDRESS",
-        help="IPv4 address of the network interface.",
-    ),
-    click.option(
-        "--port",
-        "--jaus-port",
-        "port",
-        type=click.IntRange(1, 65535),
-        default=PORT,
-        show_default=True,
-        help="UDP port of JUDP.",
-    ),
-    click.option(
-        "--multicast-group",
-        "--jaus-multicast-group",
-        "multicast_group",
-        default=GROUP,
-        show_default=True,
-        metavar="ADDRESS",
-        help="Multicast group of JUDP.",
-    ),
-    click.option(
-        "--peer",
-        "--jaus-peer",
-        "peers",
-        multiple=True,
-        metavar="ID=HOST:PORT",
-        help="Where a component is, when multicast does not reach it; may be repeated.",
-    ),
+    interface_option(),
+    port_option(),
+    multicast_group_option(),
+    peer_option(),
     model_option,
 )
 
@@ -86,14 +59,14 @@ _TRANSPORT_OPTIONS = (
 )
 
 
-def transport_options(function: F) -> F:
+def transport_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Adds the options that choose a transport."""
     for option in reversed(_TRANSPORT_OPTIONS):
         function = option(function)
     return function
 
 
-def network_options(function: F) -> F:
+def network_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Adds the options that `network_from` and `open_catalogue` take."""
     for option in reversed(_OPTIONS):
         function = option(function)

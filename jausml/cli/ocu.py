@@ -12,13 +12,13 @@ from click.core import ParameterSource
 
 from jausml.cli.choices import AUTHORITY
 from jausml.cli.common import PROBLEMS, FiniteRange
+from jausml.cli.manners import remark, warn
 from jausml.cli.operating import (
     FIELDS,
     MESSAGE,
     TARGET,
     Settings,
     operator_options,
-    remark,
     until_interrupted,
 )
 
@@ -267,10 +267,10 @@ def send_command(
             if not no_resume:
                 console.resume(target)
             course = Course(rate, duration, keep_sending=keep_sending)
-            send(operator, hold, ready, course, remark)
+            send(operator, hold, ready, course, warn)
         finally:
             if hold.sent:
-                remark(outcome(entry.name, hold))
+                (warn if hold.is_lost else remark)(outcome(entry.name, hold))
             if not hold.is_lost or hold.is_held:
                 console.release(target)
         if hold.is_lost:

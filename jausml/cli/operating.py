@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml.cli.common import EnvironmentFault, FiniteRange
+from jausml.cli.manners import remark, warn
 from jausml.cli.messages import open_catalogue
 from jausml.cli.network import (
     ended_by_signals,
@@ -18,6 +19,7 @@ from jausml.cli.network import (
     network_options,
     transport_options,
 )
+from jausml.cli.options import completing, format_option
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -70,7 +72,7 @@ class Settings:
             ):
                 yield operator
                 if operator.is_impersonated:
-                    remark(f"warning: another program of the network sends as {operator.own}")
+                    warn(f"warning: another program of the network sends as {operator.own}")
         except NoAnswer as error:
             raise EnvironmentFault(str(error)) from error
         except Refused as error:
@@ -109,7 +111,9 @@ def _fields(
 
 
 TARGET = click.argument("target", metavar="ID", callback=_address)
-MESSAGE = click.argument("message", metavar="MESSAGE")
+MESSAGE = click.argument(
+    "message", metavar="MESSAGE", shell_complete=completing("messages", "message")
+)
 FIELDS = click.argument("fields", metavar="[FIELDS]", callback=_fields, required=False)
 
 
@@ -125,14 +129,7 @@ def operator_options(function: Callable[..., None]) -> Callable[..., None]:
         show_default=True,
         help="Seconds to wait for an answer.",
     )
-    @click.option(
-        "--format",
-        "output_format",
-        type=click.Choice(["text", "json"]),
-        default="text",
-        show_default=True,
-        help="Format of the output.",
-    )
+    @format_option("Format of the output.")
     @wraps(function)
     def run(
         *arguments: Any,
@@ -171,8 +168,3 @@ def until_interrupted() -> Iterator[None]:
             yield
     except KeyboardInterrupt:
         remark("interrupted")
-
-
-def remark(text: str) -> None:
-    """Tells what is no result, on stderr."""
-    click.echo(text, err=True)

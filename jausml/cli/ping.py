@@ -10,8 +10,9 @@ import click
 
 from jausml.cli import choices
 from jausml.cli.common import PROBLEMS, FiniteRange
+from jausml.cli.manners import warn
 from jausml.cli.messages import to_json
-from jausml.cli.operating import TARGET, Settings, operator_options, remark, until_interrupted
+from jausml.cli.operating import TARGET, Settings, operator_options, until_interrupted
 
 if TYPE_CHECKING:
     from jausml.live.peers.asking import Asker
@@ -61,7 +62,7 @@ def command(
         with until_interrupted():
             chosen = answered_question(operator, target) if question == AUTOMATIC else question
             if chosen is None:
-                remark(str(operator.unanswered(target, "any question")))
+                warn(str(operator.unanswered(target, "any question")))
             else:
                 _ping(operator, target, chosen, pings, count, interval, as_json=settings.as_json)
         _summarize(target, chosen, pings, as_json=settings.as_json)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli.common import reading_options, write_report
+from jausml.cli.options import format_option
 from jausml.cli.systems import assumption_options
 
 if TYPE_CHECKING:
@@ -18,14 +19,7 @@ FORMATS = ("text", "json", "html")
 
 @click.command("report")
 @click.argument("model", metavar="MODEL")
-@click.option(
-    "--format",
-    "output_format",
-    type=click.Choice(FORMATS),
-    default="text",
-    show_default=True,
-    help="Format of the report; HTML is one page that needs nothing else.",
-)
+@format_option("Format of the report; HTML is one page that needs nothing else.", FORMATS)
 @click.option("-o", "--output", metavar="FILE", help="Write to a file, not to stdout.")
 @click.option("--bridge", "bridge_name", metavar="NAME", help="Tell of this bridge alone.")
 @assumption_options

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml.cli.messages import (
-    format_option,
+    line_format_option,
     model_option,
     open_catalogue,
     to_json,
     write,
 )
+from jausml.cli.options import completing
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -29,13 +30,13 @@ def command() -> None:
 
 
 @command.command("message")
-@click.argument("name", metavar="NAME")
+@click.argument("name", metavar="NAME", shell_complete=completing("messages", "message"))
 @click.option(
     "--service",
     metavar="SERVICE",
     help="That of a service: URN or name, then /VERSION if meant.",
 )
-@format_option
+@line_format_option
 @model_option
 def message(name: str, service: str | None, output_format: str, models: tuple[str, ...]) -> None:
     """Show the fields of the message NAME, and an example that `encode` and `ocu` take.
@@ -118,8 +119,8 @@ def _values(field: Row) -> str:
 
 
 @command.command("service")
-@click.argument("name", metavar="NAME")
-@format_option
+@click.argument("name", metavar="NAME", shell_complete=completing("services", "name"))
+@line_format_option
 @model_option
 def service(name: str, output_format: str, models: tuple[str, ...]) -> None:
     """Show the service NAME: what it inherits, takes and sends.
@@ -173,8 +174,8 @@ def _service_lines(entry: ServiceEntry) -> Iterator[str]:
 
 
 @command.command("map")
-@click.argument("name", metavar="NAME")
-@format_option
+@click.argument("name", metavar="NAME", shell_complete=completing("maps", "map"))
+@line_format_option
 @model_option
 def map_(name: str, output_format: str, models: tuple[str, ...]) -> None:
     """Show the attribute map NAME: what it joins, its quantities, and how to use it.

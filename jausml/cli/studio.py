@@ -4,11 +4,18 @@ from __future__ import annotations
 
 import webbrowser
 from importlib.util import find_spec
+from typing import Any
 
 import click
 
-from jausml.cli.choices import GROUP, INTERFACE, PORT
 from jausml.cli.common import EnvironmentFault
+from jausml.cli.manners import remark
+from jausml.cli.options import (
+    interface_option,
+    multicast_group_option,
+    peer_option,
+    port_option,
+)
 
 _NEEDED = ("starlette", "uvicorn", "websockets", "watchfiles", "pygraphviz", "pygls")
 
@@ -24,6 +31,7 @@ _NEEDED = ("starlette", "uvicorn", "websockets", "watchfiles", "pygraphviz", "py
 )
 @click.option(
     "--port",
+    "page_port",
     type=click.IntRange(0, 65535),
     default=0,
     metavar="PORT",
@@ -31,44 +39,17 @@ _NEEDED = ("starlette", "uvicorn", "websockets", "watchfiles", "pygraphviz", "py
 )
 @click.option("--no-browser", is_flag=True, help="Print the address, and open no browser.")
 @click.option("--out", default="", metavar="DIR", help="Folder that the page generates into.")
-@click.option(
-    "--jaus-interface",
-    default=INTERFACE,
-    show_default=True,
-    metavar="ADDRESS",
-    help="IPv4 address of the network interface of the JAUS system that is watched.",
-)
-@click.option(
-    "--jaus-port",
-    type=click.IntRange(1, 65535),
-    default=PORT,
-    show_default=True,
-    help="UDP port of JUDP.",
-)
-@click.option(
-    "--jaus-multicast-group",
-    default=GROUP,
-    show_default=True,
-    metavar="ADDRESS",
-    help="Multicast group of JUDP.",
-)
-@click.option(
-    "--jaus-peer",
-    "jaus_peers",
-    multiple=True,
-    metavar="ID=HOST:PORT",
-    help="Where a component is, when multicast does not reach it; may be repeated.",
-)
+@interface_option("--jaus-interface")
+@port_option("--jaus-port")
+@multicast_group_option("--jaus-multicast-group")
+@peer_option("--jaus-peer")
 def command(
     path: str,
     host: str,
-    port: int,
+    page_port: int,
     no_browser: bool,
     out: str,
-    jaus_interface: str,
-    jaus_port: int,
-    jaus_multicast_group: str,
-    jaus_peers: tuple[str, ...],
+    **network: Any,
 ) -> None:
     """Show and edit models in the browser: a file, or a folder of them.
 
@@ -87,24 +68,24 @@ def command(
     from jausml.studio.serving import PageMissingError, require_page, serve
     from jausml.studio.session import Session
 
-    network = network_from(None, jaus_interface, jaus_port, jaus_multicast_group, jaus_peers)
+    watched = network_from(None, **network)
     try:
-        session = Session(Desk(Project(path), out, network))
+        session = Session(Desk(Project(path), out, watched))
     except OSError as error:
         reason = error.strerror or str(error)
         raise EnvironmentFault(f"{click.format_filename(path)}: {reason}") from error
 
     def opened(address: str) -> None:
         click.echo(f"jausml studio: {address}")
-        click.echo("Ctrl-C ends it.", err=True)
+        remark("Ctrl-C ends it.")
         if not no_browser:
             webbrowser.open(address)
 
     try:
         require_page()
-        serve(session, host, port, opened)
+        serve(session, host, page_port, opened)
     except PageMissingError as error:
         raise EnvironmentFault(str(error)) from error
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise EnvironmentFault(f"cannot serve at {host} port {port}: {reason}") from error
+        raise EnvironmentFault(f"cannot serve at {host} port {page_port}: {reason}") from error

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 import click
 
 from jausml.cli.common import PROBLEMS, EnvironmentFault, find_models
+from jausml.cli.manners import step
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -85,7 +86,8 @@ def read_system(path: str, reading: Reading) -> tuple[Model, System]:
 
     if Path(path).is_dir():
         raise EnvironmentFault(f"{click.format_filename(path)} is a folder; name one model file")
-    report = check(read_models(find_models([path]), notations=NOTATIONS, **reading))
+    with step("checking the model"):
+        report = check(read_models(find_models([path]), notations=NOTATIONS, **reading))
     if report.has_errors:
         click.echo(text.render(report), nl=False, err=True)
         click.echo(text.summary(report), err=True)

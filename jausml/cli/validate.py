@@ -16,6 +16,8 @@ from jausml.cli.common import (
     reading_options,
     write_report,
 )
+from jausml.cli.manners import step
+from jausml.cli.options import format_option, quiet_option
 
 if TYPE_CHECKING:
     from jausml.cli.common import Reading
@@ -23,20 +25,13 @@ if TYPE_CHECKING:
 
 @click.command("validate")
 @click.argument("paths", nargs=-1, required=True, metavar="PATH...")
-@click.option(
-    "--format",
-    "output_format",
-    type=click.Choice(REPORT_FORMATS),
-    default="text",
-    show_default=True,
-    help="Format of the report.",
-)
+@format_option("Format of the report.", REPORT_FORMATS)
 @click.option("--output", metavar="FILE", help="Write the report to a file, not to stdout.")
 @reading_options
 @bridge_options
 @frequency_option
 @click.option("--strict", is_flag=True, help="Fail on warnings too.")
-@click.option("-q", "--quiet", is_flag=True, help="Print no summary.")
+@quiet_option("Print no summary.")
 def command(
     paths: tuple[str, ...],
     output_format: str,
@@ -61,7 +56,8 @@ def command(
         raise click.UsageError("--bridge-address takes one file of maps")
     notations = notations_for(paths[0], bridge_address, frequency)
     models = find_models(paths)
-    report = validate(models, notations=notations, **reading)
+    with step("checking models"):
+        report = validate(models, notations=notations, **reading)
     write_report(RENDERERS[output_format](report), output)
     if not quiet:
         click.echo(text.summary(report), err=True)

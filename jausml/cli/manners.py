@@ -1,0 +1,153 @@
+"""How much the command line says besides its results, and what it shows while it works."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+import time
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import TextIO
+
+PATIENCE = 1.0
+"""Seconds that a step may take before a terminal shows that it goes on."""
+_PERIOD = 0.25
+_CLEAR = "\r\x1b[K"
+
+
+@dataclass(frozen=True)
+class Manners:
+    """What the options in front of the verb ask for.
+
+    Attributes:
+        quiet: Results and problems alone; no summaries, no remarks, no progress.
+        verbose: What is being done too, and how long it takes.
+    """
+
+    quiet: bool = False
+    verbose: bool = False
+
+
+def manners() -> Manners:
+    """Returns what was asked for; the usual manners where nothing was."""
+    context = click.get_current_context(silent=True)
+    return (context and context.find_object(Manners)) or Manners()
+
+
+def colour_allowed() -> bool:
+    """Whether terminals may be coloured: not where NO_COLOR is set (no-color.org)."""
+    return not os.environ.get("NO_COLOR")
+
+
+def remark(text: str) -> None:
+    """Tells on stderr what is neither a result nor a problem, unless quiet is asked for.
+
+    Args:
+        text: What is told.
+    """
+    if not manners().quiet:
+        click.echo(text, err=True)
+
+
+def warn(text: str) -> None:
+    """Tells on stderr what a user has to know, whatever is asked for.
+
+    Args:
+        text: What is told.
+    """
+    click.echo(text, err=True)
+
+
+class Progress:
+    """How far a step has come, as far as it can tell.
+
+    Attributes:
+        share: Part of the step that is done, 0 to 1; None where nobody knows.
+    """
+
+    def __init__(self) -> None:
+        self.share: float | None = None
+
+    def at(self, share: float) -> None:
+        """Takes how much is done.
+
+        Args:
+            share: 0 to 1.
+        """
+        self.share = min(max(share, 0.0), 1.0)
+
+
+@contextmanager
+def step(label: str, *, prints: bool = False) -> Iterator[Progress]:
+    """Shows on a terminal that a step goes on once it takes long, and nothing anywhere else.
+
+    With `--verbose` the time that it took is told at its end, in logs too.
+
+    Args:
+        label: What is being done: `checking models`.
+        prints: Whether the step writes results; these are progress enough on a terminal.
+    """
+    progress = Progress()
+    asked = manners()
+    begun = time.monotonic()
+    with _shown(label, progress, begun) if _is_watched(asked, prints) else _nothing():
+        yield progress
+    if asked.verbose:
+        click.echo(f"{label}: {time.monotonic() - begun:.2f} s", err=True)
+
+
+@contextmanager
+def _nothing() -> Iterator[None]:
+    yield
+
+
+def _is_watched(asked: Manners, prints: bool) -> bool:
+    if asked.quiet or os.environ.get("TERM") == "dumb" or not sys.stderr.isatty():
+        return False
+    return not (prints and sys.stdout.isatty())
+
+
+@contextmanager
+def _shown(label: str, progress: Progress, begun: float) -> Iterator[None]:
+    ended = threading.Event()
+    stream = sys.stderr
+    teller = threading.Thread(
+        target=_tell, args=(label, progress, begun, ended, stream), daemon=True
+    )
+    teller.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        teller.join()
+
+
+def _tell(
+    label: str, progress: Progress, begun: float, ended: threading.Event, stream: TextIO
+) -> None:
+    """Tells of a step until it has ended, from its patience on, and wipes that away."""
+    if ended.wait(PATIENCE):
+        return
+    while True:
+        seconds = int(time.monotonic() - begun)
+        share = "" if progress.share is None else f" {progress.share:.0%},"
+        _write(stream, f"{_CLEAR}{label} ...{share} {seconds} s")
+        if ended.wait(_PERIOD):
+            break
+    _write(stream, _CLEAR)
+
+
+def _write(stream: TextIO, text: str) -> None:
+    # A terminal that has gone ends nothing.
+    try:
+        stream.write(text)
+        stream.flush()
+    except OSError:
+        pass
