@@ -6,7 +6,7 @@ READY := .venv/.ready
 # Compiled tests and modules are kept: without them each process compiles them anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help demo quick test test-slow coverage live lint format bench fuzz emf reference \
+.PHONY: help demo quick test test-slow coverage live lint format bench docs fuzz emf reference \
 	types release-check faults soak experiment studio clean
 
 help:  ## this list
@@ -71,6 +71,9 @@ soak: $(READY)  ## MINUTES of messages both ways through one bridge: nothing gro
 experiment: $(READY)  ## the right turn by JAUS and through the bridge, and what breaks it, some ten minutes; writes docs/experiment.md
 	$(BIN)/python -m experiments.right_turn $(EXPERIMENT)
 
+docs: $(READY)  ## the site of the documentation, site/VERSION/ beside those of other versions; fails at a warning
+	$(BIN)/python tools/build_site.py
+
 SECONDS ?= 60
 
 fuzz: $(READY)  ## every fuzz target for SECONDS each, guided by coverage where atheris is installed
@@ -93,4 +96,4 @@ release-check: $(READY)  ## version, changelog, wheel, sdist and the lowest depe
 	$(BIN)/python tools/release_check.py
 
 clean:  ## remove what make has made
-	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis demo-out experiment-out jausml/studio/page studio/node_modules
+	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis site demo-out experiment-out jausml/studio/page studio/node_modules

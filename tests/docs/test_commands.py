@@ -10,10 +10,18 @@ import sys
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
+
+from jausml.cli import main
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 BLOCK = re.compile(r"^```console\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+BESIDE = re.compile(
+    r'^<div class="beside" markdown>\n\n```ros2jaus\n(.*?)^```\n\n```xml\n(.*?)^```\n\n</div>$',
+    re.MULTILINE | re.DOTALL,
+)
+NAME = re.compile(r'<\w+:\w+ xmi:version="2.0"[^>]* name="(\w+)"')
 LINK = re.compile(r"\]\((?!http)([^)#]+)(?:#[^)]*)?\)")
 pytestmark = pytest.mark.timeout(300)
 
@@ -32,7 +40,11 @@ WITH_COMMANDS = [page for page in PAGES if script(page)]
 def test_commands_run(page: Path, tmp_path: Path) -> None:
     (tmp_path / "models").symlink_to(ROOT / "models")
     programs = Path(sys.executable).parent
-    environment = {**os.environ, "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}"}
+    environment = {
+        **os.environ,
+        "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}",
+        "HOME": str(tmp_path),  # what readers put there is not put into that of who tests
+    }
     bash = shutil.which("bash")
     assert bash is not None
     result = subprocess.run(
@@ -70,6 +82,28 @@ def test_readme_shows_a_system_that_generates(tmp_path: Path) -> None:
     assert result.returncode == 0, result.stderr
     base = (tmp_path / "src" / "front" / "front" / "front_base.py").read_text(encoding="utf-8")
     assert "target.twist.twist.linear.y = conversions.negate(source.velocity_y)" in base
+
+
+BOTH_NOTATIONS = [
+    pytest.param(*pair, id=f"{page.stem}-{number}")
+    for page in PAGES
+    for number, pair in enumerate(BESIDE.findall(page.read_text(encoding="utf-8")))
+]
+
+
+def test_there_are_models_in_both_notations() -> None:
+    assert len(BOTH_NOTATIONS) >= 3
+
+
+@pytest.mark.parametrize(("text", "xmi"), BOTH_NOTATIONS)
+def test_text_and_xmi_side_by_side_are_the_same(text: str, xmi: str, tmp_path: Path) -> None:
+    named = NAME.search(xmi)
+    assert named is not None
+    source, made = tmp_path / f"{named[1]}.ros2jaus", tmp_path / "made.xmi"
+    source.write_text(text, encoding="utf-8")
+    result = CliRunner().invoke(main, ["convert", str(source), str(made)])
+    assert result.exit_code == 0, result.output
+    assert made.read_text(encoding="utf-8") == xmi
 
 
 def test_reference_is_what_the_tool_says() -> None:

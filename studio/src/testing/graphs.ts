@@ -60,7 +60,6 @@ export function smallGraph(): Graph {
   return {
     view: "system",
     title: "robot",
-    element: "",
     downwards: false,
     width: 600,
     height: 200,

@@ -1,0 +1,87 @@
+"""The site of the documentation: it is built without a warning, and what it needs is there."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path, PurePosixPath
+
+import build_site
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+_OTHER_SERVER = re.compile(r'<(?:script|link|img)[^>]+(?:src|href)="?(https?:[^" >]+)')
+
+
+def pages(entries):
+    """The pages of a navigation, in its order."""
+    for entry in entries:
+        for goal in entry.values():
+            yield from pages(goal) if isinstance(goal, list) else [goal]
+
+
+def test_each_page_is_listed_once():
+    listed = list(pages(build_site.navigation()))
+    there = {
+        path.relative_to(ROOT / "docs").as_posix()
+        for path in (ROOT / "docs").rglob("*.md")
+        if path != ROOT / "docs" / "index.md"
+    }
+    assert there - set(listed) == set(), "docs/index.md and docs/adr/index.md list all pages"
+    assert len(listed) == len(set(listed))
+
+
+def test_a_warning_ends_the_build(tmp_path, monkeypatch):
+    docs = tmp_path / "docs"
+    docs.mkdir()
+    (docs / "index.md").write_text("# Home\n\n## Learn\n\n- [Other](other.md)\n", encoding="utf-8")
+    (docs / "other.md").write_text("# Other\n\n[home](index.md#nowhere)\n", encoding="utf-8")
+    (tmp_path / "zensical.toml").write_text('[project]\nsite_name = "x"\n', encoding="utf-8")
+    monkeypatch.setattr(build_site, "ROOT", tmp_path)
+    with pytest.raises(build_site.SiteError, match="nowhere"):
+        build_site.build(tmp_path / "site", "1.0.0")
+    (docs / "other.md").write_text("# Other\n\n[gone](../gone.md)\n", encoding="utf-8")
+    with pytest.raises(build_site.SiteError, match="no file"):
+        build_site.build(tmp_path / "site", "1.0.0")
+
+
+def test_the_site_is_built_without_a_warning(tmp_path):
+    """One test, as the build takes seconds: versions, what comes along, search, other servers."""
+    (tmp_path / "0.0.9").mkdir()
+    (tmp_path / "0.0.9" / "index.html").write_text("old", encoding="utf-8")
+    build_site.build(tmp_path, "0.0.10")
+
+    told = json.loads((tmp_path / "versions.json").read_text(encoding="utf-8"))
+    assert [(each["version"], each["aliases"]) for each in told] == [
+        ("0.0.10", ["latest"]),
+        ("0.0.9", []),
+    ]
+    assert 'url=0.0.10/"' in (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert (tmp_path / "0.0.9" / "index.html").read_text(encoding="utf-8") == "old"
+    site = tmp_path / "0.0.10"
+    page = (site / "how-to" / "ready-mappings" / "index.html").read_text(encoding="utf-8")
+    assert 'href="../../repository/models/library/mappings/"' in page
+    assert (site / "repository" / "models" / "library" / "mappings" / "index.html").is_file()
+    assert "silenceTimeout" in (site / "search.json").read_text(encoding="utf-8")
+    for path in site.rglob("*.html"):
+        assert _OTHER_SERVER.findall(path.read_text(encoding="utf-8")) == [], path
+
+
+@pytest.mark.parametrize(
+    ("page", "link", "moved"),
+    [
+        ("docs/how-to/a.md", "../index.md#x", "../index.md#x"),
+        ("docs/how-to/a.md", "../../SECURITY.md", "../repository/SECURITY.md"),
+        ("SECURITY.md", "docs/how-to/a.md", "../how-to/a.md"),
+        ("models/x/README.md", "../y/README.md", "../y/README.md"),
+        ("docs/a.md", "https://www.sae.org/x", "https://www.sae.org/x"),
+    ],
+)
+def test_links_lead_where_files_stand_in_the_site(page, link, moved):
+    assert build_site.moved(PurePosixPath(page), f"see [it]({link}).") == f"see [it]({moved})."
+
+
+def test_code_is_no_link():
+    text = "```python\na[0](b.md)\n```\n"
+    assert build_site.moved(PurePosixPath("docs/a.md"), text) == text
+    assert list(build_site.links(PurePosixPath("docs/a.md"), text)) == []
