@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import settings
 from isolation import isolate, own_domain
+from ports import MOST_WORKERS, worker
 from xdist.scheduler import LoadFileScheduling
 
 if TYPE_CHECKING:
@@ -32,8 +33,7 @@ def pytest_configure(config: pytest.Config) -> None:
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         # So a shell starts what it runs in the background, and programs under test inherit it.
         signal.signal(signal.SIGINT, signal.default_int_handler)
-    worker = os.environ.get("PYTEST_XDIST_WORKER", "gw0")
-    own_domain(int(worker.removeprefix("gw")))
+    own_domain(worker())
     config.stash[SHARED_NETWORK] = isolate()
 
 
@@ -43,7 +43,7 @@ def pytest_xdist_auto_num_workers() -> int:
 
     Not many more: what is said to come in time shall come on a computer that is busy with tests.
     """
-    return min(3 * (os.cpu_count() or 2) // 2, 16)
+    return min(3 * (os.cpu_count() or 2) // 2, MOST_WORKERS)
 
 
 def pytest_report_header(config: pytest.Config) -> str:

@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, cast
 
-from jausml.editor.definition import declaration_at, meant
-from jausml.editor.positions import is_within
+from jausml.editing.commands import EditError
+from jausml.editing.unsaved import Unsaved
+from jausml.editor.definition import declaration_at
+from jausml.editor.positions import is_within, start_of
 from jausml.editor.workbench import names_in
 from jausml.model.uris import library_root
-from jausml.text.writing.spelling import path as written_path
-from jausml.text.writing.spelling import word as written_word
+from jausml.text.reading.document import TextDocument
+from jausml.text.tree import Span
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
 
-    from jausml.editor.names import Declaration, Reference
+    from jausml.editing.splices import Splice
+    from jausml.editor.names import Declaration
     from jausml.editor.positions import Place
     from jausml.editor.workbench import Workbench
-    from jausml.text.tree import Span
+    from jausml.metamodel.classes.ecore import EObject
+    from jausml.model.model import Model
 
 
 class RenameError(ValueError):
@@ -58,7 +62,7 @@ def renamed_span(bench: Workbench, path: Path, place: Place) -> Span | None:
 
 
 def rename(bench: Workbench, path: Path, place: Place, name: str) -> list[Edit]:
-    """Returns the changes that give an element another name.
+    """Returns the changes that give an element another name, wherever a text names it.
 
     Args:
         bench: What is open.
@@ -67,25 +71,54 @@ def rename(bench: Workbench, path: Path, place: Place, name: str) -> list[Edit]:
         name: The new name, without back quotes.
 
     Raises:
-        RenameError: No text of the user declares what is at the place, or the name is taken or
-            empty.
+        RenameError: No text of the user declares what is at the place, the name is taken or empty,
+            or a text that would change cannot be read.
     """
     found = declaration_at(bench, path, place)
     if found is None:
         raise RenameError("only what a text declares can be renamed here")
     home, declaration = found
-    if home not in bench.texts and home.is_relative_to(library_root().resolve()):
+    if home not in bench.texts and _is_shipped(home):
         raise RenameError(f"'{declaration.name.text}' belongs to the shipped library")
     if not name.strip() or any(not each.isprintable() for each in name):
         raise RenameError("a name has printable characters")
     _check_free(bench, home, declaration, name)
-    edits = [Edit(home, declaration.name.span, written_word(name))]
-    for file in bench.related(home):
-        changes = list(_references(bench, file, home, declaration, name))
-        if changes and file != home:
-            _check_unhidden(bench, file, declaration, name)
-        edits += changes
-    return edits
+    texts = {each: bench.text(each) for each in bench.related(home) if not _is_shipped(each)}
+    held = Unsaved({each: text.encode() for each, text in texts.items()})
+    try:
+        element = held.ref(home, partial(_declared, declaration=declaration))
+        changes = held.rename(element, name)
+    except EditError as error:
+        raise RenameError(str(error)) from error
+    return [_edit(file, texts[file], each) for file, made in changes.items() for each in made]
+
+
+def _is_shipped(path: Path) -> bool:
+    return path.is_relative_to(library_root().resolve())
+
+
+def _declared(model: Model, declaration: Declaration) -> EObject | None:
+    """Returns the element of a declaration in the model of its text."""
+    document = model.documents[0]
+    written = document.written
+    pending = list(document.root_nodes)
+    while pending and isinstance(written, TextDocument):
+        node = pending.pop()
+        pending += node.children
+        source = written.source_of(node)
+        is_there = source is not None and start_of(source.span) == start_of(declaration.item.span)
+        if is_there and model.metamodels.class_of(node.obj) in declaration.table.subtypes:
+            return cast("EObject", node.obj)
+    return None
+
+
+def _edit(path: Path, text: str, splice: Splice) -> Edit:
+    data = text.encode()
+    before = data[: splice.start].decode(), data[: splice.end].decode()
+    (line, column), (end_line, end_column) = (
+        (each.count("\n") + 1, len(each) - each.rfind("\n")) for each in before
+    )
+    return Edit(path, Span(line, column, end_line, end_column), splice.new.decode())
 
 
 def _check_free(bench: Workbench, home: Path, declaration: Declaration, name: str) -> None:
@@ -95,46 +128,3 @@ def _check_free(bench: Workbench, home: Path, declaration: Declaration, name: st
         if is_beside and other.name.text == name and other is not declaration:
             line = other.name.span.line
             raise RenameError(f"line {line} declares another element of the name '{name}'")
-
-
-def _check_unhidden(bench: Workbench, file: Path, declaration: Declaration, name: str) -> None:
-    """Refuses a name that means something else in another text, where that text comes first."""
-    for other in names_in(bench.text(file)).declarations:
-        is_kin = bool(set(other.table.subtypes) & set(declaration.table.subtypes))
-        if is_kin and other.name.text == name:
-            place = f"{file.name}:{other.name.span.line}"
-            raise RenameError(f"{place} declares another element of the name '{name}'")
-
-
-def _references(
-    bench: Workbench, file: Path, home: Path, declaration: Declaration, name: str
-) -> Iterator[Edit]:
-    """Yields the changes of the references in a text."""
-    for reference in names_in(bench.text(file)).references:
-        found = meant(bench, file, reference)
-        if found is None or found[0] != home:
-            continue
-        text = _replaced(reference, found[1], declaration, name)
-        if text is not None:
-            yield Edit(file, reference.name.span, written_path(text))
-
-
-def _replaced(
-    reference: Reference, target: Declaration, declaration: Declaration, name: str
-) -> str | None:
-    """Returns a reference with the new name; None when the old one is no step of it."""
-    old = declaration.name.text
-    text = reference.name.text
-    if target is declaration:
-        if reference.is_first_step:
-            return name + text[len(old) :]
-        return text[: len(text) - len(old)] + name
-    if declaration.item not in target.owners:
-        return None
-    # The element is an owner of what is meant: its name is one of the steps before.
-    inner = target.path[len(declaration.path) :]
-    rest = "." + ".".join(inner)
-    before = text[: len(text) - len(rest)]
-    if not text.endswith(rest) or not (before == old or before.endswith(f".{old}")):
-        return None
-    return before[: len(before) - len(old)] + name + rest

@@ -16,6 +16,7 @@ import { asProperties, Splitter, useSizes } from "./Splitter";
 import { type BottomTab, type MiddleTab, update, useStudio } from "./store";
 import { Tabs } from "./Tabs";
 import { TableView } from "./table/TableView";
+import { ViewBar } from "./views/ViewBar";
 
 /** The page: what there is (left), the diagram (middle), what is chosen (right), verdicts (bottom). */
 export function App() {
@@ -75,6 +76,7 @@ function Middle() {
   const middle = chosen === "members" && !isMap ? "diagram" : chosen;
   return (
     <main className="middle">
+      <ViewBar />
       <Tabs label="View as" tabs={tabs} chosen={middle} onChoose={(tab) => update({ middle: tab })}>
         {middle === "table" ? <TableView /> : middle === "members" ? <MapEditor /> : <Canvas />}
       </Tabs>

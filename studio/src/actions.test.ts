@@ -4,7 +4,7 @@ import type { EditResult, Graph, Notifications } from "./protocol";
 import { edgeKey, nodeKey, portKey } from "./selection";
 import { state, update } from "./store";
 import { PROJECT, serve } from "./testing/fakeServer";
-import { node, smallGraph } from "./testing/graphs";
+import { edge, node, smallGraph } from "./testing/graphs";
 
 const VIEWS = [{ name: "system", kind: "system" as const, title: "", library: false }];
 const DONE: EditResult = {
@@ -227,4 +227,22 @@ test("verdicts are spoken when they change, and only then", () => {
   expect(state().said.number).toBe(number);
   told([]);
   expect(state().said.text).toBe("No problems.");
+});
+
+test("a line that is no element is taken away as the server says", async () => {
+  const server = serveGraph({
+    ...smallGraph(),
+    edges: [edge("S!inherits", ["vehicle", ""], ["bridge", ""], { element: "" })],
+  });
+  const command = { kind: "set" as const, element: "robot.xmi#S", feature: "inherits", values: [] };
+  const option = { label: "S inherits nothing", why: "", preview: "", commands: [command] };
+  server.answer("unlink", () => ({ options: [{ ...option, is_best: true }], refusal: "" }));
+  actions.select([edgeKey("S!inherits")]);
+  await actions.removeSelected();
+  expect(server.params("unlink")[0]?.line).toBe("S!inherits");
+  expect(server.params("edit")[0]?.commands).toEqual([command]);
+  server.answer("unlink", () => ({ options: [], refusal: "it follows from its ends" }));
+  actions.select([edgeKey("S!inherits")]);
+  await actions.removeSelected();
+  expect(state().said.text).toBe("it follows from its ends");
 });

@@ -287,10 +287,22 @@ export async function remove(elements: Ref[], what: string): Promise<void> {
 }
 
 /** Removes what is selected. */
-export function removeSelected(): Promise<void> {
+export async function removeSelected(): Promise<void> {
   const { elements, what } = selected();
-  if (!elements.length) say("Nothing is selected that could be removed.");
-  return remove(elements, what);
+  if (elements.length) return remove(elements, what);
+  const key = active(state());
+  const part = key ? partOf(key) : null;
+  if (part?.of === "edge") return unlink(part.id);
+  say("Nothing is selected that could be removed.");
+}
+
+/** Takes a line away that is no element, such as one that shows a reference. */
+async function unlink(line: string): Promise<void> {
+  const { file, view } = state();
+  const answer = await tried(ask("unlink", { file, view, line }));
+  const [option] = answer?.options ?? [];
+  if (option) await edit(option.commands, option.label);
+  else if (answer) say(answer.refusal);
 }
 
 function selected(): { elements: Ref[]; what: string } {

@@ -216,6 +216,8 @@ export interface GraphEdge {
 export interface Graph {
   view: string;
   title: string;
+  /** What it shows; empty for the whole model. */
+  element: Ref | "";
   downwards: boolean;
   width: number;
   height: number;
@@ -389,6 +391,17 @@ export interface MapSide {
 
 export type Direction = "to_ros" | "to_jaus";
 
+/** What fills a map. */
+export interface Filling {
+  label: string;
+  commands: Command[];
+  /** The assignments as texts write them. */
+  statements: string[];
+  /** Members that nothing fills then. */
+  left: Partial<Record<Direction, string[]>>;
+  refusal: string;
+}
+
 export interface TriedInput {
   path: string;
   type: string;
@@ -502,6 +515,8 @@ export interface Methods {
   ];
   connect: [{ file: string; view: string; source: GraphEnd; target: GraphEnd }, ConnectResult];
   ends: [{ file: string; view: string; node: string; port: string }, { ends: LegalEnd[] }];
+  /** How a line is taken away that is no element. */
+  unlink: [{ file: string; view: string; line: string }, ConnectResult];
   problems: [{ file: string }, Problems];
   source: [{ element: Ref }, Source];
   text: [{ file: string }, FileText];
@@ -513,6 +528,8 @@ export interface Methods {
     { file: string; view: string; target: GraphEnd; value: string },
     { constant: ConnectResult; clock: ConnectResult; ignore: ConnectResult },
   ];
+  /** What nothing fills yet in a map, and what corresponds to it. */
+  fill_map: [{ file: string; view: string }, Filling];
   write: [{ file: string; text: string; base: number }, { revision: number }];
   try: [
     { file: string; map: string; direction: Direction; values: Record<string, string> },

@@ -221,9 +221,14 @@ def test_no_name_is_given_that_means_something_else_in_another_text(bench, at, t
     using.write_text("nothing")
     bench.texts[using] = 'import "robot.ros2jaus"\nbridge b { connection m { peers: car } }'
     place = at("component ca¦r { }")
-    with pytest.raises(RenameError, match=r"using.ros2jaus:2 declares another"):
+    with pytest.raises(RenameError, match=r"'m' of using.ros2jaus refers by peers to .*Bridge 'b'"):
         rename(bench, *place, "b")
     assert len(rename(bench, *place, "m")) == 2
+
+
+def test_a_text_with_syntax_errors_is_mended_before_something_in_it_is_renamed(bench, at):
+    with pytest.raises(RenameError, match=r"robot.ros2jaus cannot be parsed as it is"):
+        rename(bench, *at("node a¦ { } node b {"), "c")
 
 
 @pytest.mark.parametrize(

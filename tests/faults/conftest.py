@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from ports import free_domain
 
 from tests.live.bridge_support import generate
 
@@ -75,7 +76,7 @@ def domain():
     """A ROS domain of the module."""
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 67) % 90))
+        environment.setenv("ROS_DOMAIN_ID", free_domain())
         yield
 
 

@@ -17,7 +17,7 @@ import time
 from pathlib import Path
 
 import pytest
-from ports import free_port
+from ports import free_domain, free_port
 
 pytest.importorskip("rclpy")
 
@@ -100,7 +100,7 @@ def test_signals_at_any_moment(path, tmp_path, rounds):
         **os.environ,
         "PYTHONPATH": path,
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
-        "ROS_DOMAIN_ID": str(10 + os.getpid() % 90),
+        "ROS_DOMAIN_ID": free_domain(),
     }
     for number in range(rounds):
         log = tmp_path / f"{number}.log"

@@ -1,13 +1,14 @@
 # ruff: noqa: ARG002 - methods of skeletons have the parameters that the base gives them
 """Runs two generated components on loopback; not a test itself, see test_jaus_component.py.
 
-Started with the generated packages on the path; leaves with 0 when everything was exchanged.
+Usage: exchange.py PORT, with the generated packages on the path; leaves with 0 when everything was
+exchanged.
 """
 
 from __future__ import annotations
 
 import queue
-import socket
+import sys
 from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any
 
@@ -69,9 +70,7 @@ def wait_for(*event: Any) -> None:
 
 
 def main() -> None:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        settings = TransportSettings(port=probe.getsockname()[1])
+    settings = TransportSettings(port=int(sys.argv[1]))
     with running_transport(settings) as first, running_transport(settings) as second:
         driver = Driver(first, wrench_driver_base.ADDRESS, wrench_driver_base.SETTINGS)
         operator = Operator(second, operator_base.ADDRESS, operator_base.SETTINGS)

@@ -36,14 +36,14 @@ def artifacts(case, *targets):
 
 
 def ros_environment(workspace=None, **more):
-    """An environment with DDS on this computer and in a domain of this process alone."""
+    """An environment with DDS on this computer and in the domain of this process."""
     folders = [str(path) for path in sorted(workspace.iterdir())] if workspace else []
     return {
         **{key: value for key, value in os.environ.items() if not key.startswith("ROS_")},
         "PYTHONPATH": os.pathsep.join(folders),
         "PYTHONDONTWRITEBYTECODE": "1",
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
-        "ROS_DOMAIN_ID": str(1 + os.getpid() % 100),
+        "ROS_DOMAIN_ID": os.environ["ROS_DOMAIN_ID"],
         **more,
     }
 

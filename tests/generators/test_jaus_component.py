@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from codec_support import ROOT
+from ports import free_port
 from workspaces import python_path
 
 from jausml.generation import render
@@ -218,7 +219,7 @@ def test_generated_tests_pass(workspace: Path, package: str) -> None:
 
 
 def test_components_exchange_commands_and_reports(workspace: Path) -> None:
-    run(str(HERE / "exchange.py"), cwd=workspace, workspace=workspace)
+    run(str(HERE / "exchange.py"), str(free_port()), cwd=workspace, workspace=workspace)
 
 
 def test_the_executable_explains_itself(workspace: Path) -> None:

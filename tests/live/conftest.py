@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import os
-
 import pytest
+from ports import free_domain
 
 from jausml.runtime.base.loop import Loop
 
@@ -16,7 +15,7 @@ def peer():
     """A ROS node beside the tested one, in a domain of the module."""
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 45) % 90))
+        environment.setenv("ROS_DOMAIN_ID", free_domain())
         made = RosPeer()
         yield made
         made.close()

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 
 import pytest
-from ports import free_port
+from ports import free_domain, free_port
 
 pytest.importorskip("rclpy")
 
@@ -32,7 +31,7 @@ def path(tmp_path_factory):
 def system(path, tmp_path_factory):
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", str(10 + os.getpid() % 90))
+        environment.setenv("ROS_DOMAIN_ID", free_domain())
         started = System(path, tmp_path_factory.mktemp("logs"))
         yield started
         started.close()
@@ -346,7 +345,7 @@ def test_overrides_choose_their_classes(path, tmp_path, monkeypatch):
     from nav_msgs.msg import Odometry
     from std_msgs.msg import Float64
 
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(100 + os.getpid() % 90))
+    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
     mixed = System(path, tmp_path, (str(FOLDER / "mixed_bridge.py"),))
     try:
         odometry = mixed.ros.listen(Odometry, "odometry_copy")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import subprocess
 import sys
@@ -11,7 +10,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from ports import free_port
+from ports import free_domain, free_port
 
 pytest.importorskip("rclpy")
 
@@ -43,7 +42,7 @@ def workspaces(tmp_path_factory):
 def ros():
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 23) % 90))
+        environment.setenv("ROS_DOMAIN_ID", free_domain())
         made = RosPeer()
         yield made
         made.close()

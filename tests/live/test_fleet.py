@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from ports import free_port
+from ports import free_domain, free_port
 
 pytest.importorskip("rclpy")
 
@@ -33,7 +32,7 @@ def fleet(tmp_path_factory):
     port = str(free_port())
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 37) % 90))
+        environment.setenv("ROS_DOMAIN_ID", free_domain())
         ros = RosPeer()
         robots = []
         for name in ADDRESSES:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import os
-
 import pytest
+from ports import free_domain
 
 pytest.importorskip("rclpy")
 
@@ -28,7 +27,7 @@ def path(tmp_path_factory):
 def system(path, tmp_path, request):
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 71) % 90))
+        environment.setenv("ROS_DOMAIN_ID", free_domain())
         arguments = getattr(request, "param", ("-m", "loop_bridge.main"))
         started = System(path, tmp_path, bridge=arguments)
         yield started

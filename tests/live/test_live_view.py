@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import queue
 import sys
 
 import pytest
+from ports import free_domain
 
 pytest.importorskip("rclpy")
 
@@ -40,7 +40,7 @@ def model():
 def system(tmp_path_factory):
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 31) % 90))
+        environment.setenv("ROS_DOMAIN_ID", free_domain())
         path = generate(tmp_path_factory.mktemp("workspace"))
         started = System(path, tmp_path_factory.mktemp("logs"))
         yield started

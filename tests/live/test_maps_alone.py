@@ -5,10 +5,8 @@ So does the paper run its Figure 5. Each of two such bridges is the JAUS peer of
 
 from __future__ import annotations
 
-import os
-
 import pytest
-from ports import free_port
+from ports import free_domain, free_port
 
 pytest.importorskip("rclpy")
 
@@ -56,7 +54,7 @@ def test_reports_and_commands_cross_between_two_bridges(path, tmp_path, monkeypa
     from std_msgs.msg import UInt16
 
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(10 + os.getpid() % 90))
+    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
     port = str(free_port())
     line = ["-m", "winch_bridge.main", "--jaus-port", port]
     ros = RosPeer()

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import sys
 
 import pytest
 from click.testing import CliRunner
-from ports import free_port
+from ports import free_domain, free_port
 
 pytest.importorskip("rclpy")
 
@@ -44,7 +43,7 @@ def running(packages, tmp_path_factory):
     port = ["--jaus-port", str(free_port())]
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 33) % 90))
+        environment.setenv("ROS_DOMAIN_ID", free_domain())
         ros = RosPeer()
         made = {
             name: Process(["-m", f"{name}.main", *port], packages, logs / name) for name in PARTS

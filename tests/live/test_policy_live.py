@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import os
-
 import pytest
-from ports import free_port
+from ports import free_domain, free_port
 
 pytest.importorskip("rclpy")
 
@@ -26,7 +24,7 @@ pytestmark = [
 
 def test_the_graph_is_the_policy(tmp_path, monkeypatch):
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 31) % 90))
+    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
     (text,) = (
         each.text
         for each in render(read_models([MODEL]).model, [BRINGUP])

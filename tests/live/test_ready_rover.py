@@ -7,7 +7,6 @@ loss the last Twist on cmd_vel is zero while efforts go on arriving, and /diagno
 from __future__ import annotations
 
 import json
-import os
 import re
 import signal
 import subprocess
@@ -16,7 +15,7 @@ import time
 from types import SimpleNamespace
 
 import pytest
-from ports import free_port
+from ports import free_domain, free_port
 
 pytest.importorskip("rclpy")
 
@@ -174,7 +173,7 @@ def world(workspace, tmp_path_factory):
     ]
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 30) % 90))
+        environment.setenv("ROS_DOMAIN_ID", free_domain())
         ros = RosPeer()
         catalogue = open_catalogue(())
         with (

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 
 import pytest
-from ports import free_port
+from ports import free_domain, free_port
 
 pytest.importorskip("rclpy")
 
@@ -42,7 +41,7 @@ bridge odometry_bridge {
 def system(tmp_path, monkeypatch):
     """Yields what starts a process, and a node of the test; the bridge runs."""
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(10 + os.getpid() % 90))
+    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
     path, port = generate_text(tmp_path, "odometry", SYSTEM), str(free_port())
     processes = []
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import socket
 import struct
 import sys
@@ -12,7 +11,7 @@ from collections import Counter, defaultdict
 from pathlib import Path
 
 import pytest
-from ports import free_port
+from ports import free_domain, free_port
 
 pytest.importorskip("rclpy")
 
@@ -110,7 +109,7 @@ def capture(tmp_path_factory):
     port = free_port()
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 21) % 90))
+        environment.setenv("ROS_DOMAIN_ID", free_domain())
         listening = Capture(port)
         ros = RosPeer()
         starts = [

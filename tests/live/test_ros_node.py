@@ -72,8 +72,6 @@ class Process:
         environment = {
             **os.environ,
             "PYTHONPATH": python_path(workspace),
-            "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
-            "ROS_DOMAIN_ID": str(1 + os.getpid() % 100),
         }
         self.popen = subprocess.Popen(
             [sys.executable, "-m", f"{name}.main", *arguments],
@@ -261,8 +259,6 @@ def test_a_shutdown_that_wakes_nobody_is_noticed(workspace):
     environment = {
         **os.environ,
         "PYTHONPATH": python_path(workspace),
-        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
-        "ROS_DOMAIN_ID": str(1 + os.getpid() % 100),
     }
     command = [sys.executable, "-c", UNSEEN]
     ended = subprocess.run(

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import threading
 from functools import partial
 from pathlib import Path
 
 import pytest
-from ports import free_port
+from ports import free_domain, free_port
 
 pytest.importorskip("rclpy")
 
@@ -137,7 +136,7 @@ def states(process):
 def system(path, tmp_path):
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 75) % 90))
+        environment.setenv("ROS_DOMAIN_ID", free_domain())
         made = System(path, tmp_path)
         yield made
         made.close()

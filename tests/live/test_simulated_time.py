@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import os
 import threading
 
 import pytest
+from ports import free_domain
 
 pytest.importorskip("rclpy")
 
@@ -63,7 +63,7 @@ class Simulation:
 def system(tmp_path_factory):
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 23) % 90))
+        environment.setenv("ROS_DOMAIN_ID", free_domain())
         path = generate(tmp_path_factory.mktemp("workspace"))
         started = System(path, tmp_path_factory.mktemp("logs"), bridge=SIMULATED)
         yield started

@@ -7,14 +7,13 @@ behind it.
 
 from __future__ import annotations
 
-import os
 import signal
 import sys
 import time
 from pathlib import Path
 
 import pytest
-from ports import free_port
+from ports import free_domain, free_port
 
 pytest.importorskip("rclpy")
 
@@ -146,7 +145,7 @@ def system(tmp_path_factory, request):
     packages = generate(tmp_path_factory.mktemp("workspace"), FOLDER / "stops.ros2jaus")
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", str(10 + os.getpid() % 90))
+        environment.setenv("ROS_DOMAIN_ID", free_domain())
         waiting = getattr(request, "param", "automatic")
         started = System(packages, tmp_path_factory.mktemp("logs"), waiting)
         yield started

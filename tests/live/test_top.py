@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from ports import free_port
+from ports import free_domain, free_port
 
 pytest.importorskip("rclpy")
 
@@ -79,7 +78,7 @@ class System:
 def system(tmp_path_factory):
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 23) % 90))
+        environment.setenv("ROS_DOMAIN_ID", free_domain())
         path = generate(tmp_path_factory.mktemp("workspace"))
         started = System(path, tmp_path_factory.mktemp("logs"))
         yield started

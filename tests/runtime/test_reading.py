@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from ports import free_port
 
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.counters import Counters
@@ -92,9 +93,7 @@ class Host:
         self.time = 1000.0
         self.loop = stack.enter_context(Loop(clock=lambda: self.time))
         self.peers = [stack.enter_context(_socket()) for _ in range(2)]
-        with _socket() as free:
-            port = free.getsockname()[1]
-        settings = TransportSettings(port=port, duplicate_history=3)
+        settings = TransportSettings(port=free_port(), duplicate_history=3)
         self.transport = JudpTransport(settings, self.loop)
         self.transport.open()
         stack.callback(self.transport.close)
@@ -308,8 +307,7 @@ def test_what_waited_while_the_process_stood_still_is_thrown_away(
 ) -> None:
     taken: list[bytes] = []
     old = [b"\x02\x40old" + bytes([number]) for number in range(40)]
-    with _socket() as free:
-        port = free.getsockname()[1]
+    port = free_port()
     settings = TransportSettings(port=port, standstill=limit)
     with Loop() as loop, _socket() as peer, ExitStack() as stack:
         transport = JudpTransport(settings, loop)

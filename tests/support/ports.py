@@ -1,7 +1,8 @@
-"""Ports that nobody has, and that the system gives to nobody meanwhile.
+"""Ports and ROS domains that nobody has, and that nobody is given meanwhile.
 
 A port that the system chose and that was let go may go to the next socket that asks for any. So
-ports come from above those that it gives away, and each but once in a process.
+ports come from above those that it gives away, each worker has its own share of them, and each
+comes but once in a process until they have all been given.
 """
 
 from __future__ import annotations
@@ -11,20 +12,41 @@ import socket
 from itertools import count
 from pathlib import Path
 
+MOST_WORKERS = 16
+"""So many processes run tests at once, at most."""
+
 _HIGHEST = 65535
 _GIVEN_AWAY = Path("/proc/sys/net/ipv4/ip_local_port_range")
 _USUAL_END = 60999
+_DOMAINS = 5
+"""ROS domains of each worker beside its own (see `isolation.own_domain`).
+
+As far as 101 their ports are below those that the system gives away.
+"""
+
 _numbers = count(os.getpid() * 37)
+_domain_numbers = count(os.getpid())
+
+
+def worker() -> int:
+    """Returns the number of this process among those that run tests."""
+    return int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")) % MOST_WORKERS
 
 
 def free_port() -> int:
     """Returns a port of loopback that is free for UDP and TCP, another one each time."""
-    first = _end_of_given_away() + 1
+    start = _end_of_given_away() + 1
+    share = (_HIGHEST + 1 - start) // MOST_WORKERS
     for number in _numbers:
-        port = first + number % (_HIGHEST + 1 - first)
+        port = start + worker() * share + number % share
         if _is_free(port, socket.SOCK_DGRAM) and _is_free(port, socket.SOCK_STREAM):
             return port
     raise AssertionError("numbers do not end")
+
+
+def free_domain() -> str:
+    """Returns a ROS domain that no other worker uses, another one than last time."""
+    return str(1 + worker() + MOST_WORKERS * (1 + next(_domain_numbers) % _DOMAINS))
 
 
 def _end_of_given_away() -> int:

@@ -3,12 +3,14 @@ import { update, useStudio } from "../store";
 
 /** What to do with a diagram that has no boxes. */
 export function EmptyHint() {
+  const isSystem = useStudio((studio) => studio.view === "system");
   return (
     <div className="empty">
       <p>
         <strong>This diagram is empty.</strong>
       </p>
-      <p>
+      <p hidden={isSystem}>Add to it by the buttons above.</p>
+      <p hidden={!isSystem}>
         Drag a component, a bridge or a node from the palette on the left to here, or search there
         by name and press Enter. <kbd>?</kbd> shows all keys.
       </p>

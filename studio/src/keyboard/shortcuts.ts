@@ -2,6 +2,7 @@
 
 import { redo, undo } from "../actions";
 import { update } from "../store";
+import { FILL_EVENT } from "../views/filling";
 import { isTyping, nameOfKey } from "./keys";
 
 /** Takes a key of the whole page; to be placed on the document. */
@@ -24,6 +25,7 @@ const SHORTCUTS: Record<string, () => void> = {
   "Ctrl+Shift+Z": () => void redo(),
   "Ctrl+Y": () => void redo(),
   "Ctrl+F": findByName,
+  M: () => document.dispatchEvent(new Event(FILL_EVENT)),
   "?": () => update({ dialog: { kind: "help" } }),
 };
 

@@ -60,6 +60,7 @@ export function smallGraph(): Graph {
   return {
     view: "system",
     title: "robot",
+    element: "",
     downwards: false,
     width: 600,
     height: 200,

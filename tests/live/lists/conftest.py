@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import os
 import sys
 
 import pytest
+from ports import free_domain
 from type_support import CannotBuildError, built
 
 from jausml.runtime.base.settings import TransportSettings
@@ -36,7 +36,7 @@ def packages(tmp_path_factory, nav2):
     made = generate(tmp_path_factory.mktemp("lists"), LIVE / "waypoint_lists.ros2jaus")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        patch.setenv("ROS_DOMAIN_ID", str(10 + os.getpid() % 90))
+        patch.setenv("ROS_DOMAIN_ID", free_domain())
         for each in [*made, nav2]:
             patch.syspath_prepend(each)
         yield [*made, nav2]

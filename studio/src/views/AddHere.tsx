@@ -1,0 +1,65 @@
+import { useState } from "react";
+import { change, messageOf } from "../actions";
+import { Fault } from "../panels/base/parts";
+import { useRevision } from "../panels/base/studio";
+import { useAnswer } from "../panels/base/useAnswer";
+import type { FormChildren } from "../protocol";
+import { indexOf, partOf } from "../selection";
+import { active, type Studio, useStudio } from "../store";
+
+/** What a service, a machine or a state of it may own, each to be added by one click. */
+export function AddHere({ isMachine }: { isMachine: boolean }) {
+  const owner = useStudio(ownerOf);
+  const revision = useRevision();
+  const { value: form } = useAnswer("form", owner ? { element: owner } : null, revision);
+  const [fault, setFault] = useState("");
+
+  async function add({ feature, label, kinds: [kind] }: FormChildren) {
+    if (!kind) return;
+    const values = kind.values ?? {};
+    try {
+      await change([{ kind: "add", owner, feature, type: kind.kind, values }], `Add to ${label}`);
+      setFault("");
+    } catch (error) {
+      setFault(messageOf(error));
+    }
+  }
+
+  const lists = form?.children.filter((each) => each.many && each.kinds.length > 0) ?? [];
+  return (
+    <>
+      {form && <span>Add to {form.title}:</span>}
+      {lists.map((each) => (
+        <button
+          type="button"
+          key={each.feature}
+          title={each.documentation}
+          onClick={() => add(each)}
+        >
+          {each.label}
+        </button>
+      ))}
+      <span className="quiet">
+        {isMachine
+          ? "Draw from state to state for a transition, or press c."
+          : "Draw from a query to where its report shall be; press c on a service for what it inherits."}
+      </span>
+      <Fault>{fault}</Fault>
+    </>
+  );
+}
+
+/** The element of the box that is chosen, else that of the view. */
+function ownerOf(studio: Studio): string {
+  const { graph } = studio;
+  if (!graph) return "";
+  const key = active(studio);
+  const part = key ? partOf(key) : null;
+  const chosen =
+    part?.of === "node"
+      ? indexOf(graph).nodes.get(part.id)?.element
+      : part?.of === "group"
+        ? graph.groups.find((each) => each.id === part.id)?.element
+        : "";
+  return chosen || graph.element;
+}
