@@ -57,7 +57,7 @@ def lead(scope: Scope, element: jaus.StateMachine, source: str, target: str) -> 
     taken = set(_taken(machine, start))
     options = [
         Option(
-            f"on {label}" + (" (again)" if key in taken else ""),
+            f"transition on {label}" + (" (again)" if key in taken else ""),
             why,
             _preview(key, values),
             (_added(scope, element, machine, start, values),),

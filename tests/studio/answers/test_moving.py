@@ -62,9 +62,16 @@ def desk(tmp_path):
 def test_a_line_between_states_offers_what_may_trigger_a_transition(desk):
     found = desk.lead(f"{READY}.Locked", f"{READY}.Moving.PayingIn")
     labels = [each.label for each in found.options]
-    assert labels[0] == "on LockBrake"
-    assert {"on EndStop", "on LoadLost", "on Timedout", "on anything else"} <= set(labels)
-    assert {"on SetWinchCommand (again)", "on ReleaseBrake (again)"} == set(labels[-2:])
+    assert labels[0] == "transition on LockBrake"
+    assert {
+        "transition on EndStop",
+        "transition on LoadLost",
+        "transition on Timedout",
+        "transition on anything else",
+    } <= set(labels)
+    assert {"transition on SetWinchCommand (again)", "transition on ReleaseBrake (again)"} == set(
+        labels[-2:]
+    )
     first = next(each for each in found.options if "SetWinchCommand" in each.label)
     assert first.preview == (
         "{ message: SetWinchCommand  target: Moving.PayingIn  guard: isControllingClient }"
@@ -79,12 +86,16 @@ def test_a_state_that_the_machine_only_extends_is_added_with_its_transition(desk
     machine = desk.the(jaus.StateMachine)
     core = f"{desk.scope.model.fragment(machine)}!Receiving.Ready.NotControlled"
     found = lead(desk.scope, machine, core, desk.box(READY))
-    [added] = next(each for each in found.options if each.label == "on EndStop").commands
+    [added] = next(each for each in found.options if each.label == "transition on EndStop").commands
     assert added.values == {"name": ("Receiving.Ready.NotControlled",)}
 
 
 def test_a_composite_state_gets_what_holds_in_all_states_inside(desk):
-    [found] = [e for e in desk.lead(READY, f"{READY}.Idle").options if e.label == "on ReleaseBrake"]
+    [found] = [
+        e
+        for e in desk.lead(READY, f"{READY}.Idle").options
+        if e.label == "transition on ReleaseBrake"
+    ]
     assert found.commands[0].feature == "defaults"
     desk.take(found)
 
