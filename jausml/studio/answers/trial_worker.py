@@ -1,18 +1,16 @@
 """The process in which values are tried: it has one generated translation, and nothing of jausml.
 
-It is run by its path, with the folders of the runtime and of the generated workspace, and answers
-each line of JSON on its input with one on its output: what came out, or why nothing did.
+It answers each line of JSON on its input with one on its output: what came out, or why nothing did.
+`jausml/workers` runs it.
 """
 
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import json
 import re
 import sys
 import typing
-from pathlib import Path
 
 _MEMORY = 1 << 30
 _STEP = re.compile(r"([^\[\]]+)(?:\[(\d{1,4})\])?")
@@ -34,27 +32,10 @@ def limit_memory() -> None:
     resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
 
 
-def load_runtime(folder: Path) -> None:
-    """Loads the runtime from a folder under the name that generated code knows."""
-    spec = importlib.util.spec_from_file_location(
-        "jausml_runtime", folder / "__init__.py", submodule_search_locations=[str(folder)]
-    )
-    if spec is None or spec.loader is None:
-        raise ImportError(f"no runtime in {folder}")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["jausml_runtime"] = module
-    spec.loader.exec_module(module)
-
-
 class Translation:
-    """The one translation of a bridge that is not opened.
+    """The one translation of a bridge that is not opened."""
 
-    Args:
-        workspace: The folder with the generated packages.
-    """
-
-    def __init__(self, workspace: Path) -> None:
-        sys.path[:0] = [str(each) for each in sorted(workspace.iterdir()) if each.is_dir()]
+    def __init__(self) -> None:
         bridge = importlib.import_module("trial.trial").Trial()
         self._connection = bridge.tried
         self._translate = bridge.translate_tried
@@ -173,9 +154,7 @@ def _text(value: typing.Any) -> str:
 
 def main() -> None:
     """Answers until the input ends."""
-    runtime, workspace = map(Path, sys.argv[1:])
-    load_runtime(runtime)
-    translation = Translation(workspace)
+    translation = Translation()
     limit_memory()
     for line in sys.stdin:
         sys.stdout.write(json.dumps(translation.answer(json.loads(line))) + "\n")

@@ -7,18 +7,12 @@ next values as long as the code is the same.
 
 from __future__ import annotations
 
-import contextlib
-import json
-import subprocess
-import sys
-import tempfile
 import threading
 from collections import OrderedDict
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import jausml
 from jausml.metamodel.classes import bridge
 from jausml.semantics.attributes import (
     BOOL,
@@ -36,7 +30,8 @@ from jausml.semantics.paths import COUNTERS, outer_scope, source_paths
 from jausml.semantics.ros_paths import RosPlace
 from jausml.studio.answers import jaus_values
 from jausml.studio.answers.elements import AnswerError
-from jausml.studio.answers.trial_bridge import TrialBridge, trial_bridge
+from jausml.studio.answers.trial_bridge import trial_bridge
+from jausml.workers.process import Worker, WorkerError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -45,13 +40,13 @@ if TYPE_CHECKING:
 
     from jausml.semantics.paths import PathPlace, PathScope
     from jausml.studio.answers.elements import Scope
+    from jausml.workers.code import BridgeCode
 
 SECONDS = 10.0
 """How long a translation may take, its process being started included."""
 
 _MOST_PROCESSES = 3
 _WORKER = Path(__file__).with_name("trial_worker.py")
-_RUNTIME = Path(jausml.__file__).parent / "runtime"
 _ELEMENT = "[0]"
 _WORDS = {NUMBER: "number", BOOL: "boolean", TEXT: "text"}
 
@@ -207,7 +202,7 @@ class Trials:
                 process = self._process(scope, used, to_ros=to_ros)
             answer = process.ask(request, self._seconds)
             return _tried(used, answer, to_ros=to_ros)
-        except AnswerError as error:
+        except (AnswerError, WorkerError) as error:
             return Tried(error=str(error))
 
     def _process(self, scope: Scope, used: bridge.AttributeMap, *, to_ros: bool) -> _Process:
@@ -231,7 +226,7 @@ class Trials:
         return made
 
 
-def _code(scope: Scope, used: bridge.AttributeMap, *, to_ros: bool) -> TrialBridge:
+def _code(scope: Scope, used: bridge.AttributeMap, *, to_ros: bool) -> BridgeCode:
     """Returns the generated code of a map.
 
     Raises:
@@ -244,86 +239,13 @@ def _code(scope: Scope, used: bridge.AttributeMap, *, to_ros: bool) -> TrialBrid
         raise AnswerError(f"'{used.name}' cannot be tried before its errors are mended") from error
 
 
-class _Process:
+class _Process(Worker):
     """A process with one translation."""
 
-    def __init__(self, code: TrialBridge, made_of: bridge.AttributeMap) -> None:
+    def __init__(self, code: BridgeCode, made_of: bridge.AttributeMap) -> None:
+        super().__init__(code, _WORKER)
         self.code = code
         self.made_of = made_of
-        self._lock = threading.Lock()
-        self._folder = tempfile.TemporaryDirectory(prefix="jausml_trial_")
-        workspace = Path(self._folder.name)
-        for path, text in code.files.items():
-            file = workspace / path
-            file.parent.mkdir(parents=True, exist_ok=True)
-            file.write_text(text, encoding="utf-8")
-        self._process = subprocess.Popen(  # noqa: S603 - our own worker
-            [sys.executable, "-I", "-B", str(_WORKER), str(_RUNTIME), str(workspace)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            encoding="utf-8",
-        )
-
-    @property
-    def is_alive(self) -> bool:
-        """Whether it can be asked."""
-        return self._process.poll() is None
-
-    def ask(self, request: Mapping[str, Any], seconds: float) -> dict[str, Any]:
-        """Returns its answer.
-
-        Raises:
-            AnswerError: It has none, or not in time; it is ended then.
-        """
-        late = threading.Event()
-
-        def end() -> None:
-            late.set()
-            self._process.kill()
-
-        with self._lock:
-            timer = threading.Timer(seconds, end)
-            timer.start()
-            try:
-                line = self._told(request)
-            finally:
-                timer.cancel()
-        if line:
-            found: dict[str, Any] = json.loads(line)
-            return found
-        if late.is_set():
-            raise AnswerError(f"the translation took longer than {seconds:g} s")
-        raise AnswerError(f"the translation failed: {self._last_words()}")
-
-    def _told(self, request: Mapping[str, Any]) -> str:
-        """Returns the line that answers a request, nothing when the process has ended."""
-        if self._process.stdin is None or self._process.stdout is None:
-            return ""
-        try:
-            self._process.stdin.write(json.dumps(request) + "\n")
-            self._process.stdin.flush()
-            return self._process.stdout.readline()
-        except (OSError, ValueError):  # its pipes were closed meanwhile
-            return ""
-
-    def _last_words(self) -> str:
-        self._process.wait()
-        text = ""
-        if self._process.stderr is not None and not self._process.stderr.closed:
-            text = self._process.stderr.read()
-        return text.strip().rpartition("\n")[2] or "its process has ended"
-
-    def close(self) -> None:
-        """Ends it."""
-        self._process.kill()
-        self._process.wait()
-        for pipe in (self._process.stdin, self._process.stdout, self._process.stderr):
-            if pipe is not None:
-                with contextlib.suppress(OSError):  # of what was not read any more
-                    pipe.close()
-        self._folder.cleanup()
 
 
 def _check_ends(used: bridge.AttributeMap) -> None:
