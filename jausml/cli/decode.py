@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 import sys
-from contextlib import ExitStack
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from jausml.cli.captures import opened, skipped_lines
 from jausml.cli.common import PROBLEMS, EnvironmentFault, FiniteRange
 from jausml.cli.messages import (
     FORMATS,
@@ -302,28 +302,15 @@ class _Reading:
         from jausml.live.traffic.frames import UdpReader
 
         reader = UdpReader(port)
-        with ExitStack() as stack:
-            try:
-                stream = sys.stdin.buffer
-                if path != STDIN:
-                    stream = stack.enter_context(Path(path).open("rb"))
-            except (OSError, ValueError) as error:
-                raise EnvironmentFault(f"{shown_path(path)}: {reason_of(error)}") from error
+        with opened(path) as stream:
             found = filter(None, map(reader.read, read_frames(stream)))
             datagrams = (("", datagram) for datagram in found)
             try:
                 self._observe(islice(datagrams, self._count), is_live=path == STDIN)
             except TrafficError as error:
                 self._output.problem(shown_path(path), str(error))
-        for reason, number in sorted(reader.skipped.items()):
-            click.echo(f"{shown_path(path)}: skipped {number} {reason}", err=True)
-        if reader.elsewhere.unclaimed:
-            what = f"skipped {reader.elsewhere.unclaimed} datagrams that look like JUDP"
-            why = f"between endpoints that were not seen with port {port}; --port chooses another"
-            click.echo(f"{shown_path(path)}: {what}, {why}", err=True)
-        if reader.unfinished:
-            text = f"skipped {reader.unfinished} IP packets with missing fragments"
-            click.echo(f"{shown_path(path)}: {text}", err=True)
+        for line in skipped_lines(reader, port):
+            click.echo(f"{shown_path(path)}: {line}", err=True)
 
     def network(
         self, port: int, interface: str, multicast_group: str, duration: float | None

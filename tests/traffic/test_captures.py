@@ -136,3 +136,16 @@ def test_no_file_raises_anything_else(data):
     with contextlib.suppress(CaptureError):
         frames.extend(iter_until_fault(broken, frames))
     assert len(frames) < 100
+
+
+def test_times_are_kept_to_the_nanosecond():
+    begin = 1_700_000_000_123_456_789
+    seconds, rest = divmod(begin, 10**9)
+    head = struct.pack("<IHHiIII", 0xA1B23C4D, 2, 4, 0, 0, 262144, 1)
+    (frame,) = read(head + struct.pack("<IIII", seconds, rest, 0, 0))
+    assert frame.nanoseconds == begin
+    nano = option(9, b"\x09") + option(14, struct.pack("<q", 5))
+    data = section() + interface(options=nano) + packet(b"", ticks=begin)
+    (frame,) = read(data)
+    assert frame.nanoseconds == begin + 5 * 10**9
+    assert frame.time == pytest.approx(begin / 1e9 + 5)

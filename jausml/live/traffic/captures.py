@@ -15,12 +15,14 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 _LARGEST_PART = 1 << 27
+_NANO = 10**9
 _PCAP = {
-    b"\xd4\xc3\xb2\xa1": ("<", 1e-6),
-    b"\xa1\xb2\xc3\xd4": (">", 1e-6),
-    b"\x4d\x3c\xb2\xa1": ("<", 1e-9),
-    b"\xa1\xb2\x3c\x4d": (">", 1e-9),
+    b"\xd4\xc3\xb2\xa1": ("<", 10**6),
+    b"\xa1\xb2\xc3\xd4": (">", 10**6),
+    b"\x4d\x3c\xb2\xa1": ("<", 10**9),
+    b"\xa1\xb2\x3c\x4d": (">", 10**9),
 }
+"""Byte order and ticks each second, by what the file begins with."""
 _GZIP = b"\x1f\x8b"
 _SECTION_HEADER = 0x0A0D0D0A
 _INTERFACE = 1
@@ -42,6 +44,7 @@ class Frame:
         link_type: What its bytes begin with (LINKTYPE_ of tcpdump.org).
         data: The bytes that were captured.
         is_cut: Whether the capture kept only its beginning.
+        nanoseconds: The time to the nanosecond, which no float holds; None as with it.
     """
 
     number: int
@@ -49,6 +52,7 @@ class Frame:
     link_type: int
     data: bytes
     is_cut: bool = False
+    nanoseconds: int | None = None
 
 
 def read_frames(stream: BinaryIO) -> Iterator[Frame]:
@@ -128,7 +132,7 @@ class _File:
         return data
 
 
-def _pcap(file: _File, order: str, resolution: float) -> Iterator[Frame]:
+def _pcap(file: _File, order: str, ticks_each_second: int) -> Iterator[Frame]:
     header = file.read(20, "the file header", 0)
     (network,) = struct.unpack(f"{order}16xI", header)
     link_type = network & 0xFFFF  # the upper half tells of check sums after the frames
@@ -142,7 +146,8 @@ def _pcap(file: _File, order: str, resolution: float) -> Iterator[Frame]:
             return
         seconds, fraction, kept, length = record.unpack(head)
         data = file.read(kept, f"frame {number}", begin)
-        yield Frame(number, seconds + fraction * resolution, link_type, data, kept < length)
+        time = seconds * _NANO + fraction * _NANO // ticks_each_second
+        yield Frame(number, time / _NANO, link_type, data, kept < length, time)
 
 
 class _Pcapng:
@@ -151,7 +156,7 @@ class _Pcapng:
     def __init__(self, file: _File) -> None:
         self._file = file
         self._order = "<"
-        self._interfaces: list[tuple[int, int, float, int]] = []
+        self._interfaces: list[tuple[int, int, int, int]] = []
         self._number = 0
 
     def frames(self) -> Iterator[Frame]:
@@ -198,26 +203,26 @@ class _Pcapng:
             raise CaptureError(f"block 0x{kind:X} is too short", begin) from None
         return None
 
-    def _interface(self, body: bytes) -> tuple[int, int, float, int]:
-        """Returns link type, snap length, resolution and offset of the time in seconds."""
+    def _interface(self, body: bytes) -> tuple[int, int, int, int]:
+        """Returns link type, snap length, ticks each second, and offset of the time in seconds."""
         link_type, snap_length = struct.unpack_from(f"{self._order}H2xI", body)
-        resolution, offset, at = 1e-6, 0, 8
+        ticks_each_second, offset, at = 10**6, 0, 8
         while at + 4 <= len(body):
             code, length = struct.unpack_from(f"{self._order}HH", body, at)
             value = body[at + 4 : at + 4 + length]
             at += 4 + (length + 3 & ~3)
             if code == _OPTION_RESOLUTION and length == 1:
                 exponent = value[0] & 0x7F
-                resolution = 2.0**-exponent if value[0] & 0x80 else 10.0**-exponent
+                ticks_each_second = (2 if value[0] & 0x80 else 10) ** exponent
             elif code == _OPTION_OFFSET and length == 8:
                 (offset,) = struct.unpack(f"{self._order}q", value)
-        return link_type, snap_length, resolution, offset
+        return link_type, snap_length, ticks_each_second, offset
 
     def _packet(self, kind: int, body: bytes, begin: int) -> Frame:
         layout = "IIIII" if kind == _ENHANCED_PACKET else "H2xIIII"
         interface, high, low, kept, length = struct.unpack_from(f"{self._order}{layout}", body)
-        link_type, _, resolution, offset = self._interface_of(interface, begin)
-        time = (high << 32 | low) * resolution + offset
+        link_type, _, ticks_each_second, offset = self._interface_of(interface, begin)
+        time = (high << 32 | low) * _NANO // ticks_each_second + offset * _NANO
         return self._frame(time, link_type, body[20:], kept, length, begin)
 
     def _simple_packet(self, body: bytes, begin: int) -> Frame:
@@ -226,15 +231,16 @@ class _Pcapng:
         kept = min(length, snap_length or length)
         return self._frame(None, link_type, body[4:], kept, length, begin)
 
-    def _interface_of(self, number: int, begin: int) -> tuple[int, int, float, int]:
+    def _interface_of(self, number: int, begin: int) -> tuple[int, int, int, int]:
         if number >= len(self._interfaces):
             raise CaptureError(f"a frame is of interface {number}, which is not described", begin)
         return self._interfaces[number]
 
     def _frame(
-        self, time: float | None, link_type: int, data: bytes, kept: int, length: int, begin: int
+        self, time: int | None, link_type: int, data: bytes, kept: int, length: int, begin: int
     ) -> Frame:
         self._number += 1
         if kept > len(data):
             raise CaptureError(f"frame {self._number} is longer than its block", begin)
-        return Frame(self._number, time, link_type, data[:kept], kept < length)
+        seconds = None if time is None else time / _NANO
+        return Frame(self._number, seconds, link_type, data[:kept], kept < length, time)

@@ -34,6 +34,7 @@ class Datagram:
         destination: Where it went, None when nobody told.
         time: Seconds since 1970, None when nobody told.
         number: Number of the frame or line that ended it, from 1.
+        nanoseconds: The time to the nanosecond, None when nobody told.
     """
 
     data: bytes
@@ -41,6 +42,7 @@ class Datagram:
     destination: Endpoint | None = None
     time: float | None = None
     number: int | None = None
+    nanoseconds: int | None = None
 
 
 class _Cut(Exception):  # noqa: N818 - it is no error of ours: the capture kept too few bytes
@@ -214,4 +216,4 @@ class UdpReader:
             return None
         if has_form:
             self.elsewhere.learn(*ends)
-        return Datagram(data, *ends, frame.time, frame.number)
+        return Datagram(data, *ends, frame.time, frame.number, frame.nanoseconds)

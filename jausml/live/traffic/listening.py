@@ -93,7 +93,8 @@ class MulticastListener:
             except TimeoutError:
                 continue
             number += 1
-            yield Datagram(data, Endpoint(*sender), self._group, time.time(), number)
+            now = time.time_ns()
+            yield Datagram(data, Endpoint(*sender), self._group, now / 1e9, number, now)
 
 
 def _remedy(error: OSError, settings: TransportSettings) -> str:

@@ -53,7 +53,9 @@ class Observation:
         datagram: The datagram in which it stood.
         packet: Its header and payload, None when the datagram cannot be read.
         data_size: What its header says: bytes of the header, the payload and the sequence number.
-        message: The JAUS message; that of several packets stands with the packet that completes it.
+        payload: Code and body of the JAUS message; that of several packets stands with the packet
+            that completes it, and is empty with the others.
+        message: The JAUS message, where its payload can be decoded.
         error: Why there is no message, empty when there is one or none is due; of a packet of
             several, which place it has.
         is_fragment: Whether it is a packet of a message of several.
@@ -62,6 +64,7 @@ class Observation:
     datagram: Datagram
     packet: Packet | None = None
     data_size: int = 0
+    payload: bytes = b""
     message: DecodedMessage | None = None
     error: str = ""
     is_fragment: bool = False
@@ -141,12 +144,15 @@ class Observer:
     """
 
     def __init__(
-        self, catalogue: Catalogue, service: str | None = None, message: str | None = None
+        self,
+        catalogue: Catalogue | None = None,
+        service: str | None = None,
+        message: str | None = None,
     ) -> None:
         """Starts with no packets.
 
         Args:
-            catalogue: What messages there are.
+            catalogue: What messages there are; without it none is decoded.
             service: Service whose messages are meant where a code has several meanings.
             message: Name of the message that is meant where a code still has several meanings.
         """
@@ -188,6 +194,9 @@ class Observer:
             if whole is None:
                 return replace(seen, error=_FRAGMENTS[packet.data_flags], is_fragment=True)
             payload = whole.payload
+        seen = replace(seen, payload=payload)
+        if self._catalogue is None:
+            return replace(seen, is_fragment=is_fragment)
         try:
             message = self._catalogue.decode(payload, self._service, self._message)
         except MessageError as error:
