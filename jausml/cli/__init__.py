@@ -39,6 +39,7 @@ VERBS = {
     "show": "Show one message, service or map.",
     "decode": "Show JAUS messages: from hex, from captures, or live.",
     "encode": "Turn messages in JSON into hex.",
+    "replay": "Replay recordings through the maps of a model.",
     "ocu": "Operate running JAUS components of any make.",
     "ping": "Ask the component again and again, and time its answers.",
     "latency": "Measure the reports of a running system.",

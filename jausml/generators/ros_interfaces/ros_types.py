@@ -31,7 +31,7 @@ def package_files(package: ros.InterfacePackage, source: str) -> Iterator[Defini
     elements: list[InterfaceType] = [*package.messages, *package.services, *package.actions]
     for element in elements:
         kind = kind_of(element)
-        sections = [_section(part, name) for part in parts_of(element)]
+        sections = [section_of(part, name) for part in parts_of(element)]
         if kind != "msg" and element.documentation:
             # What stands at the head of the file is said of the whole.
             texts = (str(element.documentation), sections[0].comment)
@@ -40,7 +40,13 @@ def package_files(package: ros.InterfacePackage, source: str) -> Iterator[Defini
         yield DefinitionFile(name, str(element.name), kind, tuple(sections), identity, source)
 
 
-def _section(message: ros.MessageType, package: str) -> DefinitionSection:
+def section_of(message: ros.MessageType, package: str = "") -> DefinitionSection:
+    """Returns a message, or a part of a service or an action, as definition files have it.
+
+    Args:
+        message: The message.
+        package: Package of the file, whose types need no package in it; empty names all packages.
+    """
     constants = [
         ConstantLine(
             str(each.name), each.type.name, str(each.value or ""), str(each.documentation or "")

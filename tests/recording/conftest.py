@@ -1,0 +1,6 @@
+"""Makes recordings, and the capture files of tests/traffic, importable."""
+
+import sys
+from pathlib import Path
+
+sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1] / "traffic")]
