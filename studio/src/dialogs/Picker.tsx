@@ -1,4 +1,5 @@
-import { type KeyboardEvent, type ReactNode, useEffect, useId, useRef, useState } from "react";
+import { type ReactNode, useEffect, useId, useRef, useState } from "react";
+import { useListKeys } from "../keyboard/useListKeys";
 
 export interface Pick {
   id: string;
@@ -17,32 +18,21 @@ interface Props {
 /** A list to choose one of, searched as one types; arrows go, Enter takes. */
 export function Picker({ label, picks, onPick, isSearched = true }: Props) {
   const [typed, setTyped] = useState("");
-  const [at, setAt] = useState(0);
   const id = useId();
   const list = useRef<HTMLDivElement>(null);
   const words = typed.toLowerCase().split(/\s+/).filter(Boolean);
   const shown = picks
     .map((pick, index) => ({ pick, index }))
     .filter(({ pick }) => words.every((word) => pick.text.toLowerCase().includes(word)));
-  const here = Math.min(at, shown.length - 1);
+  const keys = useListKeys(shown.length, (at) => {
+    const found = shown[at];
+    if (found) onPick(found.index);
+  });
+  const here = keys.active;
 
   useEffect(() => {
     list.current?.querySelector(`[data-at="${here}"]`)?.scrollIntoView({ block: "nearest" });
   }, [here]);
-
-  function onKeyDown(event: KeyboardEvent) {
-    const to = { ArrowDown: here + 1, ArrowUp: here - 1, Home: 0, End: shown.length - 1 }[
-      event.key
-    ];
-    if (to !== undefined && !(isSearched && ["Home", "End"].includes(event.key))) {
-      event.preventDefault();
-      setAt(Math.max(0, Math.min(to, shown.length - 1)));
-    } else if (event.key === "Enter") {
-      event.preventDefault();
-      const found = shown[here];
-      if (found) onPick(found.index);
-    }
-  }
 
   const active = shown[here] ? `${id}-${here}` : undefined;
   return (
@@ -59,9 +49,9 @@ export function Picker({ label, picks, onPick, isSearched = true }: Props) {
           value={typed}
           onChange={(event) => {
             setTyped(event.currentTarget.value);
-            setAt(0);
+            keys.setActive(0);
           }}
-          onKeyDown={onKeyDown}
+          onKeyDown={keys.onKey}
         />
       )}
       <div
@@ -71,7 +61,7 @@ export function Picker({ label, picks, onPick, isSearched = true }: Props) {
         aria-label={label}
         tabIndex={isSearched ? -1 : 0}
         aria-activedescendant={isSearched ? undefined : active}
-        onKeyDown={isSearched ? undefined : onKeyDown}
+        onKeyDown={isSearched ? undefined : keys.onKey}
       >
         {shown.map(({ pick, index }, row) => (
           // biome-ignore lint/a11y/useKeyWithClickEvents: keys go to the list
@@ -83,7 +73,7 @@ export function Picker({ label, picks, onPick, isSearched = true }: Props) {
             role="option"
             aria-selected={row === here}
             onClick={() => onPick(index)}
-            onPointerMove={() => setAt(row)}
+            onPointerMove={() => keys.setActive(row)}
           >
             {pick.shown}
           </div>

@@ -1,4 +1,5 @@
 import { type KeyboardEvent, useId, useMemo, useRef, useState } from "react";
+import { useListKeys } from "../../keyboard/useListKeys";
 import type { Choice } from "../../protocol";
 
 const MOST_SHOWN = 100;
@@ -31,17 +32,17 @@ export function matching(choices: readonly Choice[], query: string): Choice[] {
 /** A text field that offers what may be chosen, searched as one types (ARIA combobox). */
 export function Combobox(props: Props) {
   const [query, setQuery] = useState<string | null>(null);
-  const [at, setAt] = useState(0);
   const list = useId();
   const input = useRef<HTMLInputElement>(null);
   const isOpen = query !== null;
   const all = useMemo(() => matching(props.choices, query ?? ""), [props.choices, query]);
   const offered = all.slice(0, MOST_SHOWN);
-  const active = Math.min(at, offered.length - 1);
+  const keys = useListKeys(offered.length, (at) => choose(offered[at]));
+  const { active } = keys;
 
   function close() {
     setQuery(null);
-    setAt(0);
+    keys.setActive(0);
   }
 
   function choose(choice: Choice | undefined) {
@@ -51,21 +52,15 @@ export function Combobox(props: Props) {
   }
 
   function onKeyDown(event: KeyboardEvent) {
-    if (event.key === "ArrowDown" || event.key === "ArrowUp") {
+    if (isOpen && keys.onKey(event)) return;
+    if (!isOpen && (event.key === "ArrowDown" || event.key === "ArrowUp")) {
       event.preventDefault();
-      if (!isOpen) return setQuery("");
-      const step = event.key === "ArrowDown" ? 1 : -1;
-      return setAt((active + step + offered.length) % Math.max(offered.length, 1));
-    }
-    if (event.key === "Enter" && isOpen) {
-      event.preventDefault();
-      return choose(offered[active]);
+      setQuery("");
     }
     if (event.key === "Escape" && isOpen) {
       event.stopPropagation();
       close();
     }
-    return undefined;
   }
 
   return (
@@ -90,7 +85,7 @@ export function Combobox(props: Props) {
         onClick={() => query === null && setQuery("")}
         onChange={(event) => {
           setQuery(event.currentTarget.value);
-          setAt(0);
+          keys.setActive(0);
         }}
         onBlur={close}
         onKeyDown={onKeyDown}

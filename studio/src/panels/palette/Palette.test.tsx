@@ -1,8 +1,9 @@
-import { createEvent, fireEvent, render, screen, within } from "@testing-library/react";
+import { act, createEvent, fireEvent, render, screen, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { beforeEach, expect, it } from "vitest";
 import { DRAGGED } from "../../actions";
 import type { PaletteItem } from "../../protocol";
+import { update } from "../../store";
 import { type FakeServer, serve } from "../../testing/fakeServer";
 import { Palette } from "./Palette";
 
@@ -15,6 +16,7 @@ function item(id: string, group: PaletteItem["group"], label: string): PaletteIt
     documentation: `What ${label} is.`,
     drop: { commands: [{ kind: "remove", element: id }] },
     label_of_edit: `Add ${label}`,
+    onto: "",
   };
 }
 
@@ -99,4 +101,15 @@ it("tells what the server refuses", async () => {
   render(<Palette />);
   await userEvent.dblClick(await screen.findByRole("option", { name: /bridge/ }));
   expect(await screen.findByRole("alert")).toHaveTextContent("the library is not changed");
+});
+
+it("shows what fits the chosen element first, and says on what it goes", async () => {
+  const fits = { ...item("4", "services", "Waypoints"), onto: "vehicle" };
+  server.answer("palette", ({ onto }) => ({ items: onto ? [fits, ...ITEMS] : ITEMS }));
+  render(<Palette />);
+  await screen.findByRole("option", { name: /PrimitiveDriver/ });
+  act(() => update({ chosen: "robot.xmi#vehicle" }));
+  expect(await screen.findByText("services on vehicle")).toBeVisible();
+  expect(names()[0]).toContain("Waypoints");
+  expect(server.params("palette").at(-1)?.onto).toBe("robot.xmi#vehicle");
 });

@@ -1,6 +1,7 @@
 import { type DragEvent, type KeyboardEvent, useId, useState } from "react";
 import { ask, change, DRAGGED, messageOf } from "../../actions";
-import type { PaletteGroup, PaletteItem } from "../../protocol";
+import { useListKeys } from "../../keyboard/useListKeys";
+import type { PaletteGroup, PaletteItem, Ref } from "../../protocol";
 import { useStudio } from "../../store";
 import { Fault, Quiet } from "../base/parts";
 import { useRevision } from "../base/studio";
@@ -16,30 +17,37 @@ interface Offer {
   group: string;
 }
 
-/** What can be added to the file: searched as one types, dragged to the diagram, or added by Enter. */
+/**
+ * What can be added: what fits the chosen element first, then what the system takes. It is searched
+ * as one types, dragged to the diagram, or added by Enter.
+ */
 export function Palette() {
   const file = useStudio((state) => state.file);
+  const onto = useStudio((state) => state.chosen);
   const revision = useRevision();
   const [typed, setTyped] = useState("");
   const query = useSettled(typed.trim(), PAUSE_MS);
-  const { value, error } = useAnswer("palette", file ? { file, query } : null, revision);
+  const { value, error } = useAnswer("palette", file ? { file, query, onto } : null, revision);
   const [kept, setKept] = useState(() => recent(localStorage));
-  const [at, setAt] = useState(0);
   const [fault, setFault] = useState("");
   const list = useId();
 
-  const items = value?.items ?? [];
+  const items = useHeld(value?.items) ?? [];
   const offers: Offer[] = [
+    ...headed(items.filter((each) => each.onto)),
     ...(query === "" ? kept.map((item) => ({ item, group: "recently used" })) : []),
-    ...GROUPS.flatMap((group) =>
-      items.filter((each) => each.group === group).map((item) => ({ item, group })),
-    ),
+    ...headed(items.filter((each) => !each.onto)),
   ];
-  const active = Math.min(at, offers.length - 1);
+  const keys = useListKeys(offers.length, (at) => {
+    const offer = offers[at];
+    // What is still shown of an older question is not added.
+    if (offer && value) void add(offer.item);
+  });
+  const { active } = keys;
 
   async function add(item: Offer["item"]) {
     try {
-      const whole = item.drop ? (item as PaletteItem) : await lookUp(file, item);
+      const whole = item.drop ? (item as PaletteItem) : await lookUp(file, item, onto);
       await change(whole.drop.commands, whole.label_of_edit);
       setKept(remember(localStorage, whole));
       setFault("");
@@ -49,18 +57,9 @@ export function Palette() {
   }
 
   function onKeyDown(event: KeyboardEvent) {
-    if (event.key === "ArrowDown" || event.key === "ArrowUp") {
-      event.preventDefault();
-      const step = event.key === "ArrowDown" ? 1 : -1;
-      setAt((active + step + offers.length) % Math.max(offers.length, 1));
-    } else if (event.key === "Enter") {
-      event.preventDefault();
-      const offer = offers[active];
-      if (offer) add(offer.item);
-    } else if (event.key === "Escape" && typed !== "") {
-      event.stopPropagation();
-      setTyped("");
-    }
+    if (keys.onKey(event) || event.key !== "Escape" || typed === "") return;
+    event.stopPropagation();
+    setTyped("");
   }
 
   return (
@@ -79,7 +78,7 @@ export function Palette() {
         value={typed}
         onChange={(event) => {
           setTyped(event.currentTarget.value);
-          setAt(0);
+          keys.setActive(0);
         }}
         onKeyDown={onKeyDown}
       />
@@ -92,7 +91,7 @@ export function Palette() {
             offer={offer}
             isFirst={offers[index - 1]?.group !== offer.group}
             isActive={index === active}
-            onPoint={() => setAt(index)}
+            onPoint={() => keys.setActive(index)}
             onAdd={() => add(offer.item)}
           />
         ))}
@@ -100,6 +99,22 @@ export function Palette() {
       {value && offers.length === 0 && <Quiet>Nothing has this name.</Quiet>}
       <Quiet>Drag to the diagram, or choose with ↑ ↓ and press Enter to add.</Quiet>
     </section>
+  );
+}
+
+/** The last value that there was: what is shown stays until the next one has come. */
+function useHeld<T>(value: T | undefined): T | undefined {
+  const [held, setHeld] = useState(value);
+  if (value !== undefined && value !== held) setHeld(value);
+  return value ?? held;
+}
+
+/** Items under the heads of their groups, which say on what they go. */
+function headed(items: PaletteItem[]): Offer[] {
+  return GROUPS.flatMap((group) =>
+    items
+      .filter((each) => each.group === group)
+      .map((item) => ({ item, group: item.onto ? `${group} on ${item.onto}` : group })),
   );
 }
 
@@ -161,8 +176,8 @@ function Row({ id, offer: { item, group }, isFirst, isActive, onPoint, onAdd }: 
   );
 }
 
-async function lookUp(file: string, wanted: Recent): Promise<PaletteItem> {
-  const { items } = await ask("palette", { file, query: wanted.label });
+async function lookUp(file: string, wanted: Recent, onto: Ref): Promise<PaletteItem> {
+  const { items } = await ask("palette", { file, query: wanted.label, onto });
   const found = items.find((each) => each.id === wanted.id);
   if (!found) throw new Error(`${wanted.label} can not be added here.`);
   return found;

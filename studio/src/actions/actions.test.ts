@@ -1,10 +1,10 @@
 import { expect, test, vi } from "vitest";
-import * as actions from "./actions";
-import type { EditResult, Graph, Notifications } from "./protocol";
-import { edgeKey, nodeKey, portKey } from "./selection";
-import { state, update } from "./store";
-import { PROJECT, serve } from "./testing/fakeServer";
-import { edge, node, smallGraph } from "./testing/graphs";
+import type { EditResult, Graph, Notifications } from "../protocol";
+import { edgeKey, nodeKey, portKey } from "../selection";
+import { state, update } from "../store";
+import { PROJECT, serve } from "../testing/fakeServer";
+import { edge, node, smallGraph } from "../testing/graphs";
+import * as actions from "./index";
 
 const VIEWS = [{ name: "system", kind: "system" as const, title: "", library: false }];
 const DONE: EditResult = {
@@ -153,6 +153,7 @@ test("a box that was dropped stands where it was dropped", async () => {
       documentation: "",
       drop: { commands: [add] },
       label_of_edit: "Add a node",
+      onto: "",
     },
     [10.4, 20.6],
   );

@@ -1,0 +1,58 @@
+// Changes of the model, and taking them back.
+
+import type { Command, EditResult } from "../protocol";
+import { say, state, update } from "../store";
+import { ask, tried } from "./asking";
+import { choose } from "./choosing";
+import { openFile, refresh } from "./showing";
+
+/**
+ * Changes the model.
+ *
+ * @throws CallError The server refused, and why.
+ */
+export async function change(commands: Command[], label: string): Promise<EditResult> {
+  const base = state().project?.revision ?? state().revision;
+  return settled(await ask("edit", { commands, label, base }), label);
+}
+
+/** Changes the model; null if the server refused, which the user is told. */
+export async function edit(commands: Command[], label: string): Promise<EditResult | null> {
+  return commands.length ? ((await tried(change(commands, label))) ?? null) : null;
+}
+
+/** Shows what an edit did. */
+export async function settled(result: EditResult, label: string): Promise<EditResult> {
+  update({ undoable: result.entry ?? state().undoable });
+  say(label);
+  if (state().revision < result.revision) await refresh();
+  const created = result.created[0];
+  if (created) choose(created);
+  return result;
+}
+
+/** Makes a model file with an empty system, and opens it. */
+export async function newModel(file: string): Promise<void> {
+  const name = file.replace(/^.*\//, "").replace(/\.[^.]*$/, "");
+  const create: Command = { kind: "create", file, type: "system.System", values: { name: [name] } };
+  if (await edit([create], `Create ${file}`)) await openFile(file);
+}
+
+/** Tells what an edit would do, without doing it. */
+export function dryRun(commands: Command[], label: string): Promise<EditResult | undefined> {
+  return tried(ask("edit", { commands, label, dry: true }));
+}
+
+export async function undo(): Promise<void> {
+  const result = await tried(ask("undo", {}));
+  if (!result) return;
+  say(result.entry ? `Undone: ${result.entry.label}` : "There is nothing to undo.");
+  if (state().revision < result.revision) await refresh();
+}
+
+export async function redo(): Promise<void> {
+  const result = await tried(ask("redo", {}));
+  if (!result) return;
+  say(result.entry ? `Done again: ${result.entry.label}` : "There is nothing to do again.");
+  if (state().revision < result.revision) await refresh();
+}

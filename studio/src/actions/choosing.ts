@@ -1,0 +1,38 @@
+// What is selected, and which element forms and sources show.
+
+import type { Ref } from "../protocol";
+import { elementOf, indexOf, nameOf, type PartKey } from "../selection";
+import { state, update } from "../store";
+import { openFile } from "./showing";
+
+/** Selects parts of the graph; the last one is shown in the form. */
+export function select(selection: PartKey[]): void {
+  const { graph } = state();
+  const last = selection.at(-1);
+  update({ selection, chosen: graph && last ? elementOf(graph, last) : "" });
+}
+
+/** Shows an element in form and source, and selects it where the graph has it. */
+export function choose(element: Ref): void {
+  const { graph } = state();
+  const key = graph ? indexOf(graph).byElement.get(element) : undefined;
+  update({ chosen: element, selection: key ? [key] : [] });
+}
+
+/** Shows an element in the file where it stands, whichever file is shown now. */
+export async function reveal(element: Ref, file: string): Promise<void> {
+  if (file && file !== state().file && state().project?.files.some((each) => each.path === file)) {
+    await openFile(file);
+  }
+  choose(element);
+}
+
+/** The elements that are selected, and how to call them. */
+export function selected(): { elements: Ref[]; what: string } {
+  const { graph, selection } = state();
+  if (!graph) return { elements: [], what: "" };
+  const known = selection.filter((key) => elementOf(graph, key));
+  const elements = [...new Set(known.map((key) => elementOf(graph, key)))];
+  const name = known[0] ? nameOf(graph, known[0]) : "";
+  return { elements, what: elements.length === 1 ? name : `${elements.length} elements` };
+}

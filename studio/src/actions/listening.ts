@@ -1,0 +1,72 @@
+// What the server tells without being asked.
+
+import type { Link, Listener } from "../connection";
+import type { Notification, Notifications, Project } from "../protocol";
+import { type Outside, say, state, update } from "../store";
+import { openFile, refresh } from "./showing";
+
+export const listener: Listener = {
+  onLink(link: Link, project: Project | null, reason: string) {
+    update({ link, refusal: reason });
+    if (project) void begin(project);
+  },
+  onNotification<N extends Notification>(name: N, params: Notifications[N]) {
+    TAKING[name]?.(params);
+  },
+};
+
+const TAKING: { [N in Notification]: (params: Notifications[N]) => void } = {
+  changed(params) {
+    const { project } = state();
+    if (!project) return;
+    const { files } = params;
+    update({ project: { ...project, revision: params.revision, files } });
+    if (!files.some((each) => each.path === state().file)) {
+      void openFile(files[0]?.path ?? "");
+      return;
+    }
+    if (params.by === "outside") say("A file was changed by another program.");
+    void refresh();
+  },
+  problems(params) {
+    const before = state().problems;
+    update({ problems: params });
+    const words = verdict(params.problems);
+    if (!before || verdict(before.problems) !== words) say(words);
+  },
+  conflict(params) {
+    noteOutside({ ...params, isConflict: true });
+    say(`${params.file} was changed by another program, and here.`, true);
+  },
+  outside(params) {
+    noteOutside({ ...params, isConflict: false });
+  },
+  live(params) {
+    update({ live: params.state });
+  },
+};
+
+/** Keeps the last change of each file; a conflict stays until it is dismissed. */
+function noteOutside(change: Outside): void {
+  const { outside } = state();
+  if (!change.isConflict && outside.some((each) => each.file === change.file && each.isConflict)) {
+    return;
+  }
+  update({ outside: [...outside.filter((each) => each.file !== change.file), change] });
+}
+
+function verdict(problems: { severity: string }[]): string {
+  const count = (severity: string) => problems.filter((each) => each.severity === severity).length;
+  const [errors, warnings] = [count("error"), count("warning")];
+  if (!errors && !warnings) return "No problems.";
+  const words = (n: number, word: string) => (n ? [`${n} ${word}${n === 1 ? "" : "s"}`] : []);
+  return `${[...words(errors, "error"), ...words(warnings, "warning")].join(", ")}.`;
+}
+
+async function begin(project: Project): Promise<void> {
+  update({ project });
+  const { file, view } = state();
+  const kept = project.files.some((each) => each.path === file) ? file : "";
+  const chosen = kept || project.opened || project.files[0]?.path || "";
+  if (chosen) await openFile(chosen, kept ? view : "");
+}

@@ -1,0 +1,105 @@
+// Graphs: what a diagram shows.
+
+import type { LayoutKey, Point, Ref } from "./project";
+
+export type Severity = "error" | "warning" | "info";
+
+export interface Finding {
+  severity: Severity;
+  rule: string;
+  message: string;
+}
+
+export type Details = [string, string][];
+
+export interface GraphPort {
+  id: string;
+  element: Ref | "";
+  key: LayoutKey;
+  label: string;
+  note: string;
+  mark: string;
+  depth: number;
+  /** From the top of the box. */
+  y: number;
+  height: number;
+  details: Details;
+  findings: Finding[];
+}
+
+export interface GraphNode {
+  id: string;
+  element: Ref | "";
+  key: LayoutKey;
+  kind: string;
+  title: string;
+  subtitle: string[];
+  group: string;
+  column: number;
+  details: Details;
+  findings: Finding[];
+  x: number;
+  y: number;
+  width: number;
+  height: number;
+  /** Height of what stands above the rows. */
+  head: number;
+  /** Its place is the user's, not the layout's. */
+  moved: boolean;
+  ports: GraphPort[];
+}
+
+export interface GraphGroup {
+  id: string;
+  element: Ref | "";
+  key: LayoutKey;
+  kind: string;
+  title: string;
+  parent: string;
+  x: number;
+  y: number;
+  width: number;
+  height: number;
+}
+
+export interface GraphEnd {
+  node: string;
+  port: string;
+}
+
+export interface GraphEdge {
+  id: string;
+  element: Ref | "";
+  key: LayoutKey;
+  source: GraphEnd;
+  target: GraphEnd;
+  kind: string;
+  title: string;
+  labels: string[];
+  count: number;
+  details: Details;
+  findings: Finding[];
+  /** A start, then three points for each cubic Bezier curve; empty for none. */
+  route: Point[];
+  /** The middle of its label. */
+  label: Point | null;
+}
+
+export interface Graph {
+  view: string;
+  title: string;
+  /** What it shows; empty for the whole model. */
+  element: Ref | "";
+  downwards: boolean;
+  width: number;
+  height: number;
+  findings: Finding[];
+  nodes: GraphNode[];
+  groups: GraphGroup[];
+  edges: GraphEdge[];
+}
+
+export interface ViewResult {
+  revision: number;
+  graph: Graph;
+}

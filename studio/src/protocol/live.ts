@@ -1,0 +1,66 @@
+// The state of a running system.
+
+export interface LiveEdge {
+  level: string;
+  rate: number | null;
+  declared: number | null;
+  age: number | null;
+  latency: Record<string, number> | null;
+  drops: Record<string, number>;
+  text: string;
+}
+
+export interface LiveBox {
+  level: string;
+  state: string;
+  controller: string;
+  text: string;
+}
+
+/** What is known of a connection, as `jausml top --json` tells it. */
+export interface LiveConnection {
+  bridge: string;
+  connection: string;
+  /** Id of its row in the system view, empty where the model has none. */
+  row: string;
+  level: string;
+  state: string | null;
+  reason: string;
+  rate: number | null;
+  declared_rate: number | null;
+  age: number | null;
+  latency_us: Record<string, number>;
+  drops: Record<string, number>;
+  /** Seconds since its bridge told something. */
+  told: number | null;
+}
+
+export interface LiveComponent {
+  id: string;
+  name: string;
+  level: string;
+  reason: string;
+  state: string | null;
+  controller: string | null;
+  authority: number | null;
+  round_trip_ms: number | null;
+}
+
+export interface LiveState {
+  health?: string;
+  heard?: boolean;
+  sources?: Record<string, string>;
+  connections?: LiveConnection[];
+  components?: LiveComponent[];
+  ignored?: number;
+  /** By id of an edge or a port of the system view. */
+  edges: Record<string, LiveEdge>;
+  /** By id of a node of the system view. */
+  boxes: Record<string, LiveBox>;
+}
+
+export interface LiveMessage {
+  jaus: string;
+  ros: string;
+  age: number | null;
+}

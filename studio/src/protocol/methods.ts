@@ -1,0 +1,81 @@
+// Requests and notifications.
+
+import type { Command, EditResult, Entry } from "./commands";
+import type { GraphEnd, ViewResult } from "./graphs";
+import type { LiveMessage, LiveState } from "./live";
+import type { Direction, Filling, MapSide, TriedInput, TryResult } from "./maps";
+import type { ConnectResult, Form, LegalEnd, PaletteItem } from "./offers";
+import type { Plan } from "./plans";
+import type { Problems } from "./problems";
+import type { FileInfo, Project, Ref, ViewInfo } from "./project";
+import type { FileText, Source } from "./sources";
+
+/** Requests: parameters and results by method. */
+export interface Methods {
+  hello: [{ token: string }, Project];
+  views: [{ file: string }, { views: ViewInfo[] }];
+  view: [{ file: string; view: string }, ViewResult];
+  arrange: [{ file: string; view: string }, ViewResult];
+  edit: [{ commands: Command[]; label: string; base?: number; dry?: boolean }, EditResult];
+  undo: [Record<string, never>, { revision: number; entry: Entry | null }];
+  redo: [Record<string, never>, { revision: number; entry: Entry | null }];
+  log: [Record<string, never>, { entries: Entry[]; at: number }];
+  copy: [{ elements: Ref[] }, { commands: Command[] }];
+  paste: [{ owner: Ref; commands: Command[] }, EditResult];
+  form: [{ element: Ref }, Form];
+  palette: [
+    /** `onto` is the element that it is added to, or dropped on. */
+    { file: string; query: string; kinds?: string[]; limit?: number; onto?: Ref },
+    { items: PaletteItem[] },
+  ];
+  connect: [{ file: string; view: string; source: GraphEnd; target: GraphEnd }, ConnectResult];
+  ends: [{ file: string; view: string; node: string; port: string }, { ends: LegalEnd[] }];
+  /** How a line is taken away that is no element. */
+  unlink: [{ file: string; view: string; line: string }, ConnectResult];
+  problems: [{ file: string }, Problems];
+  source: [{ element: Ref }, Source];
+  text: [{ file: string }, FileText];
+  /** The innermost element whose text has the character at an offset of a file. */
+  at: [{ file: string; offset: number }, { element: Ref | "" }];
+  members: [{ file: string; view: string }, { sides: MapSide[] }];
+  /** How a member of a map may be filled without a source. */
+  fill: [
+    { file: string; view: string; target: GraphEnd; value: string },
+    { constant: ConnectResult; clock: ConnectResult; ignore: ConnectResult },
+  ];
+  /** What nothing fills yet in a map, and what corresponds to it. */
+  fill_map: [{ file: string; view: string }, Filling];
+  write: [{ file: string; text: string; base: number }, { revision: number }];
+  try: [
+    { file: string; map: string; direction: Direction; values: Record<string, string> },
+    TryResult,
+  ];
+  tried: [{ file: string; map: string; direction: Direction }, { inputs: TriedInput[] }];
+  /** `force` overwrites generated files that were edited, after a copy. */
+  plan: [{ file: string; out?: string; force?: boolean }, Plan];
+  diff: [{ file: string; out: string; path: string; force: boolean }, { diff: string }];
+  generate: [
+    { file: string; out: string; digest: string; force: boolean },
+    { written: number; message: string },
+  ];
+  "live.start": [{ file: string }, unknown];
+  "live.stop": [Record<string, never>, unknown];
+  "live.message": [{ connection: string }, LiveMessage];
+}
+
+export type Method = keyof Methods;
+export type Params<M extends Method> = Methods[M][0];
+export type Result<M extends Method> = Methods[M][1];
+
+/** Notifications of the server: parameters by method. */
+export interface Notifications {
+  changed: { revision: number; files: FileInfo[]; entry?: Entry | null; by: "edit" | "outside" };
+  problems: Problems;
+  /** Another program changed a file while there were changes here that it does not have. */
+  conflict: { file: string; diff: string };
+  /** Another program changed a file. */
+  outside: { file: string; diff: string };
+  live: { state: LiveState };
+}
+
+export type Notification = keyof Notifications;

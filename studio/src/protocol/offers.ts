@@ -1,0 +1,99 @@
+// What may be changed, added and connected: forms, the palette, lines.
+
+import type { Command } from "./commands";
+import type { Ref } from "./project";
+
+export type FieldKind =
+  | "text"
+  | "multiline"
+  | "number"
+  | "integer"
+  | "boolean"
+  | "choice"
+  | "reference";
+
+export interface Choice {
+  value: string;
+  label: string;
+  documentation: string;
+}
+
+export interface FormField {
+  feature: string;
+  label: string;
+  kind: FieldKind;
+  many: boolean;
+  required: boolean;
+  values: string[];
+  /** Labels of references. */
+  shown: string[];
+  default: string;
+  documentation: string;
+  unit: string;
+  choices: Choice[];
+  problems: string[];
+  changeable: boolean;
+}
+
+export interface ChildKind {
+  kind: string;
+  label: string;
+  documentation: string;
+  /** What a new one begins with, such as a name that nobody has. */
+  values?: Record<string, string[]>;
+}
+
+export interface FormChildren {
+  feature: string;
+  label: string;
+  many: boolean;
+  documentation: string;
+  kinds: ChildKind[];
+  elements: { element: Ref; label: string; kind: string }[];
+}
+
+export interface Form {
+  element: Ref;
+  class: string;
+  title: string;
+  documentation: string;
+  readonly: boolean;
+  owner: Ref | "";
+  fields: FormField[];
+  children: FormChildren[];
+}
+
+export type PaletteGroup = "components" | "services" | "ros types" | "ready maps" | "elements";
+
+export interface PaletteItem {
+  id: string;
+  group: PaletteGroup;
+  label: string;
+  note: string;
+  documentation: string;
+  drop: { commands: Command[] };
+  label_of_edit: string;
+  /** What it is added to, empty for the system. */
+  onto: string;
+}
+
+export interface ConnectOption {
+  label: string;
+  why: string;
+  /** The statement in ros2jaus. */
+  preview: string;
+  commands: Command[];
+  is_best: boolean;
+}
+
+export interface ConnectResult {
+  options: ConnectOption[];
+  refusal: string;
+}
+
+export interface LegalEnd {
+  node: string;
+  port: string;
+  label: string;
+  why: string;
+}

@@ -1,0 +1,39 @@
+// Files of a project, and how their elements are named.
+
+/** `<file>#<fragment>` of an element of a model; valid for one revision of the project. */
+export type Ref = string;
+
+/** Name path of an element, such as `bridge:main/velocity`; positions of boxes are kept by it. */
+export type LayoutKey = string;
+
+export type Point = [number, number];
+
+export interface FileInfo {
+  path: string;
+  notation: "xmi" | "text";
+  revision: number;
+  /** The model is the last one that could be read. */
+  stale: boolean;
+  /** The text cannot be parsed at the moment. */
+  dirty: boolean;
+}
+
+export interface Project {
+  name: string;
+  root: string;
+  version: string;
+  revision: number;
+  files: FileInfo[];
+  /** The file to show first, empty for none. */
+  opened: string;
+  extras: { live: boolean; graphviz: boolean };
+}
+
+export type ViewKind = "system" | "map" | "service" | "machine";
+
+export interface ViewInfo {
+  name: string;
+  kind: ViewKind;
+  title: string;
+  library: boolean;
+}
