@@ -6,13 +6,11 @@ from collections import Counter, defaultdict
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from jausml.diagrams.framing import FRAME, MOST_EDGES, bridges_around, is_crowded
 from jausml.diagrams.graph import Edge, End, Group, Port
 
 if TYPE_CHECKING:
     from jausml.diagrams.graph import Graph, Node
-
-MOST_EDGES = 80
-"""Edges that a drawing shows one by one."""
 
 
 def bundled(graph: Graph, most: int = MOST_EDGES) -> Graph:
@@ -25,9 +23,9 @@ def bundled(graph: Graph, most: int = MOST_EDGES) -> Graph:
         most: Edges up to which it stays as it is.
     """
     bridges = [each for each in graph.nodes if each.kind == "bridge"]
-    if len(graph.edges) <= most or not bridges:
+    if not is_crowded(graph, most):
         return graph
-    frames = _frames(graph, {each.id for each in bridges})
+    frames = bridges_around(graph)
     inside: dict[tuple[str, str, str], list[Edge]] = defaultdict(list)
     within: dict[str, Counter[str]] = defaultdict(Counter)
     across: dict[str, Counter[str]] = defaultdict(Counter)
@@ -43,7 +41,7 @@ def bundled(graph: Graph, most: int = MOST_EDGES) -> Graph:
     nodes = graph.by_id
     hosts = {each.id: each.title for each in graph.groups}
     groups = tuple(
-        Group(f"{b.id}!frame", "bridge", b.title, element=b.element, key=f"{b.key}!frame")
+        Group(f"{b.id}{FRAME}", "bridge", b.title, element=b.element, key=f"{b.key}{FRAME}")
         for b in bridges
     )
     return replace(
@@ -55,24 +53,6 @@ def bundled(graph: Graph, most: int = MOST_EDGES) -> Graph:
         groups=groups,
         edges=tuple(_bundle(each, {b.id for b in bridges}) for each in inside.values()),
     )
-
-
-def _frames(graph: Graph, bridges: set[str]) -> dict[str, str]:
-    """Returns by node the bridge that it exchanges most with; empty for none."""
-    counts: dict[str, Counter[str]] = defaultdict(Counter)
-    for edge in graph.edges:
-        for one, other in (
-            (edge.source.node, edge.target.node),
-            (edge.target.node, edge.source.node),
-        ):
-            if other in bridges:
-                counts[one][other] += 1
-    return {
-        each.id: each.id
-        if each.id in bridges
-        else next((bridge for bridge, _ in counts[each.id].most_common(1)), "")
-        for each in graph.nodes
-    }
 
 
 def _box(
@@ -102,7 +82,7 @@ def _box(
     return replace(
         node,
         ports=rows,
-        group=f"{frame}!frame" if frame else "",
+        group=f"{frame}{FRAME}" if frame else "",
         subtitle=subtitle,
         details=(*node.details, *((each.label, each.note) for each in node.ports)),
         findings=tuple(findings),

@@ -173,6 +173,7 @@ class Graph:
         downwards: Whether edges go from top to bottom, not from left to right.
         findings: What is wrong with files, and so belongs to no element.
         element: Reference to the element that it shows, empty for the whole model.
+        is_crowded: Whether lines have no room for labels.
     """
 
     view: str
@@ -183,6 +184,7 @@ class Graph:
     downwards: bool = False
     findings: tuple[Finding, ...] = field(default=())
     element: str = ""
+    is_crowded: bool = False
 
     @property
     def by_id(self) -> dict[str, Node]:

@@ -7,7 +7,8 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from jausml.diagrams.bundling import bundled
+from jausml.diagrams.framing import framed, is_crowded
+from jausml.diagrams.layout.columns import Columns
 from jausml.diagrams.layout.graphviz import Graphviz
 from jausml.diagrams.writers import values
 
@@ -19,10 +20,14 @@ if TYPE_CHECKING:
 
 @dataclass
 class _View:
-    """What is known of a view; the lock is held while it is drawn."""
+    """What is known of a view; the lock is held while it is drawn.
+
+    Whether it is crowded is decided when its boxes get their places: no edit moves them.
+    """
 
     lock: threading.Lock = field(default_factory=threading.Lock)
     standing: values.Standing = field(default_factory=values.Standing)
+    is_crowded: bool = False
 
 
 class Drawings:
@@ -38,17 +43,19 @@ class Drawings:
 
         Args:
             file: The file that it is of.
-            graph: The graph; one of too many edges is bundled.
+            graph: The graph; one of too many edges gets frames around its bridges.
             moved: Corners that users gave to boxes, by key.
 
         Raises:
             LayoutError: There is no layout.
         """
         view = self._view(file, graph.view)
-        shown = bundled(graph)
         with view.lock:
-            is_bundled = shown is not graph
-            return values.render(shown, self._engine, moved, view.standing, packed=is_bundled)
+            if not view.standing.shown:
+                view.is_crowded = is_crowded(graph)
+            if view.is_crowded:
+                return values.render(framed(graph), Columns(), moved, view.standing)
+            return values.render(graph, self._engine, moved, view.standing)
 
     def forget(self, file: str, name: str) -> None:
         """Forgets where the boxes of a view stand.

@@ -12,9 +12,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from test_pictures import large
 
-from jausml.diagrams.bundling import bundled
+from jausml.diagrams.framing import framed, is_crowded
 from jausml.diagrams.graph import Edge, End, Finding, Graph, Group, Node, Port
+from jausml.diagrams.layout.columns import Columns
 from jausml.diagrams.layout.graphviz import Graphviz
+from jausml.diagrams.layout.settling import FRAME_MARGIN
 from jausml.diagrams.layout.sheet import Places, Route
 from jausml.diagrams.views import graph_of
 from jausml.diagrams.writers import values
@@ -94,11 +96,81 @@ def test_boxes_are_apart_in_their_frames_and_the_same_each_time(path, view):
         assert len(edge["route"]) % 3 == 1
 
 
-def test_a_bundled_system():
-    shown = bundled(large())
-    found = values.render(shown, Graphviz(), packed=True)
+def hosted(graph):
+    """A graph on two hosts, with every fifth box on the second."""
+    return replace(
+        graph,
+        nodes=tuple(
+            replace(each, group="h2" if at % 5 == 0 else "h1")
+            for at, each in enumerate(graph.nodes)
+        ),
+        groups=(Group("h1", "host", "host 1", key="h1"), Group("h2", "host", "host 2", key="h2")),
+    )
+
+
+@pytest.mark.parametrize("shown", [large(), hosted(large()), hosted(large(20, 200, 2000))])
+def test_a_large_system_has_frames_and_each_of_its_rows_and_lines(shown):
+    assert is_crowded(shown)
+    found = values.render(framed(shown), Columns())
     assert_apart(found)
-    assert len(found["groups"]) == 6
+    assert_framed(found)
+    assert found["crowded"]
+    assert [each["id"] for each in found["edges"]] == [each.id for each in shown.edges]
+    rows = {(node["id"], port["id"]) for node in found["nodes"] for port in node["ports"]}
+    assert rows == {(node.id, port.id) for node in shown.nodes for port in node.ports}
+    bridges = [each for each in found["groups"] if each["kind"] == "bridge"]
+    assert len(bridges) == sum(each.kind == "bridge" for each in shown.nodes)
+    for at, one in enumerate(bridges):
+        for other in bridges[at + 1 :]:
+            apart = one["x"] + one["width"] <= other["x"] or other["x"] + other["width"] <= one["x"]
+            above = one["y"] + one["height"] <= other["y"]
+            assert apart or above or other["y"] + other["height"] <= one["y"]
+    assert max(found["width"], found["height"]) < 4 * min(found["width"], found["height"])
+    assert values.render(framed(shown), Columns()) == found
+
+
+def test_what_runs_elsewhere_stands_in_the_frame_of_its_host():
+    shown = framed(hosted(large()))
+    nodes = shown.by_id
+    bridge_of = {each.id: each.group.removesuffix("!frame") for each in shown.nodes}
+    assert "" not in bridge_of.values()
+    for each in shown.nodes:
+        if each.group.endswith("!frame") and each.kind != "bridge":
+            original = hosted(large()).by_id
+            assert original[each.id].group == original[bridge_of[each.id]].group
+    assert {nodes["b0"].group, nodes["b1"].group} == {"b0!frame", "b1!frame"}
+
+
+def test_boxes_in_columns_stand_near_the_rows_that_they_are_joined_with():
+    bridge = replace(box("b", "bridge", 9), group="f")
+    others = tuple(replace(box(f"c{n}"), group="f") for n in range(3))
+    edges = tuple(
+        Edge(f"e{n}", End(f"c{n}", "p0"), End("b", f"p{8 - 4 * n}"), "message") for n in range(3)
+    )
+    shown = Graph("system", "s", (bridge, *others), (Group("f", "bridge", "b"),), edges)
+    found = values.render(shown, Columns())
+    where = areas(found)
+    assert where["component:c2"][1] < where["component:c1"][1] < where["component:c0"][1]
+    assert where["component:c0"][2] < where["bridge:b"][0]
+
+
+def test_frames_are_as_wide_as_the_lines_in_them():
+    nodes = tuple(box(each, "node", 2, "g") for each in "abc")
+    edges = (Edge("e", End("a", "p0"), End("c", "p1"), "topic"),)
+    shown = Graph("system", "s", nodes, (Group("g", "host", "g"),), edges)
+    at = {f"node:{each}": (0, 150 * n) for n, each in enumerate("abc")}
+    [plain] = values.render(replace(shown, edges=()), Rows(), at)["groups"]
+    [wide] = values.render(shown, Rows(), at)["groups"]
+    assert wide["width"] >= plain["width"] + 24
+    # Where something else stands they are not.
+    stranger = replace(box("x", "node"), group="")
+    others = replace(shown, nodes=(*nodes, stranger))
+    beside = (plain["x"] + plain["width"] + 5, 150)
+    [narrow] = values.render(others, Rows(), {**at, "node:x": beside})["groups"]
+    assert narrow["width"] == plain["width"]
+    # A way of the engine counts too.
+    [routed] = values.render(replace(shown, edges=(line("a", "b"),)), Rows())["groups"]
+    assert routed["x"] <= 0 - FRAME_MARGIN
 
 
 def test_nothing_to_show():

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping
+    from collections.abc import Collection, Iterable, Iterator, Mapping
 
     from jausml.diagrams.layout.sheet import Box, Frame, Point, Sheet
 
@@ -87,14 +87,22 @@ def settle(
     return {box.id: ground.corners[box.id] for box in sheet.boxes}
 
 
-def frames_around(sheet: Sheet, boxes: Mapping[str, Point]) -> dict[str, Area]:
+def frames_around(
+    sheet: Sheet,
+    boxes: Mapping[str, Point],
+    more: Mapping[str, Iterable[Area]] | None = None,
+) -> dict[str, Area]:
     """Returns what frames cover, given where boxes stand; those around nothing are left out.
 
     Args:
         sheet: The boxes and frames.
         boxes: Upper left corners of boxes by id; of those that stand already.
+        more: What besides boxes stands in frames, by id.
     """
     inner: dict[str, Area] = {}
+    for name, areas in (more or {}).items():
+        for area in areas:
+            _widen(inner, name, area)
     for box in sheet.boxes:
         if box.id in boxes:
             _widen(inner, box.group, area_of(box, boxes[box.id]))

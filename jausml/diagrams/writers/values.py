@@ -13,7 +13,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from jausml.diagrams.layout.settling import area_of, frames_around, settle
+from jausml.diagrams.layout.settling import area_of, settle
+from jausml.diagrams.layout.surrounding import surrounding
 from jausml.diagrams.writers import shapes
 from jausml.diagrams.writers.text_width import cut
 
@@ -52,8 +53,6 @@ def render(
     engine: Engine,
     moved: Mapping[str, tuple[int, int]] | None = None,
     standing: Standing | None = None,
-    *,
-    packed: bool = False,
 ) -> dict[str, Any]:
     """Returns a graph with sizes and places, as JSON has values.
 
@@ -65,14 +64,13 @@ def render(
         engine: What places its parts.
         moved: Corners that users gave to boxes, by key.
         standing: Where its parts stood; it is told where they stand now.
-        packed: Whether what no line joins is packed into a rectangle, as for a bundled graph.
 
     Raises:
         LayoutError: There is no layout.
     """
     moved = moved or {}
     standing = standing if standing is not None else Standing()
-    sheet = _sheet(graph, packed=packed)
+    sheet = _sheet(graph)
     keys = {each.id: each.key or each.id for each in graph.nodes}
     fixed = {name for name, key in keys.items() if key in moved}
     _take_over(graph, keys, standing)
@@ -89,7 +87,7 @@ def render(
     return _values(graph, sheet, corners, fixed, standing)
 
 
-def _sheet(graph: Graph, *, packed: bool) -> Sheet:
+def _sheet(graph: Graph) -> Sheet:
     """Returns what is to be placed, of sizes that do not depend on what is wrong."""
     plain = replace(
         graph,
@@ -99,7 +97,7 @@ def _sheet(graph: Graph, *, packed: bool) -> Sheet:
         ),
         edges=tuple(replace(each, findings=()) for each in graph.edges),
     )
-    sheet = shapes.sheet_of(plain, packed=packed)
+    sheet = shapes.sheet_of(plain, packed=graph.is_crowded)
     return replace(
         sheet, boxes=tuple(replace(each, width=each.width + SIGN_ROOM) for each in sheet.boxes)
     )
@@ -154,14 +152,15 @@ def _values(
     graph: Graph, sheet: Sheet, corners: Mapping[str, Point], fixed: set[str], standing: Standing
 ) -> dict[str, Any]:
     boxes = {each.id: each for each in sheet.boxes}
-    frames = frames_around(sheet, corners)
     routes = {line.id: standing.routes.get(way) for line, way in _ways(sheet, corners)}
+    frames = surrounding(sheet, corners, routes)
     areas = [*frames.values(), *(area_of(each, corners[each.id]) for each in sheet.boxes)]
     return {
         "view": graph.view,
         "title": graph.title,
         "element": graph.element,
         "downwards": graph.downwards,
+        "crowded": graph.is_crowded,
         "width": round(max((each.right for each in areas), default=0)),
         "height": round(max((each.bottom for each in areas), default=0)),
         "findings": _findings(graph.findings),
@@ -222,10 +221,10 @@ def _group(group: Group, area: Area) -> dict[str, Any]:
         "kind": group.kind,
         "title": cut(group.title, shapes.LONGEST_TITLE),
         "parent": group.parent,
-        "x": area.left,
-        "y": area.top,
-        "width": area.right - area.left,
-        "height": area.bottom - area.top,
+        "x": round(area.left),
+        "y": round(area.top),
+        "width": round(area.right - area.left),
+        "height": round(area.bottom - area.top),
     }
 
 

@@ -135,7 +135,7 @@ function Diagram({ graph }: { graph: Graph }) {
   }
 
   return (
-    <div className={`diagram ${isFar ? "far" : ""}`}>
+    <div className={`diagram ${isFar ? "far" : ""} ${graph.crowded ? "crowded" : ""}`}>
       <Tools graph={graph} />
       <ReactFlow
         className="flow"

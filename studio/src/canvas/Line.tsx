@@ -3,7 +3,7 @@ import { memo } from "react";
 import type { GraphEdge } from "../protocol";
 import { edgeKey } from "../selection";
 import { active, useStudio } from "../store";
-import { type FlowEdge, middleOf, pathOf } from "./flow";
+import { bend, type FlowEdge, middleOf, pathOf } from "./flow";
 import { domId, liveClass, liveText, SIGNS, severityOf, told } from "./marks";
 
 const LINE_HEIGHT = 13;
@@ -59,17 +59,12 @@ function wayOf(props: EdgeProps<FlowEdge>): [path: string, x: number, y: number]
     const [x, y] = edge.label ?? [middle?.x ?? 0, middle?.y ?? 0];
     return [pathOf(edge.route), x, y];
   }
-  if (props.source === props.target) return loop(props);
+  const { sourceX, sourceY, targetX, targetY } = props;
+  if (props.sourcePosition === props.targetPosition) {
+    return bend(props.sourcePosition, { x: sourceX, y: sourceY }, { x: targetX, y: targetY });
+  }
   const [path, x, y] = getBezierPath({ ...props, curvature: 0.3 });
   return [path, x, y];
-}
-
-/** From a box back to itself, around its right side. */
-function loop(props: EdgeProps<FlowEdge>): [path: string, x: number, y: number] {
-  const { sourceX: x, sourceY: from, targetY } = props;
-  const to = Math.abs(targetY - from) < 8 ? from + 16 : targetY;
-  const out = x + 48;
-  return [`M${x},${from}C${out},${from} ${out},${to} ${x},${to}`, out, (from + to) / 2];
 }
 
 function labelOf(edge: GraphEdge): string {

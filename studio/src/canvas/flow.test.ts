@@ -1,7 +1,9 @@
+import { Position } from "@xyflow/react";
 import { expect, test } from "vitest";
 import { edgeKey, nodeKey } from "../selection";
 import { edge, smallGraph } from "../testing/graphs";
 import {
+  bend,
   edgesWithStates,
   HANDLE,
   pathOf,
@@ -55,6 +57,27 @@ test("a line leaves to the side where its other end stands, also while that is m
   };
   expect(handles(NONE)).toEqual(["r:drive", "l:velocity"]);
   expect(handles(new Map([["bridge", { x: -300, y: 0 }]]))).toEqual(["l:drive", "r:velocity"]);
+});
+
+test("between boxes above each other a line bends outwards, farther the longer it is", () => {
+  const graph = smallGraph();
+  const [ocu, bridge] = graph.nodes;
+  graph.edges = [edge("e", ["ocu", "drive"], ["bridge", "velocity"])];
+  Object.assign(bridge!, { x: ocu!.x, y: 300, column: 0 });
+  expect(toEdges(graph)[0]).toMatchObject({
+    sourceHandle: "l:drive",
+    targetHandle: "l:velocity",
+  });
+  Object.assign(ocu!, { column: 2 });
+  expect(toEdges(graph)[0]?.sourceHandle).toBe("r:drive");
+  expect(bend(Position.Left, { x: 10, y: 0 }, { x: 10, y: 100 })[0]).toBe(
+    "M10,0C-29,0 -29,100 10,100",
+  );
+  expect(bend(Position.Right, { x: 10, y: 0 }, { x: 30, y: 1000 })[0]).toBe(
+    "M10,0C120,0 120,1000 30,1000",
+  );
+  // From a row to itself it comes back a little below.
+  expect(bend(Position.Right, { x: 10, y: 0 }, { x: 10, y: 0 })[0]).toMatch(/ 10,16$/);
 });
 
 test("the layout's route is drawn until an end moves", () => {

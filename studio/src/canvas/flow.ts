@@ -175,8 +175,8 @@ function sides(
   }
   if (from.x + source.width <= to.x) return ["r", "l"];
   if (to.x + target.width <= from.x) return ["l", "r"];
-  // One above the other: both ends at the side where there is more room.
-  return from.x + source.width < to.x + target.width ? ["r", "r"] : ["l", "l"];
+  // One above the other: both ends at the side where the other columns are not.
+  return source.column === 0 && target.column === 0 ? ["l", "l"] : ["r", "r"];
 }
 
 /** A route of the layout as a path of SVG. */
@@ -195,4 +195,22 @@ export function pathOf(route: GraphEdge["route"]): string {
 export function middleOf(route: GraphEdge["route"]): XYPosition | null {
   const point = route[Math.floor(route.length / 2)];
   return point ? { x: point[0], y: point[1] } : null;
+}
+
+/** How far a line bends outwards between boxes above each other: the server makes frames so wide. */
+const [LEAST, STEEP, MOST] = [24, 0.15, 90];
+/** Height of a line from a row to itself. */
+const LOOP = 16;
+
+/** A way from one side of a box to the same side of another, or of the same. */
+export function bend(
+  side: Position,
+  from: XYPosition,
+  to: XYPosition,
+): [path: string, x: number, y: number] {
+  const end = Math.abs(to.y - from.y) < LOOP / 2 ? from.y + LOOP : to.y;
+  const far = Math.min(LEAST + STEEP * Math.abs(end - from.y), MOST);
+  const out = side === Position.Left ? Math.min(from.x, to.x) - far : Math.max(from.x, to.x) + far;
+  const path = `M${from.x},${from.y}C${out},${from.y} ${out},${end} ${to.x},${end}`;
+  return [path, (from.x + to.x) / 8 + 0.75 * out, (from.y + end) / 2];
 }

@@ -91,6 +91,8 @@ export interface Graph {
   /** What it shows; empty for the whole model. */
   element: Ref | "";
   downwards: boolean;
+  /** Lines have no room for labels. */
+  crowded: boolean;
   width: number;
   height: number;
   findings: Finding[];

@@ -62,6 +62,7 @@ export function smallGraph(): Graph {
     title: "robot",
     element: "",
     downwards: false,
+    crowded: false,
     width: 600,
     height: 200,
     findings: [],
