@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from jausml.metamodel.classes import bridge, jaus, ros
 from jausml.model.names import name_of
 from jausml.semantics.ways import TO_JAUS, TO_ROS
-from jausml.studio.answers.crossing import bridged, further_peer, through
+from jausml.studio.answers.crossing import bridged, carried, further_peer, through
 from jausml.studio.answers.linking import asked, topics_between
 from jausml.studio.answers.shapes import Options
 from jausml.studio.answers.spots import all_spots
@@ -57,7 +57,23 @@ def _among_components(scope: Scope, source: Spot, target: Spot) -> Options:
         return further_peer(scope, source, target, TO_ROS)
     if isinstance(source.element, bridge.Connection):
         return further_peer(scope, target, source, TO_JAUS)
-    return asked(scope, source, target)
+    across = _through_bridge(scope, source, target)
+    if across is None:
+        return asked(scope, source, target)
+    # Bridges are components too: what they ask for themselves comes after what they carry.
+    return Options((*across.options, *asked(scope, source, target).options), across.refusal)
+
+
+def _through_bridge(scope: Scope, source: Spot, target: Spot) -> Options | None:
+    """Returns what a bridge as a whole may carry for a component, None for other pairs."""
+    match source.owner, target.owner:
+        case bridge.Bridge(), bridge.Bridge():
+            return None
+        case _, bridge.Bridge() if target.element is None:
+            return carried(scope, target.owner, source, TO_ROS)
+        case bridge.Bridge(), _ if source.element is None:
+            return carried(scope, source.owner, target, TO_JAUS)
+    return None
 
 
 def ends(scope: Scope, start: Spot) -> list[tuple[Spot, str]]:

@@ -29,6 +29,7 @@ from jausml.studio.answers.shapes import Option, Options
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from jausml.editing.commands import Command
     from jausml.metamodel.classes.ecore import EObject
     from jausml.studio.answers.elements import Scope
     from jausml.studio.answers.spots import Spot
@@ -111,6 +112,68 @@ def through(
     return Options((Option(f"topic {topic} of {name_of(used)}", why, f"topic {topic}", (added,)),))
 
 
+def carried(scope: Scope, owner: bridge.Bridge, at_jaus: Spot, direction: str) -> Options:
+    """A bridge carries what a component sends or takes, by each ready map, on a topic of its own.
+
+    Args:
+        scope: The model.
+        owner: The bridge.
+        at_jaus: The component, or one of its messages.
+        direction: `jausToRos` or `rosToJaus`.
+    """
+    component = at_jaus.owner
+    if not isinstance(component, jaus.Component):
+        return Options(refusal="only components speak JAUS")
+    wanted = [
+        each
+        for each in offers(component, direction)
+        if not at_jaus.message or name_of(each.message) == at_jaus.message
+    ]
+    if not wanted:
+        return Options(refusal=_nothing(component, at_jaus.message, direction))
+    found = [
+        (offer, used)
+        for offer in wanted
+        for used in _ready(scope, offer, None)
+        if not _is_mapped(scope, owner, component, used, direction)
+    ]
+    options = [_carrying(scope, owner, component, offer, used) for offer, used in found]
+    options.sort(key=_order)
+    what = at_jaus.message or f"a message of {name_of(component)}"
+    refusal = f"no ready map has {what} that {name_of(owner)} does not carry already"
+    return Options(tuple(options), "" if options else f"{refusal}; draw to a topic of a node")
+
+
+def _carrying(
+    scope: Scope,
+    owner: bridge.Bridge,
+    component: jaus.Component,
+    offer: Offer,
+    used: bridge.AttributeMap,
+) -> Option:
+    """Returns the way by a ready map whose end at the ROS side is a topic without a node yet."""
+    topics = [each for one in owner.bridgeConnections for each in one.topics]
+    name = name_among(snake_case(name_of(offer.message)), (*owner.bridgeConnections, *topics))
+    draft = Draft(offer, component, used.type, used, name, name, {})
+    return _option(owner, component, draft, draft.commands(scope, owner))
+
+
+def _is_mapped(
+    scope: Scope,
+    owner: bridge.Bridge,
+    component: jaus.Component,
+    used: bridge.AttributeMap,
+    direction: str,
+) -> bool:
+    """Tells whether a bridge has a connection of a component by a map already."""
+    return any(
+        scope.ref(each.map) == scope.ref(used)
+        and each.direction.name == direction
+        and (not each.peers or component in each.peers)
+        for each in owner.bridgeConnections
+    )
+
+
 def further_peer(scope: Scope, at_jaus: Spot, at_bridge: Spot, direction: str) -> Options:
     """A connection of a bridge gets a further peer."""
     used, peer = at_bridge.element, at_jaus.owner
@@ -184,12 +247,20 @@ def _crossings(
     if isinstance(end, ros.TopicEndpoint) and _is_carried(owner, component, offer, at_ros):
         return
     kind = end.type if isinstance(end, ros.TopicEndpoint) else None
+    for used in _ready(scope, offer, kind):
+        yield _crossing(scope, owner, component, offer, used.type, used, at_ros)
+    if kind is not None and (is_chosen or not is_served(offer.service)):
+        yield _crossing(scope, owner, component, offer, kind, None, at_ros)
+
+
+def _ready(
+    scope: Scope, offer: Offer, kind: ros.MessageType | None
+) -> Iterator[bridge.AttributeMap]:
+    """Yields the ready maps of a message to topics, of a type if one is given."""
     for used in fitting(scope, offer.message, kind, to_ros=offer.to_ros):
         is_topic = isinstance(used.type.eContainer(), ros.InterfacePackage)
         if is_topic and not (used.reportJoins and offer.to_ros):
-            yield _crossing(scope, owner, component, offer, used.type, used, at_ros)
-    if kind is not None and (is_chosen or not is_served(offer.service)):
-        yield _crossing(scope, owner, component, offer, kind, None, at_ros)
+            yield used
 
 
 def _crossing(
@@ -209,12 +280,20 @@ def _crossing(
     commands = draft.commands(scope, owner)
     if not isinstance(end, ros.TopicEndpoint):
         commands.append(_new_end(scope, at_ros.owner, kind, topic, to_ros=offer.to_ros))
+    return _option(owner, component, draft, commands)
+
+
+def _option(
+    owner: EObject, component: jaus.Component, draft: Draft, commands: Sequence[Command]
+) -> Option:
+    """Returns a draft as people choose it: what crosses, how, and why it can."""
+    offer, used = draft.offer, draft.map
     how = f"ready map {name_of(used)}" if used is not None else "new map"
     bridged = name_of(owner) if isinstance(owner, bridge.Bridge) else "a new bridge"
     why = f"{offer.why(name_of(component))}; {_style(offer)} through {bridged}"
     if offer.exchange == MESSAGE and used is not None and not stop_in(used, to_ros=offer.to_ros):
         why += "; the map has no stop, say what holds when the source falls silent"
-    label = f"{name_of(offer.message)} by {how} ({ros_name(kind)})"
+    label = f"{name_of(offer.message)} by {how} ({ros_name(draft.type)})"
     return Option(label, why, draft.preview(), commands)
 
 

@@ -147,6 +147,40 @@ def test_all_ends_of_a_component_are_told(car):
     assert all(why for _, why in found)
 
 
+def test_to_a_bridge_as_a_whole_the_ready_maps_are_offered_that_it_lacks(car):
+    found = car.connect("vehicle", "bridge").options
+    ready = [each for each in found if "ready map" in each.label]
+    assert ready == list(found[: len(ready)])
+    assert ready[0].is_best
+    names = [each.label for each in ready]
+    assert any("ReportLocalPose by ready map" in each for each in names)
+    # What it carries already by this map is not offered once more.
+    carried = {
+        car.scope.ref(each.map)
+        for each in car.owners["bridge"].bridgeConnections
+        if each.direction.name == "jausToRos"
+    }
+    assert carried
+    assert not carried & {each.commands[-1].values["map"][0] for each in ready}
+    pose = next(each for each in ready if "ReportLocalPose" in each.label)
+    assert "as a periodic event through bridge" in pose.why
+    *_, connection = pose.commands
+    assert connection.owner == car.scope.ref(car.owners["bridge"])
+    assert connection.values["peers"] == (car.scope.ref(car.owners["vehicle"]),)
+    # What a bridge asks for itself, as any component, comes last.
+    assert "service_connection" in found[-1].preview
+    chosen = car.connect("vehicle/ReportLocalPose", "bridge").options
+    assert {each.label.split()[0] for each in chosen} == {"ReportLocalPose"}
+
+
+def test_from_a_bridge_components_are_commanded_by_ready_maps(car):
+    options = car.connect("bridge", "vehicle").options
+    commanded = [each for each in options if "ready map" in each.label]
+    assert commanded
+    assert all(each.commands[-1].values["direction"] == ("rosToJaus",) for each in commanded)
+    assert ("bridge", "") in {(e.owner.name, e.message) for e, _ in ends(car.scope, car("vehicle"))}
+
+
 @pytest.mark.parametrize("file", [CAR, "examples/catvehicle/catvehicle.ros2jaus"])
 def test_what_is_drawn_is_done_and_breaks_nothing(file, tmp_path):
     name = file.rpartition("/")[2]
@@ -157,6 +191,8 @@ def test_what_is_drawn_is_done_and_breaks_nothing(file, tmp_path):
     drawn = (
         ("vehicle", "velocity_controller/dead_reckoning"),
         ("vehicle", "operator_control_unit"),
+        ("vehicle/ReportLocalPose", "bridge"),
+        ("bridge", "vehicle"),
         ("steering_controller/dead_reckoning", "logger"),
         ("steering_controller/dead_reckoning", "logger/odometry"),
         ("bridge/odometry", "velocity_controller"),
