@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache, partial
+from itertools import islice
 from typing import TYPE_CHECKING
 
 from jausml.editing.commands import Add, Child, Set
 from jausml.metamodel import documentation
 from jausml.metamodel.classes import bridge, jaus, ros, system
 from jausml.model.names import name_of
+from jausml.model.refs import LIBRARY
 from jausml.model.words import snake_case, words
 from jausml.semantics.core_services import CORE
 from jausml.semantics.ros_paths import ros_name
 from jausml.studio.answers.beginnings import PACKAGES, usual_values
 from jausml.studio.answers.bridging import bridges_of, carrying, system_of
-from jausml.studio.answers.elements import label_of, library
+from jausml.studio.answers.elements import AnswerError, label_of, library
 from jausml.studio.answers.forms import in_words, kinds_of
 from jausml.studio.answers.fresh import free_address, name_among, participant_name
 from jausml.studio.answers.inheriting import inherit
@@ -85,33 +87,71 @@ def palette(
 ) -> list[PaletteItem]:
     """Returns what can be added, the best first.
 
+    What fits an element comes before what the system takes; without words to look for it leaves
+    half of the room to that.
+
     Args:
         scope: The model; its first file takes what is added.
         query: Words that stand in the names, or in what is said of them.
         kinds: The groups that are meant, all when None.
         limit: How many at most.
-        onto: Names the element that it is dropped on; the system when empty.
-
-    Raises:
-        AnswerError: There is no such element.
+        onto: Names the element that it is dropped on. One that is gone, or of the library, takes
+            nothing.
     """
-    target = scope.find(onto) if onto else None
     wanted = query.lower().split()
     groups = None if kinds is None else set(kinds)
-    entries = [*_elements(scope, target), _external(scope), *_own(scope), *library_entries()]
+    target = _target(scope, onto)
+    turns: list[tuple[EObject | None, int]] = [(None, limit)]
+    if target is not None:
+        turns.insert(0, (target, limit if wanted else limit // 2))
+    found: list[PaletteItem] = []
+    for each, most in turns:
+        entries = [*_elements(scope, each), _external(scope), *_own(scope), *library_entries()]
+        items = _items(scope, _ranked(entries, wanted, groups), each)
+        found += islice(items, most - len(found))
+    return found
+
+
+def _target(scope: Scope, onto: str) -> EObject | None:
+    """Returns the element that something is dropped on, None where that is the system."""
+    if not onto or onto.startswith(LIBRARY):
+        return None
+    try:
+        found = scope.find(onto)
+    except AnswerError:  # it was chosen, and has gone meanwhile
+        return None
+    return None if found in scope.model.documents[0].roots else found
+
+
+def _ranked(
+    entries: Sequence[Entry], wanted: Sequence[str], groups: set[str] | None
+) -> Iterator[Entry]:
+    """Yields the entries of some groups that fit words, the best first."""
     ranked = sorted(
-        (rank, len(each.label) if wanted else 0, index, each)
+        (rank, len(each.label) if wanted else 0, index)
         for index, each in enumerate(entries)
         if (groups is None or each.group in groups) and (rank := each.rank(wanted)) is not None
     )
-    found: list[PaletteItem] = []
-    for *_, entry in ranked:
-        if len(found) == limit:
-            break
-        commands = entry.make(scope, target)
+    for *_, index in ranked:
+        yield entries[index]
+
+
+def _items(scope: Scope, entries: Iterable[Entry], target: EObject | None) -> Iterator[PaletteItem]:
+    """Yields what can be added to an element."""
+    onto = label_of(target) if target is not None else ""
+    for each in entries:
+        commands = each.make(scope, target)
         if commands:
-            found.append(_item(entry, commands))
-    return found
+            yield PaletteItem(
+                each.id,
+                each.group,
+                each.label,
+                each.note,
+                each.documentation,
+                Drop(commands),
+                f"add {each.label}",
+                onto,
+            )
 
 
 @cache
@@ -279,18 +319,6 @@ def _entry(
     text = " ".join((label, " ".join(words(label)), *more, note))
     found = f"{' '.join(words(label))} {label}|{text} {about}".lower()
     return Entry(id_, group, label, note, about, make, found)
-
-
-def _item(entry: Entry, commands: Sequence[Command]) -> PaletteItem:
-    return PaletteItem(
-        entry.id,
-        entry.group,
-        entry.label,
-        entry.note,
-        entry.documentation,
-        Drop(commands),
-        f"add {entry.label}",
-    )
 
 
 def _component_with(scope: Scope, onto: EObject | None, service: jaus.Service) -> Sequence[Command]:

@@ -152,6 +152,7 @@ class PaletteItem:
         documentation: What it is.
         drop: What adds it.
         label_of_edit: How the edit is called in the log.
+        onto: What it is added to, as people name it; empty for the system.
     """
 
     id: str
@@ -161,6 +162,7 @@ class PaletteItem:
     documentation: str
     drop: Drop
     label_of_edit: str
+    onto: str = ""
 
 
 @dataclass(frozen=True, slots=True)

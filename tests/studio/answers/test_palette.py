@@ -111,3 +111,30 @@ def test_an_external_component_says_that_it_exists_already():
     [add] = item.drop.commands
     assert add.values["external"] == ("true",)
     assert "exists already" in item.documentation
+
+
+def test_what_fits_the_chosen_element_comes_first_and_leaves_room_for_the_rest():
+    scope = scope_of(CAR)
+    onto = named(scope, jaus.Component, "catvehicle.vehicle")
+    found = palette(scope, "", onto=onto)
+    heads = [each.onto for each in found]
+    assert heads == sorted(heads, reverse=True)
+    assert set(heads) == {"vehicle", ""}
+    assert "service connection" in labels([each for each in found if each.onto], "elements")
+    assert {"component", "bridge"} <= set(labels([e for e in found if not e.onto], "elements"))
+    for each in found:
+        owner = each.drop.commands[0]
+        if each.onto and isinstance(owner, Add):
+            assert owner.owner == onto
+
+
+def test_words_look_in_both_and_what_takes_nothing_is_as_good_as_nothing():
+    scope = scope_of(CAR)
+    onto = named(scope, jaus.Component, "catvehicle.vehicle")
+    found = palette(scope, "GlobalPoseSensor", onto=onto)
+    assert [each.note.partition(",")[0] for each in found if each.onto] == ["provides", "uses"]
+    assert "components" in {each.group for each in found if not each.onto}
+    whole = scope.ref(scope.model.root)
+    service = scope.ref(scope.model.instances(jaus.Service)[0])
+    for nothing in (whole, service, "catvehicle.xmi#//@nodes.99"):
+        assert [e.id for e in palette(scope, "", onto=nothing)] == [e.id for e in palette(scope)]
