@@ -7,18 +7,19 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.diagrams.views import graph_of
 from jausml.diagrams.views.context import Context
-from jausml.metamodel.classes import bridge, jaus
+from jausml.metamodel.classes import bridge, jaus, system
 from jausml.model import refs
 from jausml.studio.answers.assigning import assign, partners
 from jausml.studio.answers.connecting import connect, ends
 from jausml.studio.answers.elements import AnswerError, Scope, label_of
 from jausml.studio.answers.forms import form
+from jausml.studio.answers.hosting import hosted
 from jausml.studio.answers.inheriting import cut, heritage, join
 from jausml.studio.answers.members import JAUS_END, ROS_END, end_of
 from jausml.studio.answers.moving import lead
 from jausml.studio.answers.palette import MOST, palette
 from jausml.studio.answers.shapes import Options
-from jausml.studio.answers.spots import spot
+from jausml.studio.answers.spots import element_of, spot
 from jausml.studio.methods import Method
 
 if TYPE_CHECKING:
@@ -91,6 +92,21 @@ class Drawn:
     line: str
 
 
+@dataclass(frozen=True)
+class Hosting:
+    """Boxes that were dragged into the frame of a host.
+
+    Attributes:
+        file: The file.
+        nodes: Ids of the boxes.
+        host: Id of the frame, empty for outside of all.
+    """
+
+    file: str
+    nodes: tuple[str, ...]
+    host: str = ""
+
+
 def methods(desk: Desk) -> Mapping[str, Method[Any]]:
     """Returns the methods by name."""
     return {
@@ -99,6 +115,7 @@ def methods(desk: Desk) -> Mapping[str, Method[Any]]:
         "connect": Method(Line, lambda asked: _connect(desk, asked)),
         "ends": Method(Start, lambda asked: _ends(desk, asked)),
         "unlink": Method(Drawn, lambda asked: _unlink(desk, asked)),
+        "host": Method(Hosting, lambda asked: _host(desk, asked)),
     }
 
 
@@ -204,6 +221,15 @@ def _unlink(desk: Desk, asked: Drawn) -> Options:
     if isinstance(_shown(scope, asked.view), jaus.Service):
         return cut(scope, asked.line)
     return Options(refusal="this line follows from what it joins: delete one of its ends")
+
+
+def _host(desk: Desk, asked: Hosting) -> object:
+    scope = scope_of(desk, asked.file)
+    boxes = [spot(scope, each, "").owner for each in asked.nodes]
+    host = element_of(scope, asked.host) if asked.host else None
+    if not boxes or (host is not None and not isinstance(host, system.Host)):
+        raise AnswerError("components and nodes run on hosts; drag some into the frame of one")
+    return hosted(scope, boxes, host)
 
 
 def _members_beside(
