@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -9,6 +10,7 @@ import click
 from jausml.cli.choices import REPORT_FORMATS
 from jausml.cli.common import (
     PROBLEMS,
+    EnvironmentFault,
     bridge_options,
     find_models,
     frequency_option,
@@ -21,6 +23,7 @@ from jausml.cli.options import format_option, quiet_option
 
 if TYPE_CHECKING:
     from jausml.cli.common import Reading
+    from jausml.validation.report import Report
 
 
 @click.command("validate")
@@ -31,6 +34,13 @@ if TYPE_CHECKING:
 @bridge_options
 @frequency_option
 @click.option("--strict", is_flag=True, help="Fail on warnings too.")
+@click.option("--baseline", metavar="FILE", help="Findings that FILE lists do not count.")
+@click.option("--write-baseline", is_flag=True, help="Write the findings of this run to that FILE.")
+@click.option(
+    "--help-uri",
+    metavar="URI",
+    help="Where your page docs/reference/rules.md is, for SARIF: each rule links to its part.",
+)
 @quiet_option("Print no summary.")
 def command(
     paths: tuple[str, ...],
@@ -40,26 +50,59 @@ def command(
     bridge_address: str | None,
     frequency: float | None,
     strict: bool,
+    baseline: str | None,
+    write_baseline: bool,
+    help_uri: str | None,
     quiet: bool,
 ) -> None:
     """Check models: files, or all *.xmi and *.ros2jaus files below folders.
 
     Follows references to other files. Reports all problems in one run, the same on each run.
+    Findings that an @allow in the documentation of an element allows do not count until its day.
 
     Exit status: 0 no errors, 1 errors (with --strict: or warnings), 2 a path cannot be read or a
     folder holds no models, 3 internal error.
     """
     from jausml.validation.engine import validate
-    from jausml.validation.formats import RENDERERS, text
+    from jausml.validation.formats import RENDERERS, sarif, text
 
     if bridge_address is not None and len(paths) > 1:
         raise click.UsageError("--bridge-address takes one file of maps")
+    if write_baseline and baseline is None:
+        raise click.UsageError("--write-baseline needs --baseline FILE")
+    if help_uri is not None and output_format != "sarif":
+        raise click.UsageError("--help-uri is for --format sarif")
     notations = notations_for(paths[0], bridge_address, frequency)
     models = find_models(paths)
     with step("checking models"):
         report = validate(models, notations=notations, **reading)
-    write_report(RENDERERS[output_format](report), output)
+    gone = 0
+    if baseline is not None:
+        report, gone = _against(report, Path(baseline), is_written=write_baseline)
+    rendered = (
+        sarif.render(report, help_uri) if help_uri is not None else RENDERERS[output_format](report)
+    )
+    write_report(rendered, output)
     if not quiet:
         click.echo(text.summary(report), err=True)
+    if gone and not quiet:
+        what = "finding of it is" if gone == 1 else "findings of it are"
+        click.echo(f"{baseline}: {gone} {what} gone: write it anew", err=True)
     if report.has_errors or (strict and report.has_warnings):
         raise click.exceptions.Exit(PROBLEMS)
+
+
+def _against(report: Report, path: Path, *, is_written: bool) -> tuple[Report, int]:
+    """Returns a report without what a baseline lists, which is written first if that is wanted."""
+    from jausml.validation import baseline
+
+    name = click.format_filename(path)
+    if is_written:
+        write_report(baseline.written(report.diagnostics, path), str(path))
+    try:
+        return baseline.without_known(report, baseline.read(path), path)
+    except OSError as error:
+        hint = "; --write-baseline makes it" if isinstance(error, FileNotFoundError) else ""
+        raise EnvironmentFault(f"cannot read {name}: {error.strerror}{hint}") from error
+    except baseline.BaselineError as error:
+        raise EnvironmentFault(f"{name} is no baseline: {error}") from error

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.model.rules import READER_RULES
+from jausml.validation.allowances import ALLOWANCE_RULES
 from jausml.validation.rules import all_rules
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ def catalogue(*further: Mapping[str, RuleInfo]) -> list[CatalogueEntry]:
     """
     entries = [
         CatalogueEntry(id_, info.severity, info.title, textwrap.fill(info.explanation, _WIDTH))
-        for rules in (READER_RULES, *further)
+        for rules in (READER_RULES, ALLOWANCE_RULES, *further)
         for id_, info in rules.items()
     ]
     entries += [

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from jausml.model import Diagnostic, ReadResult, Related, read_models
 from jausml.model.collector import without_collector
 from jausml.semantics.subject import Subject
+from jausml.validation.allowances import settled
 from jausml.validation.report import Report
 from jausml.validation.rules import all_rules
 
@@ -75,12 +76,15 @@ def check(result: ReadResult, rules: Sequence[Rule] | None = None) -> Report:
         RuleError: A rule failed.
     """
     findings = list(result.diagnostics)
+    rules = all_rules() if rules is None else rules
     with without_collector():
         subject = Subject(result.model, result.diagnostics)
-        for rule in all_rules() if rules is None else rules:
+        for rule in rules:
             findings += _run(rule, subject)
     files = tuple(document.display for document in result.model.documents if document.given)
-    return Report(result.model, files, tuple(sorted(set(findings))))
+    names = {each.id for each in rules}
+    standing, aside = settled(result.model, sorted(set(findings)), names)
+    return Report(result.model, files, tuple(standing), tuple(aside))
 
 
 def _run(rule: Rule, subject: Subject) -> list[Diagnostic]:

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from jausml.model.diagnostics import Diagnostic, Location
-    from jausml.validation.report import Report
+    from jausml.validation.report import Report, SetAside
 
 SCHEMA = 1
 """Version of the layout; it changes when a reader of the present one would be misled."""
 
 
 def render(report: Report) -> str:
-    """Returns a JSON object with `schema`, `files` and `diagnostics`.
+    """Returns a JSON object with `schema`, `files`, `diagnostics` and `setAside`.
 
     Args:
         report: The report.
@@ -23,6 +23,7 @@ def render(report: Report) -> str:
         "schema": SCHEMA,
         "files": list(report.files),
         "diagnostics": [_diagnostic(each) for each in report.diagnostics],
+        "setAside": [_set_aside(each) for each in report.set_aside],
     }
     return json.dumps(content, indent=2) + "\n"
 
@@ -38,6 +39,12 @@ def _diagnostic(each: Diagnostic) -> dict[str, Any]:
         "hint": each.hint,
         "related": [{**_place(note.location), "message": note.message} for note in each.related],
     }
+
+
+def _set_aside(each: SetAside) -> dict[str, Any]:
+    said_at = _place(each.location) if each.location is not None else None
+    why = {"ground": each.ground.value, "reason": each.reason, "saidAt": said_at}
+    return {**_diagnostic(each.diagnostic), **why}
 
 
 def _place(location: Location) -> dict[str, Any]:

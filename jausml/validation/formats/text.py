@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.model.diagnostics import Severity
+from jausml.validation.report import Ground
 
 if TYPE_CHECKING:
     from jausml.model.diagnostics import Diagnostic
@@ -21,7 +22,7 @@ def render(report: Report) -> str:
 
 
 def summary(report: Report) -> str:
-    """Returns one line that says how many findings there are.
+    """Returns one line that says how many findings there are, and how many do not count.
 
     Args:
         report: The report.
@@ -32,7 +33,13 @@ def summary(report: Report) -> str:
         for severity, noun in ((Severity.ERROR, "error"), (Severity.WARNING, "warning"))
         if report.count(severity)
     ]
-    return f"{', '.join(counts) or 'no problems'} in {files}"
+    aside = [
+        f"{number} {ground.value}"
+        for ground in Ground
+        if (number := sum(each.ground is ground for each in report.set_aside))
+    ]
+    told = f"{', '.join(counts) or 'no problems'} in {files}"
+    return "; ".join([told, *([", ".join(aside)] if aside else [])])
 
 
 def lines_of(diagnostic: Diagnostic) -> list[str]:

@@ -1,0 +1,117 @@
+"""Baselines: the findings that were there when a team began to look, so that new ones count.
+
+A finding is known by its rule, its file, its element without positions, and its message: lines
+may move, and elements may come before it.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections import Counter
+from dataclasses import replace
+from pathlib import PurePath
+from typing import TYPE_CHECKING, TypeAlias
+
+from jausml.validation.report import Ground, SetAside
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from pathlib import Path
+
+    from jausml.model.diagnostics import Diagnostic
+    from jausml.validation.report import Report
+
+SCHEMA = 1
+_POSITION = re.compile(r"\[\d+\]")
+_PARTS = ("rule", "file", "element", "message")
+
+Identity: TypeAlias = "tuple[str, str, str, str]"
+"""Rule, file relative to the folder of the baseline, element and message."""
+
+
+class BaselineError(Exception):
+    """A file is no baseline."""
+
+
+def read(path: Path) -> Counter[Identity]:
+    """Returns what a baseline lists, with how often each is there.
+
+    Raises:
+        BaselineError: It is no baseline, or one of another schema.
+        OSError: It cannot be read.
+    """
+    try:
+        content = json.loads(path.read_bytes())
+    except ValueError as error:
+        raise BaselineError(f"it is no JSON: {error}") from error
+    if not isinstance(content, dict) or content.get("schema") != SCHEMA:
+        raise BaselineError(f"it has no 'schema': {SCHEMA}")
+    entries = content.get("findings")
+    if not isinstance(entries, list):
+        raise BaselineError("'findings' is no list")
+    known: Counter[Identity] = Counter()
+    for each in entries:
+        identity, count = _entry(each)
+        known[identity] += count
+    return known
+
+
+def _entry(entry: object) -> tuple[Identity, int]:
+    if isinstance(entry, dict):
+        count = entry.get("count", 1)
+        match [entry.get(part) for part in _PARTS]:
+            case [str(rule), str(file), str(element), str(message)]:
+                if type(count) is int and count > 0:
+                    return (rule, file, element, message), count
+    raise BaselineError(f"'findings' has what is no finding: {str(entry)[:60]!a}")
+
+
+def written(diagnostics: Iterable[Diagnostic], path: Path) -> str:
+    """Returns a baseline that lists findings.
+
+    Args:
+        diagnostics: The findings.
+        path: Where it will stand; the files that it names are relative to its folder.
+    """
+    counted = Counter(_identity(each, path) for each in diagnostics)
+    entries = [
+        dict(zip(_PARTS, identity, strict=True)) | ({"count": count} if count > 1 else {})
+        for identity, count in sorted(counted.items(), key=lambda each: _by_file(each[0]))
+    ]
+    content = {"schema": SCHEMA, "findings": entries}
+    return json.dumps(content, indent=2, ensure_ascii=True) + "\n"
+
+
+def without_known(report: Report, known: Counter[Identity], path: Path) -> tuple[Report, int]:
+    """Returns a report in which known findings do not count, and how many of them are gone.
+
+    Args:
+        report: The report.
+        known: What the baseline lists.
+        path: The baseline.
+    """
+    left = known.copy()
+    standing = []
+    aside = list(report.set_aside)
+    reason = f"listed in {path.name}"
+    for each in report.diagnostics:
+        identity = _identity(each, path)
+        if left[identity] > 0:
+            left[identity] -= 1
+            aside.append(SetAside(each, Ground.KNOWN, reason))
+        else:
+            standing.append(each)
+    aside.sort(key=lambda each: each.diagnostic.sort_key)
+    return replace(report, diagnostics=tuple(standing), set_aside=tuple(aside)), left.total()
+
+
+def _identity(each: Diagnostic, path: Path) -> Identity:
+    file = os.path.relpath(os.path.realpath(each.location.path), os.path.realpath(path.parent))
+    return each.rule, PurePath(file).as_posix(), _POSITION.sub("[]", each.element), each.message
+
+
+def _by_file(identity: Identity) -> tuple[str, ...]:
+    rule, file, element, message = identity
+    return file, rule, element, message

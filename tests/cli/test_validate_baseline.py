@@ -1,0 +1,129 @@
+"""`jausml validate --baseline`: what was there before does not count."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+pytestmark = pytest.mark.usefixtures("folder")
+
+
+@pytest.fixture
+def baseline(jausml, folder):
+    """The baseline of the three models."""
+    result = jausml("validate", ".", "--baseline", "known.json", "--write-baseline")
+    assert (result.exit_code, result.stdout) == (0, "")
+    assert result.stderr == "no problems in 3 files; 2 known\n"
+    return folder / "known.json"
+
+
+def test_it_lists_findings_as_people_read_them(baseline):
+    content = json.loads(baseline.read_text())
+    assert content["schema"] == 1
+    assert [(each["rule"], each["file"]) for each in content["findings"]] == [
+        ("JML425", "bad.xmi"),
+        ("JML426", "doubtful.xmi"),
+    ]
+    assert all("line" not in each and "count" not in each for each in content["findings"])
+
+
+def test_known_findings_do_not_count(jausml, baseline):
+    result = jausml("validate", "--strict", ".", "--baseline", baseline)
+    assert (result.exit_code, result.stdout) == (0, "")
+
+
+def test_a_new_finding_counts(jausml, folder, baseline):
+    bad = folder / "bad.xmi"
+    bad.write_text(bad.read_text().replace("10.1.2", "10.1.1"))
+    result = jausml("validate", ".", "--baseline", baseline)
+    assert result.exit_code == 1
+    assert {line.split()[2] for line in result.stdout.splitlines() if "error" in line} == {"JML302"}
+
+
+def test_moved_lines_and_earlier_elements_are_no_news(jausml, folder, baseline):
+    for name in ("bad.xmi", "doubtful.xmi"):
+        text = (folder / name).read_text()
+        text = text.replace("  <components", "\n\n  <!-- first -->\n  <components", 1)
+        host = '<hosts name="left"/>\n</system:System>'
+        (folder / name).write_text(text.replace("</system:System>", host))
+    result = jausml("validate", ".", "--baseline", baseline)
+    assert "JML425" not in result.stdout
+    assert "JML426" not in result.stdout
+
+
+def test_the_same_once_more_is_one_too_many(jausml, baseline):
+    content = json.loads(baseline.read_text())
+    del content["findings"][0]
+    baseline.write_text(json.dumps(content))
+    result = jausml("validate", ".", "--baseline", baseline)
+    assert result.exit_code == 1
+    assert result.stdout.count("JML") == 1
+
+
+@pytest.mark.usefixtures("baseline")
+def test_paths_are_those_from_the_baseline(jausml, folder, monkeypatch):
+    (folder / "sub").mkdir()
+    monkeypatch.chdir(folder / "sub")
+    result = jausml("validate", "..", "--baseline", "../known.json")
+    assert (result.exit_code, result.stdout) == (0, "")
+
+
+@pytest.mark.usefixtures("baseline")
+def test_what_is_mended_is_told(jausml, folder):
+    (folder / "bad.xmi").unlink()
+    result = jausml("validate", ".", "--baseline", "known.json")
+    assert result.exit_code == 0
+    assert "known.json: 1 finding of it is gone: write it anew" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("content", "why"),
+    [
+        (b"", "it is no JSON"),
+        (b"\xff", "it is no JSON"),
+        (b"[]", "it has no 'schema': 1"),
+        (b'{"schema": 2}', "it has no 'schema': 1"),
+        (b'{"schema": 1, "findings": {}}', "'findings' is no list"),
+        (b'{"schema": 1, "findings": [1]}', "what is no finding: '1'"),
+        (b'{"schema": 1, "findings": [{"rule": "JML1"}]}', "what is no finding"),
+    ],
+)
+def test_what_is_no_baseline_is_told(jausml, folder, content, why):
+    (folder / "known.json").write_bytes(content)
+    result = jausml("validate", "good.xmi", "--baseline", "known.json")
+    assert result.exit_code == 2
+    assert why in result.stderr
+
+
+def test_a_baseline_that_is_not_there(jausml):
+    result = jausml("validate", "good.xmi", "--baseline", "known.json")
+    assert result.exit_code == 2
+    assert "--write-baseline makes it" in result.stderr
+    result = jausml("validate", "good.xmi", "--write-baseline")
+    assert result.exit_code == 2
+
+
+def test_sarif_has_known_findings_as_suppressed(jausml, baseline):
+    result = jausml("validate", ".", "--baseline", baseline, "--format", "sarif")
+    (run,) = json.loads(result.stdout)["runs"]
+    assert [each["suppressions"] for each in run["results"]] == [
+        [{"kind": "external", "status": "accepted", "justification": "listed in known.json"}]
+    ] * 2
+
+
+def test_json_has_them_apart(jausml, baseline):
+    content = json.loads(jausml("validate", ".", "--baseline", baseline, "--format", "json").stdout)
+    assert content["diagnostics"] == []
+    assert [(e["rule"], e["ground"], e["saidAt"]) for e in content["setAside"]] == [
+        ("JML425", "known", None),
+        ("JML426", "known", None),
+    ]
+
+
+def test_generate_takes_what_the_model_allows(jausml, folder):
+    text = (folder / "doubtful.xmi").read_text()
+    assert jausml("generate", "doubtful.xmi", "-o", "a", "--strict").exit_code == 1
+    tag = "@allow JML426 until 2999-12-31: for the log alone"
+    (folder / "doubtful.xmi").write_text(text.replace("Ten times a second.", tag))
+    assert jausml("generate", "doubtful.xmi", "-o", "b", "--strict").exit_code == 0
