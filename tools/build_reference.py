@@ -11,6 +11,7 @@ import click
 from jausml.cli import main as command_line
 from jausml.importers.jsidl.rules import JSIDL_RULES
 from jausml.importers.ros.rules import ROS_RULES
+from jausml.merging.conflicts import MERGE_RULES
 from jausml.metamodel import (
     ClassTable,
     FeatureTable,
@@ -101,7 +102,7 @@ def conversions_page() -> str:
 def rules_page() -> str:
     """Returns the page of all rules with what `jausml explain` says."""
     lines = ["# Rules", "", "`jausml rules` lists them; `jausml explain JML103` shows one.", ""]
-    for entry in catalogue(JSIDL_RULES, ROS_RULES, TEXT_RULES):
+    for entry in catalogue(JSIDL_RULES, ROS_RULES, TEXT_RULES, MERGE_RULES):
         lines += [f"## {entry.id} {entry.title}", "", f"Severity: {entry.severity.value}.", ""]
         lines += [entry.documentation, ""]
     return "\n".join(lines).rstrip() + "\n"

@@ -32,6 +32,7 @@ VERBS = {
     "studio": "Show and edit models in the browser.",
     "partition": "Propose how to split bridges over several.",
     "diff": "Tell what changed from one state of models to another.",
+    "merge": "Merge what two sides made of a model.",
     "convert": "Write a model as ros2jaus text, or text as XMI.",
     "format": "Lay out ros2jaus text.",
     "import": "Make models of foreign descriptions.",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -37,14 +38,22 @@ _SIGNS = {"added": "+", "removed": "-", "renamed": "~", "changed": "~", "ordered
     show_default=True,
     help="Exit with 1 for changes that break peers or code, or for any.",
 )
+@click.option(
+    "--as",
+    "file",
+    metavar="FILE",
+    help="The file whose states OLD and NEW are: references are followed from there.",
+)
 @reading_options
-def command(old: str, new: str, output_format: str, fail_on: str, reading: Reading) -> None:
+def command(
+    old: str, new: str, output_format: str, fail_on: str, file: str | None, reading: Reading
+) -> None:
     """Tell what changed from OLD to NEW, in the words of the models.
 
     Each is a model, a folder of models, or REVISION:PATH of a git repository, as `HEAD~1:models` or
     `main:./rover.xmi`. Layout, ids, documentation and the order of parts that means nothing do not
     count, nor whether a model is XMI or text. Changes that break programs on the network or code of
-    users are marked.
+    users are marked. With --as, git can ask: a state may be /dev/null, the file that is not there.
 
     Exit status: 0 done, 1 changes of the kind of --fail-on, 2 usage or environment, 3 internal
     error.
@@ -52,9 +61,12 @@ def command(old: str, new: str, output_format: str, fail_on: str, reading: Readi
     from jausml.differences.finding import changes
     from jausml.differences.pairing import paired_roots
 
+    if file is not None and os.devnull in (old, new):
+        click.echo(f"+ {file}: added" if old == os.devnull else f"- {file}: removed")
+        return
     with ExitStack() as stack:
         (before, old_folder), (after, new_folder) = (
-            _read(each, reading, stack) for each in (old, new)
+            _read(each, file, reading, stack) for each in (old, new)
         )
         pairs = paired_roots(before.model, after.model, old_folder, new_folder)
         found = changes(before.model, after.model, pairs)
@@ -66,13 +78,20 @@ def command(old: str, new: str, output_format: str, fail_on: str, reading: Readi
         raise click.exceptions.Exit(PROBLEMS)
 
 
-def _read(given: str, reading: Reading, stack: ExitStack) -> tuple[ReadResult, Path]:
+def _read(
+    given: str, file: str | None, reading: Reading, stack: ExitStack
+) -> tuple[ReadResult, Path]:
     """Reads a state; returns it with the folder that its files are named from."""
     from jausml.model.reading.reader import read_models
     from jausml.text.notation import NOTATIONS
 
     path = Path(given)
     options: dict[str, Any] = dict(reading)
+    if file is not None:
+        [state] = find_models([given])
+        path = Path(file)
+        contents = {Path(os.path.realpath(path)): Path(state).read_bytes()}
+        return read_models([path], notations=NOTATIONS, contents=contents, **options), path.parent
     if is_revision(given):
         folder = Path(stack.enter_context(TemporaryDirectory(prefix="jausml-diff-"))).resolve()
         path = checked_out(given, folder)

@@ -11,6 +11,7 @@ from jausml.cli.messages import open_catalogue
 from jausml.importers.jsidl.rules import JSIDL_RULES
 from jausml.importers.ros.rules import ROS_RULES
 from jausml.live.messages import UnknownServiceError
+from jausml.merging.conflicts import MERGE_RULES
 from jausml.text.rules import TEXT_RULES
 from jausml.validation.catalogue import catalogue
 
@@ -29,7 +30,7 @@ def rules() -> list[dict[str, Any]]:
             "title": entry.title,
             "documentation": entry.documentation,
         }
-        for entry in catalogue(JSIDL_RULES, ROS_RULES, TEXT_RULES)
+        for entry in catalogue(JSIDL_RULES, ROS_RULES, TEXT_RULES, MERGE_RULES)
     ]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, TypeVar, cast
 
-from jausml.editing.commands import Add, EditError, Move, Remove, Rename, Set
+from jausml.editing.commands import IDENTIFIER, Add, EditError, Move, Remove, Rename, Set
 from jausml.editing.forest import Thing, default_text, open_features
 from jausml.editing.joins import paths_through
 from jausml.editing.sketches import converted
@@ -140,7 +140,10 @@ class Applying:
         thing = Thing(table, file)
         thing.open = open_features(table, file)
         for name, values in command.values.items():
-            self._give(thing, feature_of(table, name), tuple(values))
+            if name == IDENTIFIER:
+                thing.identifier = "".join(values)
+            else:
+                self._give(thing, feature_of(table, name), tuple(values))
         for child in command.children:
             self._own(thing, child.feature, self._made(file, child), None)
         self.changed.pop(thing, None)

@@ -19,6 +19,10 @@ NEW = "new:"
 """`new:0` is a ref to what the first `Add` or `Create` of a batch of commands made, and so on."""
 
 
+IDENTIFIER = "xmi:id"
+"""Among the values of a new element: the id that it shall have. Without one it gets none."""
+
+
 class EditError(Exception):
     """Why a command is not carried out, for people. Nothing was changed.
 

@@ -1,0 +1,126 @@
+"""Merges of one model file: what theirs did is done to ours by small changes of its bytes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from jausml.editing.commands import EditError
+from jausml.editing.reading import NOTATIONS, Reader, model_files, stored
+from jausml.merging.carrying import Carrying
+from jausml.merging.conflicts import ELSEWHERE, MERGE_RULES, Conflict
+from jausml.merging.planning import planned
+from jausml.merging.sides import Sides
+from jausml.model import refs
+from jausml.model.diagnostics import Diagnostic, Location, Severity
+from jausml.model.reading.reader import read_models
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from jausml.editing.records import Stored
+    from jausml.model.model import Model
+    from jausml.model.reading.reader import ReadResult
+
+
+class UnmergeableError(Exception):
+    """A state is no model that can be merged by its elements."""
+
+
+@dataclass(frozen=True)
+class Merged:
+    """The outcome of a merge.
+
+    Attributes:
+        data: The file: ours, with what theirs did where that goes.
+        findings: The conflicts, at their places in the file or in others.
+    """
+
+    data: bytes
+    findings: tuple[Diagnostic, ...]
+
+
+def merged(file: str, root: Path, base: bytes, ours: bytes, theirs: bytes) -> Merged:
+    """Merges three states of a file.
+
+    Args:
+        file: The file, relative to the root with forward slashes; its references are followed from
+            there, whether it is there or not.
+        root: The folder that references may not leave, symbolic links followed.
+        base: What both sides began with.
+        ours: Our side, whose comments and layout stay.
+        theirs: The other side.
+
+    Raises:
+        UnmergeableError: A state cannot be read whole, or is a model of another root.
+    """
+    reader = Reader(root)
+    files = _files(root, file, ours)
+    mine = _whole("our side", reader.read(file, files))
+    was, other = (
+        _whole(
+            name,
+            read_models(
+                [root / file], project_root=root, notations=NOTATIONS, contents={root / file: data}
+            ),
+        )
+        for name, data in (("the base", base), ("their side", theirs))
+    )
+    kinds = [[each.eClass for each in m.documents[0].roots] for m in (was, mine, other)]
+    if not kinds[0] or kinds[0] != kinds[1] or kinds[0] != kinds[2]:
+        raise UnmergeableError("the roots of the three states are not of the same classes")
+    sides = Sides(was, mine, other, root)
+    plan = planned(sides)
+    carrying = Carrying(file, root, files, reader, sides)
+    try:
+        carrying.run(plan)
+    except EditError as error:
+        raise UnmergeableError(str(error)) from error
+    conflicts = [*plan.conflicts, *carrying.conflicts]
+    conflicts += _elsewhere(files, carrying.files, file, mine)
+    return Merged(carrying.files[file].data, _findings(conflicts, carrying, file))
+
+
+def _files(root: Path, file: str, ours: bytes) -> dict[str, Stored]:
+    """Returns the model files around a file, and our side of it."""
+    paths = {each: root / each for each in model_files(root)}
+    found = {n: stored(n, path.read_bytes(), 0) for n, path in paths.items() if path.is_file()}
+    return {**found, file: stored(file, ours, 0)}
+
+
+def _whole(name: str, result: ReadResult) -> Model:
+    """Returns a state that was read without errors."""
+    for each in result.diagnostics:
+        if each.severity is Severity.ERROR:
+            raise UnmergeableError(f"{name}: {each.rule} {each.message}")
+    return result.model
+
+
+def _elsewhere(
+    before: Mapping[str, Stored], after: Mapping[str, Stored], file: str, ours: Model
+) -> list[Conflict]:
+    """Returns the other files whose references would have to follow."""
+    root = ours.documents[0].roots[0]
+    message = "it refers to elements of {} by positions that the merge shifts".format
+    return [
+        Conflict(ELSEWHERE, root, message(file), file=name)
+        for name, held in before.items()
+        if name != file and after[name].data != held.data
+    ]
+
+
+def _findings(conflicts: list[Conflict], carrying: Carrying, file: str) -> tuple[Diagnostic, ...]:
+    model = carrying.model()
+    found = []
+    for each in conflicts:
+        severity = MERGE_RULES[each.rule].severity
+        if each.file:
+            found.append(Diagnostic(each.rule, severity, Location(each.file), each.message))
+            continue
+        obj = refs.find(carrying.where.get(each.element, ""), model, carrying.root)
+        obj = obj if obj is not None else model.documents[0].roots[0]
+        place = replace(model.location(obj, each.feature or None), path=file)
+        path, fragment = model.element_path(obj), model.fragment(obj)
+        found.append(Diagnostic(each.rule, severity, place, each.message, "", path, fragment))
+    return tuple(sorted(set(found)))

@@ -1,0 +1,131 @@
+"""`jausml merge` and `jausml diff` as drivers of a real git, configured as the how-to says."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from jausml.model import LIBRARY_URI
+
+ROOT = Path(__file__).resolve().parents[2]
+MINIMAL = (ROOT / "models" / "minimal" / "minimal.xmi").read_text(encoding="utf-8")
+MINIMAL = MINIMAL.replace("../library/", LIBRARY_URI)
+HOW_TO = (ROOT / "docs" / "how-to" / "git.md").read_text(encoding="utf-8")
+HOSTS = '  <hosts name="{}" interface="10.0.0.{}"/>\n</system:System>'
+RATE = 'rate="10.0"'
+
+
+class Repository:
+    """A repository whose git runs the programs of this installation."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        programs = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+        self.environment = {
+            **os.environ,
+            "PATH": programs,
+            "HOME": str(folder),
+            "GIT_CONFIG_NOSYSTEM": "1",
+            **{
+                f"GIT_{who}_{what}": "x"
+                for who in ("AUTHOR", "COMMITTER")
+                for what in ("NAME", "EMAIL")
+            },
+        }
+
+    def run(self, *command, status=0):
+        done = subprocess.run(
+            command,
+            cwd=self.folder,
+            env=self.environment,
+            capture_output=True,
+            text=True,
+            timeout=120,
+        )
+        assert done.returncode == status, done.stdout + done.stderr
+        return done.stdout + done.stderr
+
+    def git(self, *arguments, status=0):
+        return self.run("git", *arguments, status=status)
+
+    def commit(self, branch, text):
+        """Commits a text of the model on a branch of its own."""
+        self.git("checkout", "-q", "-b", branch, "main")
+        self.model.write_text(text, encoding="utf-8")
+        self.git("commit", "-q", "-a", "-m", branch)
+
+    @property
+    def model(self):
+        return self.folder / "models" / "robot.xmi"
+
+
+@pytest.fixture
+def repository(tmp_path):
+    """A repository with a model, and with the drivers that the how-to tells."""
+    made = Repository(tmp_path)
+    made.git("init", "-q", "-b", "main")
+    attributes, commands = (
+        re.search(rf"^```{kind}\n(.*?)^```$", HOW_TO, re.MULTILINE | re.DOTALL)[1]
+        for kind in ("gitattributes", "bash")
+    )
+    (tmp_path / ".gitattributes").write_text(attributes)
+    made.run("bash", "-eu", "-c", commands)
+    made.model.parent.mkdir()
+    made.model.write_text(MINIMAL, encoding="utf-8")
+    made.git("add", ".")
+    made.git("commit", "-q", "-m", "base")
+    return made
+
+
+def test_what_lines_cannot_merge_elements_can(repository):
+    """Both sides add at the same place, and change the same line."""
+    end = "</system:System>"
+    ours = MINIMAL.replace(end, HOSTS.format("left", 1)).replace(RATE, 'rate="25.0"')
+    theirs = MINIMAL.replace(end, HOSTS.format("right", 2)).replace("Ten times", "Many times")
+    repository.commit("ours", ours)
+    repository.commit("theirs", theirs)
+    repository.git("checkout", "-q", "ours")
+    repository.git("merge", "-q", "--no-edit", "theirs")
+    text = repository.model.read_text(encoding="utf-8")
+    for part in ('name="left"', 'name="right"', 'rate="25.0"', "Many times a second."):
+        assert part in text
+    assert "no problems" in repository.run("jausml", "validate", "models")
+    told = repository.git("log", "-1", "-p", "--ext-diff", "--format=", "theirs")
+    assert "+ host minimal/right: added" in told
+
+
+def test_a_conflict_is_told_with_its_place_and_leaves_a_model(repository):
+    ours = MINIMAL.replace(RATE, 'rate="25.0"')
+    repository.commit("ours", ours)
+    repository.commit("theirs", MINIMAL.replace(RATE, 'rate="50.0"'))
+    repository.git("checkout", "-q", "ours")
+    told = repository.git("merge", "--no-edit", "theirs", status=1)
+    line = next(n for n, each in enumerate(ours.splitlines(), 1) if "rate=" in each)
+    assert f"models/robot.xmi:{line}:" in told
+    assert "error: JML811 rate of connection 'velocity' was 10: ours is 25, theirs 50" in told
+    assert "UU models/robot.xmi" in repository.git("status", "--short")
+    assert repository.model.read_text(encoding="utf-8") == ours
+    diff = repository.git("diff", "--ext-diff", "main", "ours")
+    assert "~ connection minimal/sensor_bridge/velocity: rate 10 -> 25 Hz" in diff
+
+
+def test_a_file_that_is_no_model_is_merged_as_lines(repository):
+    repository.commit("ours", MINIMAL.replace("<system:", "<sistem:"))
+    repository.commit("theirs", MINIMAL.replace(RATE, 'rate="50.0"'))
+    repository.git("checkout", "-q", "ours")
+    told = repository.git("merge", "--no-edit", "theirs", status=1)
+    assert "models/robot.xmi:1:1: error: JML815 merged as lines: our side: JML" in told
+    text = repository.model.read_text(encoding="utf-8")
+    assert "<sistem:" in text
+    assert 'rate="50.0"' in text
+
+
+def test_a_file_that_comes_is_told_as_such(repository):
+    (repository.folder / "models" / "other.xmi").write_text(MINIMAL, encoding="utf-8")
+    repository.git("add", ".")
+    assert "+ models/other.xmi: added" in repository.git("diff", "--cached", "--ext-diff")

@@ -1,0 +1,285 @@
+"""Three-way merges by elements: what theirs did is done to ours."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from jausml.differences.finding import changes
+from jausml.merging.conflicts import MERGE_RULES
+from jausml.merging.merging import UnmergeableError, merged
+from jausml.model import LIBRARY_URI, read_models
+from jausml.model.uris import LIBRARY_URI as NAME
+
+ROOT = Path(__file__).resolve().parents[2]
+BASE = (ROOT / "models" / "catvehicle" / "catvehicle.xmi").read_text(encoding="utf-8")
+BASE = BASE.replace("../library/", LIBRARY_URI)
+MINIMAL = (ROOT / "models" / "minimal" / "minimal.xmi").read_text(encoding="utf-8")
+MINIMAL = MINIMAL.replace("../library/", NAME)
+PLAIN = MINIMAL
+for each in ("minimal", "sensor", "sensor_bridge", "velocity_map"):
+    PLAIN = PLAIN.replace(f' xmi:id="{each}"', "")
+PLAIN = PLAIN.replace('map="velocity_map"', 'map="//@bridges.0/@maps.0"')
+PLAIN = PLAIN.replace('peers="sensor"', 'peers="//@components.0"')
+"""References by position, as Eclipse writes them."""
+HOSTS = '  <hosts name="{}" interface="10.0.0.{}"/>\n'
+END = "</system:System>"
+
+
+def replaced(text, *pairs):
+    for old, new in pairs:
+        assert old in text, old
+        text = text.replace(old, new)
+    return text
+
+
+@pytest.fixture
+def merge(tmp_path):
+    """Merges three texts of model.xmi; returns the text and the findings."""
+
+    def run(base, ours, theirs):
+        (tmp_path / "model.xmi").write_text(ours, encoding="utf-8")
+        states = (each.encode() for each in (base, ours, theirs))
+        outcome = merged("model.xmi", tmp_path.resolve(), *states)
+        return outcome.data.decode(), outcome.findings
+
+    return run
+
+
+RATE = ('rate="10.0"', 'rate="25.0"')
+ADDRESS = ('address="10.1.1"', 'address="10.1.9"')
+
+
+def test_changes_of_different_features_of_one_element_go_together(merge):
+    text, findings = merge(
+        MINIMAL,
+        replaced(MINIMAL, RATE),
+        replaced(MINIMAL, ("Ten times a second.", "Often.")),
+    )
+    assert findings == ()
+    assert text == replaced(MINIMAL, RATE, ("Ten times a second.", "Often."))
+
+
+def test_the_layout_and_comments_of_ours_stay(merge):
+    ours = replaced(MINIMAL, ("  <bridges", "  <!-- ours -->\n  <bridges"), RATE)
+    text, findings = merge(MINIMAL, ours, replaced(MINIMAL, ADDRESS))
+    assert (text, findings) == (replaced(ours, ADDRESS), ())
+
+
+def test_the_same_change_on_both_sides_is_one(merge):
+    both = replaced(MINIMAL, RATE)
+    assert merge(MINIMAL, both, both) == (both, ())
+
+
+def test_two_values_of_one_feature_are_a_conflict_at_its_place(merge):
+    ours = replaced(MINIMAL, RATE)
+    text, (finding,) = merge(MINIMAL, ours, replaced(MINIMAL, ('rate="10.0"', 'rate="50.0"')))
+    assert text == ours
+    assert finding.rule == "JML811"
+    assert finding.message == "rate of connection 'velocity' was 10: ours is 25, theirs 50"
+    line = ours.splitlines()[finding.location.line - 1]
+    assert line[finding.location.column - 1 :].startswith('rate="25.0"')
+    assert finding.location.path == "model.xmi"
+
+
+def test_elements_that_both_added_are_both_there(merge):
+    ours = replaced(MINIMAL, (END, HOSTS.format("left", 1) + END))
+    theirs = replaced(MINIMAL, (END, HOSTS.format("right", 2) + END))
+    text, findings = merge(MINIMAL, ours, theirs)
+    both = HOSTS.format("left", 1) + HOSTS.format("right", 2)
+    assert (text, findings) == (replaced(MINIMAL, (END, both + END)), ())
+
+
+def test_the_same_element_added_twice_is_one(merge):
+    both = replaced(MINIMAL, (END, HOSTS.format("left", 1) + END))
+    theirs = replaced(both, RATE)
+    assert merge(MINIMAL, both, theirs) == (theirs, ())
+
+
+def test_elements_of_one_name_that_differ_are_a_conflict(merge):
+    ours = replaced(MINIMAL, (END, HOSTS.format("left", 1) + END))
+    theirs = replaced(MINIMAL, (END, HOSTS.format("left", 2) + END))
+    text, (finding,) = merge(MINIMAL, ours, theirs)
+    assert text == ours
+    assert "host 'left' was added on both sides, and is not the same" in finding.message
+
+
+COMPONENT = """  <components{} name="second" address="10.1.7" type="vehicle">
+    <provides href="http://www.jausml.org/library/jaus/mobility.xmi#VelocityStateSensor"/>
+  </components>
+"""
+
+
+def test_references_by_position_follow_what_comes_before(merge):
+    ours = replaced(PLAIN, ("  <components", COMPONENT.format("") + "  <components"))
+    ours = replaced(ours, ('peers="//@components.0"', 'peers="//@components.1"'))
+    theirs = replaced(PLAIN, RATE)
+    text, findings = merge(PLAIN, ours, theirs)
+    assert (text, findings) == (replaced(ours, RATE), ())
+
+
+def test_what_theirs_puts_first_shifts_the_references_of_ours(merge):
+    theirs = replaced(PLAIN, ("  <components", COMPONENT.format("") + "  <components"))
+    theirs = replaced(theirs, ('peers="//@components.0"', 'peers="//@components.1"'))
+    text, findings = merge(PLAIN, replaced(PLAIN, RATE), theirs)
+    assert (text, findings) == (replaced(theirs, RATE), ())
+
+
+def test_a_new_element_keeps_its_id_and_is_referred_to_by_it(merge):
+    component = COMPONENT.format(' xmi:id="second"')
+    theirs = replaced(MINIMAL, ("  <bridges", component + "  <bridges"))
+    theirs = replaced(theirs, ('peers="sensor"', 'peers="sensor second"'))
+    text, findings = merge(MINIMAL, replaced(MINIMAL, RATE), theirs)
+    assert (text, findings) == (replaced(theirs, RATE), ())
+
+
+def test_new_elements_that_refer_to_each_other(merge):
+    component = COMPONENT.format("")
+    theirs = replaced(PLAIN, ("  <bridges", component + "  <bridges"))
+    placement = '  <placements components="//@components.1" host="//@hosts.0"/>\n'
+    theirs = replaced(theirs, (END, placement + END))
+    host = HOSTS.format("left", 1)
+    theirs = replaced(theirs, ("  <placements", host + "  <placements"))
+    text, findings = merge(PLAIN, replaced(PLAIN, RATE), theirs)
+    assert findings == ()
+    assert_same(merge, text, replaced(theirs, RATE))
+
+
+def assert_same(merge, text, expected):
+    """Compares two texts as models."""
+    folder = Path(merge.__closure__[0].cell_contents)
+    results = []
+    for name, each in (("one", text), ("other", expected)):
+        (folder / name).mkdir(exist_ok=True)
+        (folder / name / "model.xmi").write_text(each, encoding="utf-8")
+        results.append(read_models([folder / name / "model.xmi"]))
+        assert not results[-1].has_errors, results[-1].diagnostics
+    one, other = (each.model for each in results)
+    assert changes(one, other, [(one.root, other.root)]) == []
+
+
+def test_what_theirs_removed_goes(merge):
+    base = replaced(MINIMAL, (END, HOSTS.format("left", 1) + HOSTS.format("right", 2) + END))
+    theirs = replaced(base, (HOSTS.format("left", 1), ""))
+    text, findings = merge(base, replaced(base, RATE), theirs)
+    assert (text, findings) == (replaced(theirs, RATE), ())
+
+
+def test_what_theirs_removed_and_ours_changed_stays_and_is_told(merge):
+    base = replaced(MINIMAL, (END, HOSTS.format("left", 1) + END))
+    ours = replaced(base, ("10.0.0.1", "10.0.0.7"))
+    text, (finding,) = merge(base, ours, MINIMAL)
+    assert text == ours
+    assert (finding.rule, finding.element) == ("JML812", "minimal/left")
+
+
+def test_what_ours_removed_and_theirs_changed_stays_away_and_is_told(merge):
+    base = replaced(MINIMAL, (END, HOSTS.format("left", 1) + END))
+    theirs = replaced(base, ("10.0.0.1", "10.0.0.7"))
+    text, (finding,) = merge(base, MINIMAL, theirs)
+    assert text == MINIMAL
+    assert finding.rule == "JML812"
+    assert "host 'left' was removed by us and changed by them" in finding.message
+
+
+def test_what_theirs_removed_and_ours_refers_to_anew_stays(merge):
+    base = replaced(PLAIN, ("  <bridges", COMPONENT.format("") + "  <bridges"))
+    ours = replaced(base, ('peers="//@components.0"', 'peers="//@components.0 //@components.1"'))
+    text, (finding,) = merge(base, ours, PLAIN)
+    assert text == ours
+    assert (finding.rule, finding.element) == ("JML812", "minimal/second")
+    assert "Connection 'velocity' refers to it" in finding.message
+
+
+def test_what_theirs_refers_to_and_ours_removed_is_told(merge):
+    base = replaced(PLAIN, ("  <bridges", COMPONENT.format("") + "  <bridges"))
+    theirs = replaced(base, ('peers="//@components.0"', 'peers="//@components.0 //@components.1"'))
+    text, findings = merge(base, PLAIN, theirs)
+    assert text == PLAIN
+    assert [each.rule for each in findings] == ["JML813"]
+
+
+def test_an_assignment_is_one_thing(merge):
+    """Half of each side would be a number that nobody meant."""
+    conversions = '<conversions kind="scale"><arguments>{}</arguments></conversions>'
+    base = replaced(MINIMAL, ("<conversions/>", conversions.format("2.0")))
+    ours = replaced(base, ("2.0", "4.0"))
+    theirs = replaced(base, ('source="YawRate"', 'source="RollRate"'))
+    text, (finding,) = merge(base, ours, theirs)
+    assert text == ours
+    assert finding.message == "field assignment 'twist.angular.z' was changed on both sides"
+    text, findings = merge(base, replaced(base, RATE), theirs)
+    assert (text, findings) == (replaced(theirs, RATE), ())
+
+
+def test_lists_of_references_take_what_each_side_added(merge):
+    line = '<uses href="http://www.jausml.org/library/jaus/mobility.xmi#VelocityStateSensor"/>'
+    first, second = (line.replace("VelocityState", each) for each in ("LocalPose", "GlobalPose"))
+    text, findings = merge(
+        MINIMAL, replaced(MINIMAL, (line, line + first)), replaced(MINIMAL, (line, line + second))
+    )
+    assert findings == ()
+    assert text.count("<uses ") == 3
+
+
+def test_renamed_here_and_changed_there(merge):
+    ours = replaced(MINIMAL, ('name="sensor_bridge"', 'name="gateway"'))
+    theirs = replaced(MINIMAL, ('address="10.1.2"', 'address="10.1.8"'))
+    text, findings = merge(MINIMAL, ours, theirs)
+    assert (text, findings) == (replaced(ours, ('address="10.1.2"', 'address="10.1.8"')), ())
+
+
+def test_an_order_that_theirs_changed(merge):
+    first = '      <toRos xsi:type="bridge:ClockAssignment" target="header.stamp"/>\n'
+    second = (
+        '      <toRos xsi:type="bridge:ConstantAssignment" target="header.frame_id" '
+        'value="base_link"/>\n'
+    )
+    theirs = replaced(MINIMAL, (first + second, second + first))
+    text, findings = merge(MINIMAL, replaced(MINIMAL, RATE), theirs)
+    assert (text, findings) == (replaced(theirs, RATE), ())
+
+
+def test_another_file_whose_references_would_shift_is_named(merge, tmp_path):
+    head = MINIMAL[: MINIMAL.index("  <components")].replace(' xmi:id="minimal"', "")
+    placement = (
+        '  <placements>\n    <components href="model.xmi#//@components.0"/>\n  </placements>\n'
+    )
+    other = head + placement + END
+    (tmp_path / "other.xmi").write_text(other)
+    theirs = replaced(PLAIN, ("  <components", COMPONENT.format("") + "  <components"))
+    theirs = replaced(theirs, ('peers="//@components.0"', 'peers="//@components.1"'))
+    _, findings = merge(PLAIN, replaced(PLAIN, RATE), theirs)
+    assert [(each.rule, each.location.path) for each in findings] == [("JML814", "other.xmi")]
+    assert (tmp_path / "other.xmi").read_text() == other
+
+
+@pytest.mark.parametrize(
+    ("spoilt", "where"),
+    [(0, "the base"), (1, "our side"), (2, "their side")],
+)
+@pytest.mark.parametrize("text", ["", "<a>", MINIMAL.replace('type="vehicle"', 'typ="vehicle"')])
+def test_a_state_that_cannot_be_read_whole_is_not_merged(merge, spoilt, where, text):
+    states = [MINIMAL] * 3
+    states[spoilt] = text
+    with pytest.raises(UnmergeableError, match=where):
+        merge(*states)
+
+
+def test_each_way_gives_the_same_model(merge):
+    """Who merges whom makes no difference but for layout and order, where nothing conflicts."""
+    ours = replaced(BASE, ('address="100.1.1"', 'address="100.1.9"'))
+    theirs = replaced(
+        BASE, ('name="velocity_controller"', 'name="speed_keeper"'), ('rate="10.0"', 'rate="12.5"')
+    )
+    (one, first), (other, second) = merge(BASE, ours, theirs), merge(BASE, theirs, ours)
+    assert first == second == ()
+    assert_same(merge, one, other)
+    assert_same(merge, one, replaced(theirs, ('address="100.1.1"', 'address="100.1.9"')))
+
+
+def test_each_rule_has_a_conflict_that_a_test_shows():
+    tests = "".join(each.read_text() for each in Path(__file__).parent.glob("test_*.py"))
+    for rule in MERGE_RULES:
+        assert rule in tests
