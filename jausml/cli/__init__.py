@@ -70,6 +70,21 @@ class Verbs(click.Group):
         """Returns the verbs in the order of use."""
         return list(VERBS)
 
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Returns the verb that is meant and what stands behind it.
+
+        Raises:
+            click.UsageError: There is none; a verb that may be meant is named.
+        """
+        if args[0] not in VERBS:
+            from difflib import get_close_matches
+
+            if near := get_close_matches(args[0], VERBS, n=1):
+                ctx.fail(f"No such command '{args[0]}'; did you mean {near[0]}?")
+        return super().resolve_command(ctx, args)
+
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
         """Returns a verb, or None when there is none of the name."""
         if cmd_name not in VERBS:

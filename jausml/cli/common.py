@@ -152,6 +152,24 @@ def find_models(paths: Iterable[str]) -> list[str]:
     return find_files(paths, SUFFIXES)
 
 
+def one_model(path: str) -> list[str]:
+    """Returns the file of a verb that takes one model, in a list as readers take it.
+
+    Args:
+        path: The file.
+
+    Raises:
+        EnvironmentFault: It cannot be read, or is a folder.
+    """
+    if Path(path).is_dir():
+        there = min(_walk(path, SUFFIXES), default=None)
+        such = f", such as {click.format_filename(there)}" if there else ""
+        raise EnvironmentFault(
+            f"{click.format_filename(path)} is a folder; name one model file{such}"
+        )
+    return find_models([path])
+
+
 def find_files(paths: Iterable[str], suffixes: tuple[str, ...]) -> list[str]:
     """Returns files as they are, and the files with certain endings below folders.
 
@@ -195,13 +213,30 @@ def _files_at(path: str, suffixes: tuple[str, ...]) -> Sequence[str]:
             found = sorted(_walk(path, suffixes))
             if not found:
                 what = " or ".join(suffixes)
-                raise EnvironmentFault(f"no {what} files in {click.format_filename(path)}")
+                hint = (
+                    "; 'jausml init DIR' makes a project of models" if suffixes is SUFFIXES else ""
+                )
+                raise EnvironmentFault(f"no {what} files in {click.format_filename(path)}{hint}")
             return found
         with Path(path).open("rb"):
             return [path]
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise EnvironmentFault(f"{click.format_filename(path)}: {reason}") from error
+        near = _near(path, suffixes) if isinstance(error, FileNotFoundError) else ""
+        raise EnvironmentFault(f"{click.format_filename(path)}: {reason}{near}") from error
+
+
+def _near(path: str, suffixes: tuple[str, ...]) -> str:
+    """Returns a question for the file that may be meant, empty where none is near."""
+    from difflib import get_close_matches
+
+    wanted = Path(path)
+    try:
+        there = [each.name for each in wanted.parent.iterdir() if each.name.endswith(suffixes)]
+    except OSError:
+        return ""
+    near = get_close_matches(wanted.name, there, n=1)
+    return f"; did you mean {click.format_filename(wanted.with_name(near[0]))}?" if near else ""
 
 
 def _walk(path: str, suffixes: tuple[str, ...]) -> Iterator[str]:

@@ -11,8 +11,8 @@ from jausml.cli.common import (
     PROBLEMS,
     EnvironmentFault,
     bridge_options,
-    find_models,
     notations_for,
+    one_model,
     reading_options,
 )
 from jausml.cli.manners import remark, step
@@ -147,9 +147,7 @@ def _out_folder(model: str, out: str | None) -> Path:
 def _read(path: str, reading: Reading, notations: Sequence[Notation]) -> ReadResult:
     from jausml.model import read_models
 
-    if Path(path).is_dir():
-        raise EnvironmentFault(f"{click.format_filename(path)} is a folder; name one model file")
-    return read_models(find_models([path]), notations=notations, **reading)
+    return read_models(one_model(path), notations=notations, **reading)
 
 
 def _valid_model(read: ReadResult, *, strict: bool) -> Model:

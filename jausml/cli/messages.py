@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml.cli.choices import TEXT_OR_JSON
-from jausml.cli.common import PROBLEMS, EnvironmentFault, find_models
+from jausml.cli.common import PROBLEMS, EnvironmentFault, find_models, one_model
 from jausml.cli.options import format_option
 
 if TYPE_CHECKING:
@@ -80,9 +80,7 @@ def read_model(path: str) -> Model:
     from jausml.text.notation import NOTATIONS
     from jausml.validation.formats.text import one_line
 
-    if Path(path).is_dir():
-        raise EnvironmentFault(f"{click.format_filename(path)} is a folder; name one model file")
-    result = read_models(find_models([path]), notations=NOTATIONS)
+    result = read_models(one_model(path), notations=NOTATIONS)
     errors = [each for each in result.diagnostics if each.severity is Severity.ERROR]
     if errors:
         raise ModelFault("\n".join(one_line(f"{e.location}: {e.rule} {e.message}") for e in errors))

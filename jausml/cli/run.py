@@ -82,7 +82,10 @@ def _workspace(out: str) -> Path:
         if (folder / MANIFEST_PATH).is_file():
             return folder.resolve()
     name = click.format_filename(out)
-    raise EnvironmentFault(f"{name} is no generated workspace: it has no {MANIFEST_PATH}")
+    raise EnvironmentFault(
+        f"{name} is no generated workspace: it has no {MANIFEST_PATH}; "
+        f"'jausml generate MODEL -o {name}' makes one"
+    )
 
 
 def _entries(folder: Path) -> list[Mapping[str, Any]]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import click
 
-from jausml.cli.common import PROBLEMS, EnvironmentFault, find_models
+from jausml.cli.common import PROBLEMS, EnvironmentFault, one_model
 from jausml.cli.manners import step
 
 if TYPE_CHECKING:
@@ -75,8 +75,6 @@ def read_system(path: str, reading: Reading) -> tuple[Model, System]:
     Raises:
         EnvironmentFault: The file cannot be read, or has no system.
     """
-    from pathlib import Path
-
     from jausml.generation.errors import NoSystemError
     from jausml.generation.system import system_of
     from jausml.model.reading.reader import read_models
@@ -84,10 +82,8 @@ def read_system(path: str, reading: Reading) -> tuple[Model, System]:
     from jausml.validation.engine import check
     from jausml.validation.formats import text
 
-    if Path(path).is_dir():
-        raise EnvironmentFault(f"{click.format_filename(path)} is a folder; name one model file")
     with step("checking the model"):
-        report = check(read_models(find_models([path]), notations=NOTATIONS, **reading))
+        report = check(read_models(one_model(path), notations=NOTATIONS, **reading))
     if report.has_errors:
         click.echo(text.render(report), nl=False, err=True)
         click.echo(text.summary(report), err=True)

@@ -103,7 +103,7 @@ def similar(name: str, known: Iterable[str], limit: int = 3) -> list[str]:
         known: The names that exist.
         limit: How many to return at most.
     """
-    by_folded = {each.casefold(): each for each in known}
+    by_folded = {each.casefold(): each for each in sorted(known)}
     folded = name.casefold()[:200]
     found = get_close_matches(folded, by_folded, n=limit, cutoff=0.8)
     if not found and len(folded) >= _LEAST_BEGINNING:

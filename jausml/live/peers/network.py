@@ -88,7 +88,8 @@ def fault(error: OSError, network: Network, remedy: str) -> str:
     """
     settings = network.settings
     if error.errno != errno.EADDRINUSE:
-        return f"the network cannot be used: {error.strerror or error}"
+        what = f"the network cannot be used: {error.strerror or error}"
+        return f"{what}; 'jausml doctor --interface {settings.interface}' tells more"
     protocol = "tcp" if settings.transport is TransportKind.JTCP else "udp"
     return (
         f"port {settings.port} is in use and not shared; {who_holds(protocol, settings)}. {remedy}"
