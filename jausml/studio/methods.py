@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from jausml.editing.commands import EditError
-from jausml.studio.answers.elements import AnswerError
+from jausml.proposals.elements import AnswerError
 from jausml.studio.rpc import INVALID_PARAMS, METHOD_NOT_FOUND, REFUSED, RpcError
 from jausml.studio.typed import TypedError, typed
 

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING
 
 from jausml.editing.commands import Add, Child, Remove
 from jausml.metamodel.classes import bridge
+from jausml.proposals.elements import AnswerError
 from jausml.semantics.attributes import LIST, NUMBER, NUMBERS
 from jausml.semantics.conversions import CONVERSIONS, UnitEffect, conversions_between
 from jausml.semantics.frames import axis_of
 from jausml.semantics.paths import is_many, outer_scope, parse_path, source_paths, target_paths
 from jausml.semantics.units import attribute_measure
-from jausml.studio.answers.elements import AnswerError
 from jausml.studio.answers.members import Member, leaves, member
 from jausml.studio.answers.shapes import Option, Options
 from jausml.studio.answers.statements import OF_AUTHORS, innermost, statement, steps
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from jausml.editing.commands import Command
+    from jausml.proposals.elements import Scope
     from jausml.semantics.conversions import Conversion
-    from jausml.studio.answers.elements import Scope
 
 _MOST = 8
 _POLICIES: tuple[Mapping[str, str], ...] = (

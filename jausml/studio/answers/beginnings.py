@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 from jausml.metamodel import FeatureKind
 from jausml.metamodel.classes import jaus, system
 from jausml.model.names import name_of
+from jausml.proposals.fresh import free_address, name_among, participant_name
 from jausml.semantics.inherited_machines import CORE_MACHINE
 from jausml.semantics.names import package_key
-from jausml.studio.answers.fresh import free_address, name_among, participant_name
 from jausml.text.reading.declaring.messages import FIRST_CODE
 
 if TYPE_CHECKING:

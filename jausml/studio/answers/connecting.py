@@ -14,7 +14,7 @@ from jausml.studio.answers.shapes import Options
 from jausml.studio.answers.spots import all_spots
 
 if TYPE_CHECKING:
-    from jausml.studio.answers.elements import Scope
+    from jausml.proposals.elements import Scope
     from jausml.studio.answers.spots import Spot
 
 

@@ -8,11 +8,7 @@ from jausml.editing.commands import Add, Child, Set
 from jausml.metamodel.classes import bridge, jaus, ros
 from jausml.model.names import name_of
 from jausml.model.words import snake_case
-from jausml.semantics.ros_paths import ros_name
-from jausml.semantics.services import find_same
-from jausml.semantics.topics import resolve_topic
-from jausml.semantics.ways import EVENT, MESSAGE, TO_JAUS, TO_ROS
-from jausml.studio.answers.bridging import (
+from jausml.proposals.bridging import (
     Draft,
     Offer,
     bridges_of,
@@ -22,8 +18,12 @@ from jausml.studio.answers.bridging import (
     stop_in,
     system_of,
 )
-from jausml.studio.answers.fresh import name_among
-from jausml.studio.answers.ready import fitting
+from jausml.proposals.fresh import name_among
+from jausml.proposals.ready import fitting
+from jausml.semantics.ros_paths import ros_name
+from jausml.semantics.services import find_same
+from jausml.semantics.topics import resolve_topic
+from jausml.semantics.ways import EVENT, MESSAGE, TO_JAUS, TO_ROS
 from jausml.studio.answers.shapes import Option, Options
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from jausml.editing.commands import Command
     from jausml.metamodel.classes.ecore import EObject
-    from jausml.studio.answers.elements import Scope
+    from jausml.proposals.elements import Scope
     from jausml.studio.answers.spots import Spot
 
 

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from jausml.proposals.elements import AnswerError
 from jausml.studio.answers.curing import connections, maps, others
 from jausml.studio.answers.curing.found import Found
-from jausml.studio.answers.elements import AnswerError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from jausml.model import Diagnostic
+    from jausml.proposals.elements import Scope
     from jausml.studio.answers.curing.found import Curing
-    from jausml.studio.answers.elements import Scope
     from jausml.studio.answers.shapes import Cure
 
 CURES: Mapping[str, Curing] = {**others.CURES, **maps.CURES, **connections.CURES}

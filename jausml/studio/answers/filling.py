@@ -24,7 +24,7 @@ from jausml.studio.answers.trial import judge, judge_together
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from jausml.studio.answers.elements import Scope
+    from jausml.proposals.elements import Scope
     from jausml.studio.answers.members import Member
 
 _Steps = tuple[str, ...]

@@ -5,13 +5,14 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.metamodel import FeatureKind, ValueKind, documentation
 from jausml.model.refs import LIBRARY
 from jausml.model.words import words
+from jausml.proposals.elements import label_of
+from jausml.proposals.literals import literal, values_of
 from jausml.studio.answers.beginnings import usual_values
-from jausml.studio.answers.elements import label_of
 from jausml.studio.answers.moving import usual_texts
 from jausml.studio.answers.shapes import Child, Children, Choice, Field, Form, Kind
 from jausml.studio.answers.targets import legal_targets
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from jausml.metamodel import ClassTable, DataTypeTable, FeatureTable
     from jausml.metamodel.classes.ecore import EObject
     from jausml.model import Diagnostic
-    from jausml.studio.answers.elements import Scope
+    from jausml.proposals.elements import Scope
 
 _KINDS = {
     ValueKind.STRING: "text",
@@ -103,24 +104,6 @@ def kinds_of(target: ClassTable) -> tuple[Kind, ...]:
 def in_words(name: str) -> str:
     """Returns a name of the metamodels as words: `silenceTimeout` becomes `silence timeout`."""
     return " ".join(word if word.isupper() else word.lower() for word in words(name))
-
-
-def values_of(element: EObject, feature: FeatureTable) -> list[Any]:
-    """Returns the values that an element has in a feature; none while the default holds."""
-    value = getattr(element, feature.name)
-    if feature.many:
-        return list(value)
-    is_unset = value is None or (
-        not feature.is_reference and value == feature.default and not feature.can_be_missing
-    )
-    return [] if is_unset else [value]
-
-
-def literal(value: Any) -> str:
-    """Returns a value of a data type as models write it."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    return str(getattr(value, "literal", None) or getattr(value, "name", value))
 
 
 def _name(table: ClassTable) -> str:

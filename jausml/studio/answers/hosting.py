@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, cast
 from jausml.editing.commands import Add, Remove, Set
 from jausml.metamodel.classes import jaus, ros, system
 from jausml.model.names import name_of
+from jausml.proposals.elements import AnswerError
 from jausml.semantics.hosts import host_of
-from jausml.studio.answers.elements import AnswerError
 from jausml.studio.answers.shapes import Option
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from jausml.editing.commands import Command
     from jausml.metamodel.classes.ecore import EObject
-    from jausml.studio.answers.elements import Scope
+    from jausml.proposals.elements import Scope
 
 _FEATURES = ("components", "nodes")
 

@@ -8,9 +8,9 @@ from jausml.editing.commands import Add, Set
 from jausml.metamodel.classes import jaus
 from jausml.model.names import name_of
 from jausml.model.refs import LIBRARY
+from jausml.proposals.elements import AnswerError
 from jausml.semantics.services import lineage, query_name
 from jausml.studio.answers.beginnings import free_code
-from jausml.studio.answers.elements import AnswerError
 from jausml.studio.answers.shapes import Option, Options
 from jausml.studio.answers.spots import element_of
 from jausml.studio.answers.targets import everywhere
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.metamodel.classes.ecore import EObject
-    from jausml.studio.answers.elements import Scope
+    from jausml.proposals.elements import Scope
     from jausml.studio.answers.shapes import Choice
 
 _MARK = "!"

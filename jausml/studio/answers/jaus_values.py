@@ -13,8 +13,8 @@ from jausml.live.messages.codec import Scalar
 from jausml.live.messages.containers import TAG, Array, List, Record, Variant
 from jausml.live.messages.samples import sample
 from jausml.live.messages.scalars import BitField, FixedText, Real, Scaled
+from jausml.proposals.elements import AnswerError
 from jausml.semantics.layouts import is_group
-from jausml.studio.answers.elements import AnswerError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -8,11 +8,11 @@ from jausml.editing.commands import Add, Child, Set
 from jausml.metamodel.classes import jaus, ros
 from jausml.model.names import name_of
 from jausml.model.words import snake_case
+from jausml.proposals.bridging import is_served, offers, profile_of
+from jausml.proposals.fresh import name_among
 from jausml.semantics.ros_paths import ros_name
 from jausml.semantics.topics import resolve_topic
 from jausml.semantics.ways import EVENT, TO_ROS
-from jausml.studio.answers.bridging import is_served, offers, profile_of
-from jausml.studio.answers.fresh import name_among
 from jausml.studio.answers.shapes import Option, Options
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from jausml.metamodel.classes.ecore import EObject
-    from jausml.studio.answers.elements import Scope
+    from jausml.proposals.elements import Scope
     from jausml.studio.answers.spots import Spot
 
 _OTHER_ENDS: Mapping[str, tuple[str, str, str]] = {

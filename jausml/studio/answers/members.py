@@ -6,17 +6,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge
+from jausml.proposals.elements import AnswerError
 from jausml.semantics.jaus_paths import JausPlace
 from jausml.semantics.paths import is_many, outer_scope
 from jausml.semantics.ros_paths import RosPlace
-from jausml.studio.answers.elements import AnswerError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.proposals.elements import Scope
     from jausml.semantics.attributes import Attribute
     from jausml.semantics.paths import PathPlace
-    from jausml.studio.answers.elements import Scope
 
 _DEEPEST = 8
 JAUS_END, ROS_END = "!jaus", "!ros"

@@ -8,6 +8,7 @@ from jausml.editing.commands import Add, Child
 from jausml.metamodel.classes import jaus
 from jausml.model.names import name_of
 from jausml.model.refs import LIBRARY
+from jausml.proposals.elements import AnswerError
 from jausml.semantics.commands import is_command
 from jausml.semantics.inherited_machines import (
     CORE_EVENTS,
@@ -18,7 +19,6 @@ from jausml.semantics.inherited_machines import (
     machine_with,
 )
 from jausml.semantics.services import lineage
-from jausml.studio.answers.elements import AnswerError
 from jausml.studio.answers.shapes import Choice, Option, Options
 
 if TYPE_CHECKING:
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 
     from jausml.metamodel import FeatureTable
     from jausml.metamodel.classes.ecore import EObject
+    from jausml.proposals.elements import Scope
     from jausml.semantics.inherited_machines import Machine
-    from jausml.studio.answers.elements import Scope
 
 _MARK = "!"
 _GUARD = "isControllingClient"

@@ -13,13 +13,13 @@ from jausml.metamodel.classes import bridge, jaus, ros, system
 from jausml.model.names import name_of
 from jausml.model.refs import LIBRARY
 from jausml.model.words import snake_case, words
+from jausml.proposals.bridging import bridges_of, carrying, system_of
+from jausml.proposals.elements import AnswerError, label_of, library
+from jausml.proposals.fresh import free_address, name_among, participant_name
 from jausml.semantics.core_services import CORE
 from jausml.semantics.ros_paths import ros_name
 from jausml.studio.answers.beginnings import PACKAGES, usual_values
-from jausml.studio.answers.bridging import bridges_of, carrying, system_of
-from jausml.studio.answers.elements import AnswerError, label_of, library
 from jausml.studio.answers.forms import in_words, kinds_of
-from jausml.studio.answers.fresh import free_address, name_among, participant_name
 from jausml.studio.answers.inheriting import inherit
 from jausml.studio.answers.shapes import Drop, PaletteItem
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from jausml.editing.commands import Command
     from jausml.metamodel import ClassTable, FeatureTable
     from jausml.metamodel.classes.ecore import EObject
-    from jausml.studio.answers.elements import Scope
+    from jausml.proposals.elements import Scope
 
 MOST = 60
 """How many items are shown unless more are asked for."""

@@ -15,7 +15,7 @@ from jausml.generation.target import load_targets
 from jausml.generation.workspace import Result, generate, select
 from jausml.generation.writer import apply
 from jausml.model import Severity
-from jausml.studio.answers.elements import AnswerError
+from jausml.proposals.elements import AnswerError
 from jausml.validation.formats import text
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes.ecore import EObject
     from jausml.model import Document, Model
     from jausml.model.xmi.parsing import Node
-    from jausml.studio.answers.elements import Scope
+    from jausml.proposals.elements import Scope
     from jausml.text.tree import Span
 
 XMI, TEXT = "xmi", "text"

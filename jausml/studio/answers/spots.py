@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge, jaus, ros
-from jausml.studio.answers.elements import AnswerError
+from jausml.proposals.elements import AnswerError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.metamodel.classes.ecore import EObject
-    from jausml.studio.answers.elements import Scope
+    from jausml.proposals.elements import Scope
 
 _MARK = "!"
 

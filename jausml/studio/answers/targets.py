@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge, jaus, ros, system
 from jausml.model.names import name_of
+from jausml.proposals.elements import Scope, label_of, library
 from jausml.semantics.services import lineage, outputs
-from jausml.studio.answers.elements import Scope, label_of, library
 from jausml.studio.answers.shapes import Choice
 
 if TYPE_CHECKING:

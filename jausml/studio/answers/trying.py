@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from jausml.metamodel.classes import bridge
+from jausml.proposals.elements import AnswerError
 from jausml.semantics.attributes import (
     BOOL,
     LIST,
@@ -29,7 +30,6 @@ from jausml.semantics.jaus_paths import JausPlace
 from jausml.semantics.paths import COUNTERS, outer_scope, source_paths
 from jausml.semantics.ros_paths import RosPlace
 from jausml.studio.answers import jaus_values
-from jausml.studio.answers.elements import AnswerError
 from jausml.studio.answers.trial_bridge import trial_bridge
 from jausml.workers.process import Worker, WorkerError
 
@@ -38,8 +38,8 @@ if TYPE_CHECKING:
 
     from typing_extensions import Self
 
+    from jausml.proposals.elements import Scope
     from jausml.semantics.paths import PathPlace, PathScope
-    from jausml.studio.answers.elements import Scope
     from jausml.workers.code import BridgeCode
 
 SECONDS = 10.0

@@ -9,9 +9,9 @@ from jausml.diagrams.views import graph_of
 from jausml.diagrams.views.context import Context
 from jausml.metamodel.classes import bridge, jaus, system
 from jausml.model import refs
+from jausml.proposals.elements import AnswerError, Scope, label_of
 from jausml.studio.answers.assigning import assign, partners
 from jausml.studio.answers.connecting import connect, ends
-from jausml.studio.answers.elements import AnswerError, Scope, label_of
 from jausml.studio.answers.forms import form
 from jausml.studio.answers.hosting import hosted
 from jausml.studio.answers.inheriting import cut, heritage, join

@@ -6,8 +6,8 @@ from collections.abc import Mapping  # noqa: TC003 - parameters are typed at run
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
+from jausml.proposals.elements import AnswerError
 from jausml.studio.answers.assigning import clock, constant, ignore
-from jausml.studio.answers.elements import AnswerError
 from jausml.studio.answers.filling import fill_map
 from jausml.studio.answers.members import end_of
 from jausml.studio.answers.trying import inputs
@@ -17,7 +17,7 @@ from jausml.studio.methods import Method
 
 if TYPE_CHECKING:
     from jausml.metamodel.classes import bridge
-    from jausml.studio.answers.elements import Scope
+    from jausml.proposals.elements import Scope
     from jausml.studio.desk import Desk
 
 Direction = Literal["to_ros", "to_jaus"]

@@ -9,7 +9,7 @@ from jausml.diagrams.views import maps
 from jausml.diagrams.views.context import Context
 from jausml.model import refs
 from jausml.model.uris import library_root
-from jausml.studio.answers.elements import AnswerError, Scope
+from jausml.proposals.elements import AnswerError, Scope
 from jausml.studio.answers.places import element_at
 from jausml.studio.answers.sources import source
 from jausml.studio.asking.answering import OfElement, map_of, scope_of

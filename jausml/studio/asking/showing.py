@@ -11,9 +11,9 @@ from jausml import __version__
 from jausml.diagrams.layout.sheet import LayoutError
 from jausml.diagrams.views import UnknownViewError, graph_of, view_names
 from jausml.model.refs import file_of
+from jausml.proposals.elements import AnswerError, Scope
 from jausml.studio import shown
 from jausml.studio.answers.cures import cures
-from jausml.studio.answers.elements import AnswerError, Scope
 from jausml.studio.methods import Method
 from jausml.studio.rpc import REFUSED, RpcError
 from jausml.text.notation import SUFFIX, decode

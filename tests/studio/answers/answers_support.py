@@ -7,7 +7,7 @@ from pathlib import Path
 
 from jausml.model import read_models
 from jausml.model.names import qualified_name
-from jausml.studio.answers.elements import Scope
+from jausml.proposals.elements import Scope
 from jausml.text.notation import NOTATIONS
 from jausml.validation.engine import check
 

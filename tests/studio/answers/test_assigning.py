@@ -7,9 +7,9 @@ from answers_support import CAR, SHIPPED, scope_of
 
 from jausml.editing.commands import Add, Remove
 from jausml.metamodel.classes import bridge
+from jausml.proposals.elements import AnswerError
 from jausml.semantics.conversions import CONVERSIONS
 from jausml.studio.answers.assigning import assign, clock, constant, ignore, partners
-from jausml.studio.answers.elements import AnswerError
 from jausml.studio.answers.members import end_of, member
 
 CHANGES_VALUES = {"deadband", "clamp", "limit"}

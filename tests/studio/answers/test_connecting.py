@@ -10,8 +10,8 @@ from jausml.editing.commands import Add, Set
 from jausml.editing.project import Project
 from jausml.metamodel.classes import bridge, jaus, ros
 from jausml.model import LIBRARY_URI, Severity
+from jausml.proposals.elements import AnswerError, Scope
 from jausml.studio.answers.connecting import connect, ends
-from jausml.studio.answers.elements import AnswerError, Scope
 from jausml.studio.answers.spots import Spot, spot
 from jausml.validation.engine import check
 

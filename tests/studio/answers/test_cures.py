@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from jausml.editing.project import Project
+from jausml.proposals.elements import Scope
 from jausml.studio.answers.cures import CURES, cures
-from jausml.studio.answers.elements import Scope
 from jausml.validation.engine import check
 
 RULES = Path(__file__).resolve().parents[2] / "cases" / "rules"

@@ -8,7 +8,7 @@ from answers_support import CAR, SHIPPED, named, scope_of
 from jausml.metamodel import FeatureKind, documentation, load_metamodels
 from jausml.metamodel.classes import bridge, jaus
 from jausml.model import Diagnostic, Severity
-from jausml.studio.answers.elements import AnswerError
+from jausml.proposals.elements import AnswerError
 from jausml.studio.answers.forms import form, form_of
 
 CONCRETE = sorted(

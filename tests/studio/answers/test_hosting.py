@@ -6,8 +6,8 @@ import pytest
 
 from jausml.editing.project import Project
 from jausml.metamodel.classes import jaus, ros, system
+from jausml.proposals.elements import AnswerError, Scope
 from jausml.semantics.hosts import host_of
-from jausml.studio.answers.elements import AnswerError, Scope
 from jausml.studio.answers.hosting import hosted
 
 TEXT = """\

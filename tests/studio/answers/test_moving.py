@@ -11,7 +11,7 @@ from jausml.editing.commands import Rename
 from jausml.editing.project import Project
 from jausml.metamodel.classes import jaus
 from jausml.model.uris import LIBRARY_URI
-from jausml.studio.answers.elements import Scope, library
+from jausml.proposals.elements import Scope, library
 from jausml.studio.answers.forms import form_of
 from jausml.studio.answers.inheriting import cut, heritage, join
 from jausml.studio.answers.moving import lead

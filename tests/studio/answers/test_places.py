@@ -7,7 +7,7 @@ from answers_support import MODELS, scope_of
 
 from jausml.metamodel.classes import bridge, ros
 from jausml.model import read_models
-from jausml.studio.answers.elements import Scope
+from jausml.proposals.elements import Scope
 from jausml.studio.answers.places import element_at
 from jausml.studio.answers.sources import source
 from jausml.text.notation import NOTATIONS

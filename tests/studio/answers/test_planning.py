@@ -8,7 +8,7 @@ import pytest
 from answers_support import CAR, read
 
 from jausml.model import Diagnostic, Location, Severity
-from jausml.studio.answers.elements import AnswerError
+from jausml.proposals.elements import AnswerError
 from jausml.studio.answers.planning import carry_out, diff, out_folder, plan
 
 SKELETON = "vehicle/vehicle/vehicle.py"

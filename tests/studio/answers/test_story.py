@@ -7,8 +7,8 @@ import pytest
 from jausml.editing.commands import Create
 from jausml.editing.project import Project
 from jausml.metamodel.classes import bridge, jaus, ros
+from jausml.proposals.elements import Scope
 from jausml.studio.answers.connecting import connect
-from jausml.studio.answers.elements import Scope
 from jausml.studio.answers.palette import palette
 from jausml.studio.answers.planning import plan
 from jausml.studio.answers.spots import Spot

@@ -9,7 +9,7 @@ from answers_support import CAR, SHIPPED, scope_of
 
 from jausml.metamodel.classes import bridge
 from jausml.model import read_models
-from jausml.studio.answers.elements import Scope
+from jausml.proposals.elements import Scope
 from jausml.studio.answers.trying import Trials, inputs
 
 RULES = Path(__file__).resolve().parents[2] / "cases" / "rules"

@@ -9,13 +9,14 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from jausml.editing.commands import Set
-from jausml.studio.answers.forms import in_words, literal, values_of
+from jausml.proposals.literals import literal, values_of
+from jausml.studio.answers.forms import in_words
 from jausml.studio.answers.shapes import Cure
 
 if TYPE_CHECKING:
     from jausml.metamodel import ClassTable
     from jausml.model import Diagnostic
-    from jausml.studio.answers.elements import Scope
+    from jausml.proposals.elements import Scope
 
 _QUOTED = re.compile(r"'([^']*)'")
 

@@ -9,12 +9,12 @@ from jausml.editing.commands import Add, Remove, Set
 from jausml.metamodel.classes import bridge
 from jausml.model.names import name_of
 from jausml.model.words import snake_case
+from jausml.proposals.elements import map_around
 from jausml.semantics.conversions import CONVERSIONS
 from jausml.semantics.jaus_paths import JausPlace
 from jausml.semantics.paths import place
 from jausml.semantics.ros_paths import RosPlace
 from jausml.studio.answers.curing.found import renamed_as_meant, unset
-from jausml.studio.answers.elements import map_around
 from jausml.studio.answers.shapes import Cure
 
 if TYPE_CHECKING:

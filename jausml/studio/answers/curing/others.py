@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 from jausml.editing.commands import Remove, Rename, Set
 from jausml.metamodel.classes import jaus
 from jausml.model.names import name_of
+from jausml.proposals.fresh import free_address, free_name, name_among, participant_name
+from jausml.proposals.literals import literal, values_of
 from jausml.semantics.names import is_identifier
 from jausml.semantics.topics import topic_fault
 from jausml.studio.answers.curing.found import renamed_as_meant, unset
-from jausml.studio.answers.forms import literal, values_of
-from jausml.studio.answers.fresh import free_address, free_name, name_among, participant_name
 from jausml.studio.answers.shapes import Cure
 from jausml.studio.answers.targets import everywhere
 

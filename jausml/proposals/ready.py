@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge, jaus
+from jausml.proposals.elements import library
 from jausml.semantics.layouts import signature
 from jausml.semantics.ros_paths import ros_name
 from jausml.semantics.services import code
-from jausml.studio.answers.elements import library
 
 if TYPE_CHECKING:
     from jausml.metamodel.classes import ros
-    from jausml.studio.answers.elements import Scope
+    from jausml.proposals.elements import Scope
 
 
 def maps_of(scope: Scope) -> list[bridge.AttributeMap]:

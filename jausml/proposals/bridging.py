@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from jausml.editing.commands import NEW, Add, Child, Set
 from jausml.metamodel.classes import bridge, jaus, system
 from jausml.model.names import name_of
 from jausml.model.words import snake_case
+from jausml.proposals.fresh import free_address, name_among, participant_name
+from jausml.proposals.literals import literal, values_of
 from jausml.semantics.commands import is_command
 from jausml.semantics.core_services import SERVED_BY_RUNTIME
 from jausml.semantics.ros_paths import ros_name
@@ -20,16 +22,14 @@ from jausml.semantics.services import (
     with_inherited,
 )
 from jausml.semantics.ways import EVENT, MESSAGE, TO_JAUS, TO_ROS
-from jausml.studio.answers.forms import literal, values_of
-from jausml.studio.answers.fresh import free_address, name_among, participant_name
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
     from jausml.editing.commands import Command
     from jausml.metamodel.classes import ros
     from jausml.metamodel.classes.ecore import EObject
-    from jausml.studio.answers.elements import Scope
+    from jausml.proposals.elements import Scope
 
 _QUERY = "Query"
 
@@ -87,6 +87,21 @@ def offers(component: jaus.Component, direction: str) -> Iterator[Offer]:
                     )
 
 
+def offer_of(message: jaus.MessageDef, *, to_ros: bool) -> Offer | None:
+    """Returns how a bridge exchanges a message with a component; None for one without a service.
+
+    Args:
+        message: The message.
+        to_ros: The direction.
+    """
+    service = message.eContainer()
+    if not isinstance(service, jaus.Service):
+        return None
+    is_provided = (message in service.outputs) is to_ros
+    direction = TO_ROS if to_ros else TO_JAUS
+    return Offer(message, service, direction, _exchange(message, service), is_provided)
+
+
 def _exchange(message: jaus.MessageDef, service: jaus.Service) -> str:
     """Reports that can be asked for cross by events, all else by messages."""
     wanted = query_name(message)
@@ -111,6 +126,8 @@ class Draft:
         topic: The topic at the ROS side.
         name: Its name.
         qos: The quality of service that the topic needs.
+        joins: Topics of the joins of the map by the names of these, which else name them.
+        hold: Why the last command may stand when its source is lost, for a map without a stop.
     """
 
     offer: Offer
@@ -120,6 +137,8 @@ class Draft:
     topic: str
     name: str
     qos: Mapping[str, str]
+    joins: Mapping[str, str] = field(default_factory=dict)
+    hold: str = ""
 
     def commands(self, scope: Scope, owner: EObject) -> list[Command]:
         """Returns what makes it.
@@ -139,7 +158,8 @@ class Draft:
         if self.map is None:
             used = f"{NEW}{sum(isinstance(each, Add) for each in made)}"
             made.append(self._new_map(scope, owner, place))
-        made.append(self._connection(scope, owner, place, used))
+        siblings = owner.bridgeConnections if isinstance(owner, bridge.Bridge) else ()
+        made.append(self.connection(scope, place, used, siblings))
         return made
 
     def _new_map(self, scope: Scope, owner: EObject, place: str) -> Add:
@@ -151,8 +171,17 @@ class Draft:
         }
         return Add(place, "maps", "bridge.AttributeMap", values)
 
-    def _connection(self, scope: Scope, owner: EObject, place: str, used: str) -> Add:
-        siblings = owner.bridgeConnections if isinstance(owner, bridge.Bridge) else ()
+    def connection(
+        self, scope: Scope, place: str, used: str, siblings: Iterable[EObject] = ()
+    ) -> Add:
+        """Returns what makes the connection alone.
+
+        Args:
+            scope: The model.
+            place: Ref of the bridge that shall have it.
+            used: Ref of its map.
+            siblings: The connections that the bridge has already.
+        """
         values: dict[str, tuple[str, ...]] = {
             "name": (name_among(self.name, siblings),),
             "map": (used,),
@@ -161,6 +190,8 @@ class Draft:
             values["direction"] = (self.offer.direction,)
         if self.offer.exchange != MESSAGE:
             values["exchange"] = (self.offer.exchange,)
+        if self.hold:
+            values |= {"onSilence": ("hold",), "holdReason": (self.hold,)}
         inner: list[Child] = []
         if self.peer is not None and self._names_peer:
             values["peers"] = (scope.ref(self.peer),)
@@ -172,8 +203,9 @@ class Draft:
             values["control"] = ("false",)
         inner.append(self._topic(self.topic, self.qos))
         if self.map is not None and not self.offer.to_ros:
-            joins = (self._topic(name_of(each), {}, scope.ref(each)) for each in self.map.joins)
-            inner += joins
+            for each in self.map.joins:
+                topic = self.joins.get(name_of(each), name_of(each))
+                inner.append(self._topic(topic, {}, scope.ref(each)))
         return Add(place, "bridgeConnections", "bridge.Connection", values, tuple(inner))
 
     @staticmethod
@@ -215,20 +247,16 @@ def carrying(
         used: The map.
         to_ros: The direction.
     """
-    service = used.message.eContainer()
-    if not isinstance(service, jaus.Service):
+    offer = offer_of(used.message, to_ros=to_ros)
+    if offer is None:
         return []
-    direction = TO_ROS if to_ros else TO_JAUS
-    is_provided = (used.message in service.outputs) is to_ros
-    style = _exchange(used.message, service)
-    offer = Offer(used.message, service, direction, style, is_provided)
     name = name_of(used)
-    peer = _peer(scope, offer) if is_provided else None
+    peer = peer_of(scope, offer) if offer.is_provided else None
     draft = Draft(offer, peer, used.type, used, name, name, {})
     return draft.commands(scope, owner)
 
 
-def _peer(scope: Scope, offer: Offer) -> jaus.Component | None:
+def peer_of(scope: Scope, offer: Offer) -> jaus.Component | None:
     """Returns the first component of the file that has a message at the other end."""
     for each in scope.model.instances(jaus.Component, library=False):
         if isinstance(each, bridge.Bridge):

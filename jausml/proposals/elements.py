@@ -31,16 +31,19 @@ class Scope:
     Attributes:
         model: The model of one file and of all that it refers to.
         root: The folder that was opened.
+        others: Models of further files, whose elements are to be referred to.
     """
 
     model: Model
     root: Path
+    others: tuple[Model, ...] = ()
 
     def ref(self, element: EObject | None) -> str:
         """Returns the text that names an element, empty for none and for what was not read."""
-        return refs.ref_of(element, self.model, self._top) or refs.ref_of(
-            element, library(), self._top
-        )
+        for each in (self.model, *self.others):
+            if found := refs.ref_of(element, each, self._top):
+                return found
+        return refs.ref_of(element, library(), self._top)
 
     def find(self, ref: str) -> EObject:
         """Returns the element of a text, which may be one of the library that nobody uses yet.

@@ -1,0 +1,175 @@
+"""Parts of a system as commands: components, nodes, services and maps."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.editing.commands import Add, Child
+from jausml.metamodel.classes import bridge, jaus
+from jausml.model.names import name_of
+from jausml.proposals.elements import AnswerError, library
+from jausml.proposals.finding import message_of, service_of, type_of
+from jausml.proposals.fresh import free_address, free_name
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from jausml.metamodel.classes import system
+    from jausml.proposals.elements import Scope
+
+_SERVICE_VERSION = "1.0"
+
+
+def new_component(
+    scope: Scope,
+    whole: system.System,
+    name: str,
+    *,
+    provides: Iterable[str] = (),
+    uses: Iterable[str] = (),
+    address: str = "",
+) -> Add:
+    """Returns what makes a component.
+
+    Args:
+        scope: The model.
+        whole: The system that shall have it.
+        name: Its name.
+        provides: Names or URNs of the services that it provides.
+        uses: Names or URNs of the services that it uses.
+        address: Its JAUS id; empty for one that is free.
+
+    Raises:
+        AnswerError: There is no such service.
+    """
+    values: dict[str, tuple[str, ...]] = {
+        "name": (name,),
+        "address": (address or free_address(scope.model),),
+    }
+    for feature, words in (("provides", provides), ("uses", uses)):
+        services = [service_of(scope, each) for each in words]
+        if services:
+            values[feature] = tuple(dict.fromkeys(map(scope.ref, services)))
+    return Add(scope.ref(whole), "components", "jaus.Component", values)
+
+
+def new_node(
+    scope: Scope,
+    whole: system.System,
+    name: str,
+    *,
+    publishes: Iterable[tuple[str, str]] = (),
+    subscribes: Iterable[tuple[str, str]] = (),
+) -> Add:
+    """Returns what makes a node of ROS.
+
+    Args:
+        scope: The model.
+        whole: The system that shall have it.
+        name: Its name.
+        publishes: Topics and types that it publishes.
+        subscribes: Topics and types that it hears.
+
+    Raises:
+        AnswerError: There is no such type.
+    """
+    ends: list[Child] = []
+    for feature, kind, topics in (
+        ("publishers", "ros.Publisher", publishes),
+        ("subscriptions", "ros.Subscription", subscribes),
+    ):
+        names: list[str] = []
+        for topic, word in topics:
+            names.append(free_name(topic, names))
+            type_ = scope.ref(type_of(scope, word))
+            values = {"name": (names[-1],), "topic": (topic,), "type": (type_,)}
+            ends.append(Child(feature, kind, values))
+    return Add(scope.ref(whole), "nodes", "ros.Node", {"name": (name,)}, tuple(ends))
+
+
+def new_service(
+    scope: Scope,
+    whole: system.System,
+    name: str,
+    urn: str,
+    *,
+    inherits: str = "",
+    takes: Sequence[tuple[str, str]] = (),
+    sends: Sequence[tuple[str, str]] = (),
+) -> Add:
+    """Returns what makes a service, in a set of its own.
+
+    Args:
+        scope: The model.
+        whole: The system that shall have it.
+        name: Its name.
+        urn: Its URN.
+        inherits: Name or URN of the service that it inherits, empty for none.
+        takes: Names and codes of messages that it takes.
+        sends: Names and codes of messages that it sends.
+
+    Raises:
+        AnswerError: There is no such service, or one has the URN already.
+    """
+    known = (*scope.model.instances(jaus.Service), *library().instances(jaus.Service))
+    if any(each.urn == urn for each in known):
+        raise AnswerError(f"there is a service {urn} already")
+    values = {"name": (name,), "urn": (urn,), "version": (_SERVICE_VERSION,)}
+    if inherits:
+        values["inherits"] = (scope.ref(service_of(scope, inherits)),)
+    messages = tuple(
+        Child(feature, "jaus.MessageDef", {"name": (each,), "code": (_code(code),)})
+        for feature, given in (("inputs", takes), ("outputs", sends))
+        for each, code in given
+    )
+    service = Child("services", "jaus.Service", values, messages)
+    own = {
+        "name": (free_name(name, map(name_of, whole.serviceSets)),),
+        "version": (_SERVICE_VERSION,),
+    }
+    return Add(scope.ref(whole), "serviceSets", "jaus.ServiceSet", own, (service,))
+
+
+def _code(text: str) -> str:
+    """Returns a message code as models write it: `D100` is `0xD100`."""
+    return text if text[:2] in ("0x", "0X") else f"0x{text}"
+
+
+def new_map(
+    scope: Scope,
+    owner: bridge.Bridge,
+    name: str,
+    message: str,
+    kind: str,
+    *,
+    to_ros: Iterable[tuple[str, str]] = (),
+    to_jaus: Iterable[tuple[str, str]] = (),
+) -> Add:
+    """Returns what makes a map.
+
+    Args:
+        scope: The model.
+        owner: The bridge that shall have it.
+        name: Its name.
+        message: Name of the JAUS message, with that of its service and a dot before it where
+            several have one.
+        kind: The ROS type.
+        to_ros: Targets in the ROS type and their sources in the message.
+        to_jaus: Targets in the message and their sources in the ROS type.
+
+    Raises:
+        AnswerError: There is no such message or type, or the bridge has a map of the name.
+    """
+    if any(name_of(each) == name for each in owner.maps):
+        raise AnswerError(f"{name_of(owner)} has a map {name} already")
+    values = {
+        "name": (name,),
+        "message": (scope.ref(message_of(scope, message)),),
+        "type": (scope.ref(type_of(scope, kind)),),
+    }
+    assignments = tuple(
+        Child(feature, "bridge.FieldAssignment", {"target": (target,), "source": (source,)})
+        for feature, pairs in (("toRos", to_ros), ("toJaus", to_jaus))
+        for target, source in pairs
+    )
+    return Add(scope.ref(owner), "maps", "bridge.AttributeMap", values, assignments)
