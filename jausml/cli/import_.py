@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes import jaus
     from jausml.validation.report import Report
 
-_SUFFIXES = (".xml", ".jsidl")
+JSIDL_SUFFIXES = (".xml", ".jsidl")
+"""The endings of JSIDL files."""
 
 
 @click.group("import")
@@ -72,8 +73,8 @@ def jsidl(
     if output is None and not compare_library:
         raise click.UsageError("name the model to write by -o OUT.xmi")
     folders = [path for path in paths if Path(path).is_dir()]
-    files = find_files([path for path in paths if path not in folders], _SUFFIXES)
-    candidates = find_files(folders, _SUFFIXES)
+    files = find_files([path for path in paths if path not in folders], JSIDL_SUFFIXES)
+    candidates = find_files(folders, JSIDL_SUFFIXES)
     result = import_jsidl(
         files,
         candidates=candidates,
@@ -81,7 +82,7 @@ def jsidl(
         version=set_version,
         behaviour=not without_behaviour,
     )
-    report = _report(result)
+    report = findings_of(result)
     click.echo(RENDERERS[output_format](report), nl=False)
     if report.has_errors:
         say(f"{text.summary(report)}; nothing written", quiet=quiet)
@@ -103,7 +104,7 @@ def jsidl(
             raise click.exceptions.Exit(PROBLEMS)
 
 
-def _report(result: ImportResult) -> Report:
+def findings_of(result: ImportResult) -> Report:
     """Returns the findings of the importer; without errors, those of the rules too."""
     from jausml.model.reading.reader import ReadResult
     from jausml.validation.engine import check

@@ -3,14 +3,25 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.common import EnvironmentFault
+from jausml.cli.common import PROBLEMS, EnvironmentFault, find_files
+from jausml.cli.topics import chosen_crossings, told, topic_options, topics_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.importers.jsidl import ImportResult
+    from jausml.projects.creating import Wish
+
+_EXAMPLE, _EMPTY, _TOPICS, _JSIDL = "example", "empty", "topics", "jsidl"
 
 
 @click.command("init")
 @click.argument("folder", metavar="DIR", type=click.Path(file_okay=False, path_type=Path))
+@click.argument("sources", metavar="[SOURCE]...", nargs=-1)
 @click.option("--name", metavar="NAME", help="Name of the system; by default that of the folder.")
 @click.option(
     "--notation",
@@ -22,25 +33,46 @@ from jausml.cli.common import EnvironmentFault
 @click.option(
     "--from",
     "origin",
-    type=click.Choice(["example", "empty"]),
-    default="example",
+    type=click.Choice([_EXAMPLE, _EMPTY, _TOPICS, _JSIDL]),
+    default=_EXAMPLE,
     show_default=True,
-    help="What stands in the model: a sensor and a bridge that work, or nothing.",
+    help="What stands in the model: a sensor and a bridge that work; nothing; a bridge of the "
+    "SOURCEs, topics such as odom:nav_msgs/Odometry; a component with services of the SOURCEs, "
+    "JSIDL files and folders.",
 )
-def command(folder: Path, name: str | None, notation: str, origin: str) -> None:
+@topic_options
+def command(
+    folder: Path,
+    sources: tuple[str, ...],
+    name: str | None,
+    notation: str,
+    origin: str,
+    side: str,
+    yes: bool,
+) -> None:
     """Make a project of models in DIR, which may be there already.
 
     It holds a model that validates, generates and runs; copies of the metamodels and the library,
     so that Eclipse opens it as it is; a workflow for CI, hooks for pre-commit, and a README. No
     file of yours is overwritten.
 
-    Exit status: 0 done, 2 usage or environment (a file is there already), 3 internal error.
+    Exit status: 0 done, 1 errors in JSIDL files, 2 usage or environment (a file is there already),
+    3 internal error.
     """
-    from jausml.projects.creating import ProjectError, Wish, create, name_for
+    from jausml.projects.creating import Wish, create, name_for
+    from jausml.projects.errors import ProjectError
 
+    if bool(sources) is not (origin in (_TOPICS, _JSIDL)):
+        what = "needs SOURCEs" if not sources else "takes no SOURCE"
+        raise click.UsageError(f"--from {origin} {what}")
     try:
-        wish = Wish(name or name_for(folder), notation == "text", origin == "empty")
-        written = create(folder, wish)
+        wish = Wish(name or name_for(folder), notation == "text", origin == _EMPTY)
+        if origin == _TOPICS:
+            written = _from_topics(folder, wish, sources, side=side, yes=yes)
+        elif origin == _JSIDL:
+            written = _from_jsidl(folder, wish, sources)
+        else:
+            written = create(folder, wish)
     except ProjectError as error:
         raise EnvironmentFault(str(error)) from error
     except OSError as error:
@@ -50,3 +82,43 @@ def command(folder: Path, name: str | None, notation: str, origin: str) -> None:
     click.echo("  jausml validate models")
     click.echo(f"  jausml generate {wish.model} -o src")
     click.echo("  jausml run src --for 10")
+
+
+def _from_topics(
+    folder: Path, wish: Wish, sources: Sequence[str], *, side: str, yes: bool
+) -> list[str]:
+    from jausml.metamodel.classes import bridge
+    from jausml.projects.starting import start_from_topics
+    from jausml.proposals.elements import library
+
+    topics = topics_of(sources)
+    maps = library().instances(bridge.AttributeMap)
+    chosen = chosen_crossings(topics, maps, side=side, yes=yes)
+    written = start_from_topics(folder, wish, chosen, topics)
+    for each in chosen:
+        click.echo(told(each))
+    return written
+
+
+def _from_jsidl(folder: Path, wish: Wish, sources: Sequence[str]) -> list[str]:
+    from jausml.projects.starting import start_from_services
+
+    return start_from_services(folder, wish, _imported(sources))
+
+
+def _imported(paths: Sequence[str]) -> ImportResult:
+    """Returns services in JSIDL; ends when the files have errors."""
+    from jausml.cli.import_ import JSIDL_SUFFIXES, findings_of
+    from jausml.importers.jsidl import import_jsidl
+    from jausml.validation.formats import text
+
+    folders = [each for each in paths if Path(each).is_dir()]
+    files = find_files([each for each in paths if each not in folders], JSIDL_SUFFIXES)
+    result = import_jsidl(files, candidates=find_files(folders, JSIDL_SUFFIXES))
+    report = findings_of(result)
+    if report.diagnostics:
+        click.echo(text.render(report), nl=False, err=True)
+    if report.has_errors or not result.sets:
+        click.echo("nothing written", err=True)
+        raise click.exceptions.Exit(PROBLEMS)
+    return result

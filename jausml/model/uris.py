@@ -72,6 +72,23 @@ def shipped_as(path: Path) -> Path | None:
         return None
 
 
+def copy_in_project(place: str, folder: Path, root: Path) -> Path | None:
+    """Returns the copy of a file of the shipped library that a project has, None without one.
+
+    Args:
+        place: The file, relative to the library with forward slashes.
+        folder: The folder of the file that refers to it; the copy is at or above it.
+        root: The folder that references may not leave.
+    """
+    for each in (folder, *folder.parents):
+        if not each.is_relative_to(root):
+            return None
+        copy = each / "library" / place
+        if shipped_as(copy) is not None:
+            return copy
+    return None
+
+
 def find_project_root(paths: Iterable[Path]) -> Path:
     """Returns the folder that hrefs may not leave, when the user names none.
 

@@ -5,17 +5,15 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import jinja2
 
 from jausml import __version__
 from jausml.model.uris import library_root
 from jausml.model.xmi.writer import replace_file
-from jausml.projects.first_model import as_text, as_xmi, empty_xmi, with_schema_location
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
+from jausml.projects.eclipse import with_schema_location
+from jausml.projects.errors import ProjectError
+from jausml.projects.first_model import as_xmi, empty_text, empty_xmi, text_of
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(?:_[a-z0-9]+)*")
 _METAMODELS = "metamodels"
@@ -28,10 +26,6 @@ TEMPLATES = {
     "README.md": "readme.j2",
 }
 """Files that are rendered, by their paths."""
-
-
-class ProjectError(Exception):
-    """A project cannot be made; the message says why."""
 
 
 @dataclass(frozen=True)
@@ -121,8 +115,11 @@ def _metamodels() -> dict[str, bytes]:
 
 
 def _model(wish: Wish) -> bytes:
-    make: Callable[[str], str] = empty_xmi if wish.is_empty else as_xmi
-    return (as_text(make(wish.name), wish.name) if wish.is_text else make(wish.name)).encode()
+    beside = f"../{_METAMODELS}"
+    if wish.is_empty:
+        return (empty_text(wish.name) if wish.is_text else empty_xmi(wish.name, beside)).encode()
+    xmi = as_xmi(wish.name, beside)
+    return (text_of(xmi, wish.name) if wish.is_text else xmi).encode()
 
 
 def _differs(path: Path, data: bytes) -> bool:

@@ -7,10 +7,10 @@ from tempfile import TemporaryDirectory
 
 from jausml.model.reading.reader import read_models
 from jausml.model.uris import LIBRARY_URI, library_root
+from jausml.projects.eclipse import with_schema_location
 from jausml.text.writing.unparsing import to_text
 
 _EXAMPLE = "minimal"
-_LANGUAGES = ("jaus", "ros", "bridge", "system")
 _EMPTY = """\
 <?xml version="1.0" encoding="UTF-8"?>
 <system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"\
@@ -19,26 +19,37 @@ _EMPTY = """\
 """
 
 
-def as_xmi(name: str) -> str:
-    """Returns the example as XMI that Eclipse opens, below a folder beside metamodels and library.
+def as_xmi(name: str, metamodels: str) -> str:
+    """Returns the example as XMI that Eclipse opens, below a folder beside the library.
 
     Args:
         name: Name of the system.
+        metamodels: Folder of the metamodels, relative to the model.
     """
     path = library_root().parent / _EXAMPLE / f"{_EXAMPLE}.xmi"
-    return _named(path.read_text(encoding="utf-8"), name)
+    return with_schema_location(_named(path.read_text(encoding="utf-8"), name), metamodels)
 
 
-def empty_xmi(name: str) -> str:
-    """Returns an empty system as XMI that Eclipse opens.
+def empty_xmi(name: str, metamodels: str) -> str:
+    """Returns an empty system as XMI.
+
+    Args:
+        name: Name of the system.
+        metamodels: Folder of the metamodels, relative to the model; empty where there is none.
+    """
+    return with_schema_location(_named(_EMPTY, name), metamodels)
+
+
+def empty_text(name: str) -> str:
+    """Returns an empty system as ros2jaus text.
 
     Args:
         name: Name of the system.
     """
-    return _named(_EMPTY, name)
+    return text_of(empty_xmi(name, ""), name)
 
 
-def as_text(xmi: str, name: str) -> str:
+def text_of(xmi: str, name: str) -> str:
     """Returns a model as ros2jaus text.
 
     Args:
@@ -52,20 +63,6 @@ def as_text(xmi: str, name: str) -> str:
         return to_text(model.documents[0].roots, model, path.with_suffix(".ros2jaus"))
 
 
-def with_schema_location(xmi: str, metamodels: str) -> str:
-    """Returns a model that tells Eclipse where the metamodels are.
-
-    Args:
-        xmi: The model, whose first line of elements says nothing of it.
-        metamodels: Folder of the metamodels, relative to the model.
-    """
-    places = " ".join(
-        f"http://www.jausml.org/{each}/1.0 {metamodels}/{each}.ecore" for each in _LANGUAGES
-    )
-    return xmi.replace(" xmi:id=", f' xsi:schemaLocation="{places}" xmi:id=', 1)
-
-
 def _named(xmi: str, name: str) -> str:
     own = f'xmi:id="{_EXAMPLE}" name="{_EXAMPLE}"'
-    named = xmi.replace(own, f'xmi:id="{name}" name="{name}"', 1)
-    return with_schema_location(named, "../metamodels")
+    return xmi.replace(own, f'xmi:id="{name}" name="{name}"', 1)

@@ -10,7 +10,7 @@ from jausml.editing.forest import Thing
 from jausml.editing.reading import is_library
 from jausml.model import refs
 from jausml.model.reading.classes import XSI, is_xmi
-from jausml.model.uris import LIBRARY_URI, UriFault, UriResolver, library_root
+from jausml.model.uris import LIBRARY_URI, UriFault, UriResolver, copy_in_project, library_root
 from jausml.model.xmi.fragments import FragmentFinder
 
 if TYPE_CHECKING:
@@ -158,6 +158,9 @@ class Names:
             # As the writer does it: the shipped models name each other by paths.
             whole = (library / place).as_posix()
             return quote(posixpath.relpath(whole, folder.as_posix()))
+        copy = copy_in_project(place, folder, context.root)
+        if copy is not None:
+            return quote(posixpath.relpath(copy.as_posix(), folder.as_posix()))
         return f"{LIBRARY_URI}{quote(place)}"
 
 

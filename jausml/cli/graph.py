@@ -1,0 +1,95 @@
+"""Shared parts of the verbs that look at what runs in ROS."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import click
+
+from jausml.cli.common import EnvironmentFault
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.live.systems.ros_graph import GraphEnd, GraphTopic
+    from jausml.proposals.topics import TopicEnd
+
+
+def topics_that_run(words: Sequence[str], seconds: float) -> list[TopicEnd]:
+    """Returns topics that run now, after it has listed all of them.
+
+    Args:
+        words: Those that are meant, as `TOPIC` or `TOPIC:MAP,...`; all without any.
+        seconds: How long to look at most.
+
+    Raises:
+        EnvironmentFault: ROS cannot be used here, or nothing runs.
+        UsageError: A topic that is named does not run.
+    """
+    from jausml.live.systems.ros_diagnostics import RosFault
+    from jausml.live.systems.ros_graph import running_topics
+
+    try:
+        running = running_topics(seconds)
+    except RosFault as error:
+        raise EnvironmentFault(str(error)) from error
+    if not running:
+        raise EnvironmentFault(f"no topic runs here (looked for {seconds:g} s)")
+    for each in running:
+        click.echo(_line(each))
+    known = {each.name: _end(each) for each in running if len(each.types) == 1}
+    if not words:
+        return list(known.values())
+    return [_named(word, known) for word in words]
+
+
+def _named(word: str, known: dict[str, TopicEnd]) -> TopicEnd:
+    from jausml.model.values import suggest
+
+    name, _, maps = word.partition(":")
+    found = known.get(name if name.startswith("/") else f"/{name}")
+    if found is None:
+        hint = suggest(f"/{name.strip('/')}", known)
+        raise click.UsageError(f"no topic {name!a} of one type runs; {hint}".rstrip("; "))
+    return replace(found, maps=tuple(each for each in maps.split(",") if each))
+
+
+def _line(topic: GraphTopic) -> str:
+    def nodes(ends: Sequence[GraphEnd]) -> str:
+        return ", ".join(dict.fromkeys(each.node for each in ends)) or "nobody"
+
+    kinds = " and ".join(topic.types)
+    return f"{topic.name}  {kinds}  from {nodes(topic.publishers)} to {nodes(topic.subscriptions)}"
+
+
+def _end(topic: GraphTopic) -> TopicEnd:
+    """Returns a topic with the direction and quality of service that its ends leave."""
+    from jausml.proposals.topics import TopicEnd
+
+    is_one_way = bool(topic.publishers) is not bool(topic.subscriptions)
+    return TopicEnd(
+        topic.name,
+        topic.types[0].replace("/msg/", "/", 1),
+        bool(topic.subscriptions) if is_one_way else None,
+        heard=_heard(topic.publishers),
+        published=_published(topic.subscriptions),
+    )
+
+
+def _heard(publishers: Sequence[GraphEnd]) -> dict[str, str] | None:
+    """Returns what hears all of some publishers: no more than the least of them offers."""
+    if not publishers:
+        return None
+    sure = all(each.reliability == "reliable" for each in publishers)
+    kept = all(each.durability == "transient_local" for each in publishers)
+    found = {"reliability": "reliable" if sure else "best_effort"}
+    return {**found, "durability": "transient_local"} if kept else found
+
+
+def _published(subscriptions: Sequence[GraphEnd]) -> dict[str, str] | None:
+    """Returns what all of some subscriptions get: as much as the most demanding asks for."""
+    if not subscriptions:
+        return None
+    kept = any(each.durability == "transient_local" for each in subscriptions)
+    return {"reliability": "reliable", **({"durability": "transient_local"} if kept else {})}

@@ -1,0 +1,44 @@
+"""`jausml new`: adds elements to the models of a project."""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+import click
+
+_KINDS = {
+    "bridge": "A bridge of topics, or of what runs in ROS.",
+    "component": "A JAUS component.",
+    "node": "A node of ROS.",
+    "map": "A map between a JAUS message and a ROS type.",
+    "service": "A JAUS service.",
+}
+
+
+class Kinds(click.Group):
+    """The kinds of elements; the module of one is imported when it is wanted."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
+        """Returns the kinds."""
+        return list(_KINDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
+        """Returns the verb of a kind, or None when there is none of the name."""
+        if cmd_name not in _KINDS:
+            return None
+        command: click.Command = import_module(f"jausml.cli.new_{cmd_name}").command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
+        """Writes the list of kinds, without loading them."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(_KINDS.items()))
+
+
+@click.group("new", cls=Kinds)
+def command() -> None:
+    """Add an element to a model, which keeps its layout, comments and order.
+
+    The model is the one of the project that has a system, or the file of --model; a file that is
+    missing is made.
+    """

@@ -1,0 +1,76 @@
+"""`jausml new bridge`: a bridge of topics."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from jausml.cli.common import FiniteRange
+from jausml.cli.graph import topics_that_run
+from jausml.cli.new_places import model_option, place_for, report, stopping
+from jausml.cli.topics import chosen_crossings, told, topic_options, topics_of
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+@click.command("bridge")
+@click.argument("name", metavar="NAME")
+@click.argument("words", metavar="[TOPIC:TYPE[:MAP,...]]...", nargs=-1)
+@click.option("--topics", "by_topics", is_flag=True, help="The words are topics, the default.")
+@click.option(
+    "--from-graph",
+    is_flag=True,
+    help="Take the topics that run in ROS now, of which words name some: all, or TOPIC[:MAP,...].",
+)
+@click.option(
+    "--for",
+    "seconds",
+    type=FiniteRange(0.1, 600),
+    default=10.0,
+    show_default=True,
+    metavar="SECONDS",
+    help="How long to look at what runs, at most.",
+)
+@click.option("--address", metavar="ID", help="JAUS id; by default one that is free.")
+@topic_options
+@model_option
+def command(
+    name: str,
+    words: tuple[str, ...],
+    by_topics: bool,
+    from_graph: bool,
+    seconds: float,
+    address: str | None,
+    side: str,
+    yes: bool,
+    model: Path | None,
+) -> None:
+    """Add a bridge named NAME that carries topics of ROS by ready maps.
+
+    For each topic it proposes service, map, direction, exchange and quality of service. Where
+    several maps fit, it asks; --yes takes the likeliest, and TOPIC:TYPE:MAP names one. What the
+    name of a topic does not call a command is a report, which moves nothing.
+
+    With --from-graph it lists what runs in ROS, takes types, directions and quality of service from
+    there, and leaves out, with a word, what no ready map carries.
+
+    Exit status: 0 done, 2 usage or environment, 3 internal error.
+    """
+    from jausml.projects.adding import add_bridge, ready_maps
+
+    if by_topics and from_graph:
+        raise click.UsageError("--topics and --from-graph exclude each other")
+    if not words and not from_graph:
+        raise click.UsageError("name topics, such as cmd_vel:geometry_msgs/Twist")
+    topics = topics_that_run(words, seconds) if from_graph else topics_of(words)
+    with stopping():
+        place = place_for(model)
+        chosen = chosen_crossings(
+            topics, ready_maps(place), side=side, yes=yes, all_needed=bool(words)
+        )
+        files = add_bridge(place, name, chosen, topics, address or "")
+    for each in chosen:
+        click.echo(told(each))
+    report(place, files)

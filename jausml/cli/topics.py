@@ -1,0 +1,144 @@
+"""Shared parts of the verbs that make bridges of topics: words, choices, and what was chosen."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from jausml.cli.asking import can_ask, choose
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from jausml.metamodel.classes import bridge
+    from jausml.proposals.topics import Crossing, TopicEnd
+
+
+def topic_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Adds the options of how topics are bridged to a verb."""
+    side = click.option(
+        "--side",
+        type=click.Choice(["vehicle", "operator"]),
+        default="vehicle",
+        show_default=True,
+        help="What the ROS nodes are: a vehicle that JAUS commands, or who commands one.",
+    )
+    yes = click.option("--yes", is_flag=True, help="Take the likeliest map and ask nothing.")
+    return side(yes(command))
+
+
+def topics_of(words: Sequence[str]) -> list[TopicEnd]:
+    """Returns the topics that words such as `odom:nav_msgs/Odometry` name.
+
+    Raises:
+        UsageError: A word names none, or two name one topic.
+    """
+    from jausml.interfaces.types import is_package_name, is_type_name
+    from jausml.proposals.topics import TopicEnd
+    from jausml.semantics.topics import topic_fault
+
+    found: dict[str, TopicEnd] = {}
+    for word in words:
+        name, _, rest = word.partition(":")
+        kind, _, maps = rest.partition(":")
+        package, _, message = kind.replace("/msg/", "/", 1).partition("/")
+        if not (is_package_name(package) and is_type_name(message)):
+            example = "cmd_vel:geometry_msgs/Twist"
+            raise click.UsageError(f"{word!a} is no TOPIC:TYPE[:MAP,...] such as {example}")
+        if fault := topic_fault(name):
+            raise click.UsageError(f"{word!a}: the name of the topic {fault}")
+        if name in found:
+            raise click.UsageError(f"the topic {name} is there twice: name its maps behind a colon")
+        chosen = tuple(each for each in maps.split(",") if each)
+        found[name] = TopicEnd(name, f"{package}/{message}", maps=chosen)
+    return list(found.values())
+
+
+def chosen_crossings(
+    topics: Sequence[TopicEnd],
+    maps: Sequence[bridge.AttributeMap],
+    *,
+    side: str,
+    yes: bool,
+    all_needed: bool = True,
+) -> list[Crossing]:
+    """Returns the ways that are taken; asks where a topic has several.
+
+    Args:
+        topics: The topics.
+        maps: The maps that there are.
+        side: What the nodes of ROS are.
+        yes: Whether the likeliest is taken without a question.
+        all_needed: Whether each topic must have a way; else those without one are told.
+
+    Raises:
+        UsageError: A topic has no way, or several and nobody can be asked.
+    """
+    from jausml.proposals.topics import crossings
+
+    offered = {each.name: crossings(each, maps, side) for each in topics}
+    fed = _feeding(offered)
+    found: list[Crossing] = []
+    for topic in topics:
+        ways = offered[topic.name]
+        if not ways:
+            if topic.type not in fed:
+                _without(topic, maps, side, is_error=all_needed)
+            continue
+        found += _taken(topic, ways, yes=yes)
+    if not found:
+        raise click.UsageError("no topic is left that a bridge could carry")
+    return found
+
+
+def _feeding(offered: dict[str, list[Crossing]]) -> set[str]:
+    """Returns the types that joins of maps take which other topics may have."""
+    from jausml.semantics.ros_paths import ros_name
+
+    ways = [way for each in offered.values() for way in each if not way.offer.to_ros]
+    return {ros_name(join.type) for way in ways for join in way.map.joins}
+
+
+def _without(
+    topic: TopicEnd, maps: Sequence[bridge.AttributeMap], side: str, *, is_error: bool
+) -> None:
+    from jausml.model.values import suggest
+    from jausml.semantics.ros_paths import ros_name
+
+    known = {ros_name(each.type) for each in maps if each.type is not None}
+    hint = suggest(topic.type, known - {topic.type}) if topic.type not in known else ""
+    reason = f"no ready map carries {topic.type} of {topic.name} for a {side}"
+    if is_error:
+        ask = "jausml list maps tells which there are; jausml new map begins one"
+        raise click.UsageError(f"{reason}; {hint or ask}")
+    click.echo(f"left out: {reason}", err=True)
+
+
+def _taken(topic: TopicEnd, ways: Sequence[Crossing], *, yes: bool) -> list[Crossing]:
+    from jausml.model.names import name_of
+
+    if topic.maps:
+        by_name = {name_of(each.map): each for each in reversed(ways)}
+        missing = [each for each in topic.maps if each not in by_name]
+        if missing:
+            names = ", ".join(sorted(by_name))
+            raise click.UsageError(f"{topic.name}: no ready map {missing[0]!a}; there are {names}")
+        return [by_name[each] for each in topic.maps]
+    if yes or len(ways) == 1:
+        return [ways[0]]
+    options = [each.says() for each in ways]
+    if not can_ask():
+        listed = "".join(f"\n  {topic.name}:{topic.type}:{each}" for each in options)
+        text = f"{topic.name} fits several maps: name one, or take the first by --yes{listed}"
+        raise click.UsageError(text)
+    return [ways[n] for n in choose(f"{topic.name} ({topic.type}) fits several maps:", options)]
+
+
+def told(crossing: Crossing) -> str:
+    """Returns what was made for a topic, as a line for people."""
+    from jausml.proposals.topics import HOLD
+
+    arrow = "JAUS -> ROS" if crossing.offer.to_ros else "ROS -> JAUS"
+    held = f"; held when its source is lost: {HOLD}" if crossing.hold else ""
+    return f"{crossing.topic.name}: {arrow}, {crossing.says()}{held}"

@@ -1,0 +1,181 @@
+"""New elements of a project, written into the model that stands there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from jausml.editing.commands import EditError
+from jausml.metamodel.classes import bridge
+from jausml.model.names import name_of
+from jausml.model.reading.reader import read_models
+from jausml.model.words import snake_case
+from jausml.model.xmi.writer import replace_file
+from jausml.projects.eclipse import as_xmi_beside
+from jausml.projects.errors import ProjectError
+from jausml.projects.places import Opened, opened
+from jausml.proposals.bridges import new_bridge
+from jausml.proposals.bridging import bridges_of, offer_of
+from jausml.proposals.elements import AnswerError, Scope, library
+from jausml.proposals.fresh import participant_name
+from jausml.semantics.names import is_identifier, taken
+from jausml.text.notation import NOTATIONS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
+
+    from jausml.editing.commands import Command
+    from jausml.metamodel.classes import system
+    from jausml.projects.places import Place
+    from jausml.proposals.topics import Crossing, TopicEnd
+
+_MAPPINGS = "mappings"
+
+
+def add(
+    place: Place, label: str, commands: Callable[[Opened], Sequence[Command]]
+) -> tuple[str, ...]:
+    """Adds elements to a model, all or none; returns the files that were written.
+
+    Args:
+        place: The model, which is made when it is missing.
+        label: What is added, for people.
+        commands: Returns what is wanted, for the model as it is.
+
+    Raises:
+        ProjectError: It cannot be added; nothing was written.
+        OSError: A file cannot be read or written.
+    """
+    at = opened(place)
+    try:
+        entry = at.project.do(commands(at), label)
+    except (EditError, AnswerError) as error:
+        at.forget()
+        raise ProjectError(str(error)) from error
+    except BaseException:
+        at.forget()
+        raise
+    made = (each.relative_to(place.root).as_posix() for each in at.made)
+    return tuple(dict.fromkeys((*made, *entry.files)))
+
+
+def add_bridge(
+    place: Place,
+    name: str,
+    chosen: Sequence[Crossing],
+    topics: Sequence[TopicEnd],
+    address: str = "",
+) -> tuple[str, ...]:
+    """Adds a bridge with a connection for each way that was chosen.
+
+    Text imports the ready maps. Eclipse reads no text, so XMI gets copies of them beside it.
+
+    Args:
+        place: The model, which is made when it is missing.
+        name: Name of the bridge.
+        chosen: The ways.
+        topics: All topics, which may feed the joins of maps.
+        address: Its JAUS id; empty for one that is free.
+
+    Returns:
+        The files that were written, relative to the folder of the project.
+
+    Raises:
+        ProjectError: It cannot be added; nothing was written.
+        OSError: A file cannot be read or written.
+    """
+    copies = {} if place.is_text else _copies(place, chosen)
+    made = [path for path in copies if not path.exists()]
+    for path in made:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        replace_file(path, as_xmi_beside(copies[path], path, place.root).encode())
+
+    def commands(at: Opened) -> Sequence[Command]:
+        whole = at.system
+        check_name(name, whole)
+        models = [read_models([path], project_root=place.root).model for path in copies]
+        scope = Scope(at.scope.model, place.root, tuple(models))
+        ways = [_present(each, scope) for each in chosen]
+        return new_bridge(scope, whole, name, ways, topics=topics, address=address)
+
+    try:
+        files = add(place, f"Add bridge {name}", commands)
+    except BaseException:
+        for path in made:
+            path.unlink(missing_ok=True)
+        raise
+    return (*files, *(each.relative_to(place.root).as_posix() for each in made))
+
+
+def check_name(name: str, whole: system.System) -> None:
+    """Sees to it that a component, bridge or node can have a name.
+
+    Raises:
+        ProjectError: It cannot.
+    """
+    if not is_identifier(name):
+        raise ProjectError(f"{name!a} is no name: letters, digits and single _ after a letter")
+    if reason := taken(name.lower()):
+        raise ProjectError(f"{name} {reason}; choose another name")
+    if participant_name(name, whole) != snake_case(name):
+        raise ProjectError(f"{name_of(whole)} has something of the name {name} already")
+
+
+def ready_maps(place: Place) -> list[bridge.AttributeMap]:
+    """Returns the maps of a model, as far as it is there, and then those of the library."""
+    ready = library().instances(bridge.AttributeMap)
+    if not place.path.exists():
+        return list(ready)
+    own = read_models([place.path], project_root=place.root, notations=NOTATIONS).model
+    return [*own.instances(bridge.AttributeMap, library=False), *ready]
+
+
+def _present(crossing: Crossing, scope: Scope) -> Crossing:
+    """Returns a way with its map as the models have it now; a copy stands for that of the library.
+
+    Raises:
+        ProjectError: It is not there.
+    """
+    models = scope.others
+    if library().document_of(crossing.map) is None:
+        models = (scope.model,)
+    elif not models:
+        return crossing
+    for model in models:
+        for each in model.instances(bridge.AttributeMap, library=False):
+            offer = offer_of(each.message, to_ros=crossing.offer.to_ros) if each.message else None
+            if name_of(each) == name_of(crossing.map) and offer is not None:
+                return replace(crossing, map=each, offer=offer)
+    files = ", ".join(model.documents[0].display for model in models)
+    raise ProjectError(f"{files}: there is no map {name_of(crossing.map)}")
+
+
+def _copies(place: Place, chosen: Sequence[Crossing]) -> dict[Path, Path]:
+    """Returns the texts of the library that ways use, by the files that hold them as XMI."""
+    found: dict[Path, Path] = {}
+    for each in chosen:
+        document = library().document_of(each.map)
+        if document is None or document.is_xml:
+            continue
+        found[place.path.parent / _MAPPINGS / f"{document.path.stem}.xmi"] = document.path
+    return found
+
+
+def bridge_in(at: Opened, name: str) -> bridge.Bridge:
+    """Returns a bridge of a model.
+
+    Args:
+        at: The model.
+        name: Its name; empty for the only one.
+
+    Raises:
+        ProjectError: There is none, or there are several.
+    """
+    found = bridges_of(at.scope)
+    chosen = [each for each in found if name in ("", name_of(each))]
+    if len(chosen) == 1:
+        return chosen[0]
+    names = ", ".join(map(name_of, found)) or "none"
+    which = f"no bridge {name!a}" if name else "not one bridge" if found else "no bridge"
+    raise ProjectError(f"{at.place.file} has {which}; there are: {names}")

@@ -1,0 +1,163 @@
+"""Where new elements go: a model file, and the folder of the project around it."""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from jausml.editing.project import Project
+from jausml.editing.reading import SUFFIXES, model_files
+from jausml.metamodel.classes import system
+from jausml.model.xmi.writer import replace_file
+from jausml.projects.eclipse import metamodels_for
+from jausml.projects.errors import ProjectError
+from jausml.projects.first_model import empty_text, empty_xmi
+from jausml.proposals.elements import Scope
+from jausml.text.notation import SUFFIX
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_MARKS = (".project", ".git")
+_SYSTEM = re.compile(rb"<\w+:System\b|^\s*system\s+[\w`]", re.MULTILINE)
+"""What a file with a system begins it with, in either notation."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """A model file that gets new elements.
+
+    Attributes:
+        root: The folder of the project, links followed.
+        file: The file, relative to it with forward slashes.
+    """
+
+    root: Path
+    file: str
+
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self.root / self.file
+
+    @property
+    def is_text(self) -> bool:
+        """Whether it is text and no XMI."""
+        return self.file.endswith(SUFFIX)
+
+
+def place_of(path: Path) -> Place:
+    """Returns the place of a model file, which may be missing.
+
+    Raises:
+        ProjectError: No model can have that name.
+    """
+    if not path.name.endswith(SUFFIXES):
+        raise ProjectError(f"{path} must end in {' or '.join(SUFFIXES)}")
+    real = Path(os.path.realpath(path))
+    root = _project_around(real)
+    return Place(root, real.relative_to(root).as_posix())
+
+
+def system_in(folder: Path) -> Place:
+    """Returns the place of the one model of a project that has a system.
+
+    Args:
+        folder: A folder in the project.
+
+    Raises:
+        ProjectError: There is none, or more than one.
+    """
+    root = _project_around(Path(os.path.realpath(folder)) / "any")
+    found = [Place(root, each) for each in _models(root) if _has_system(root / each)]
+    if not found:
+        raise ProjectError(
+            f"no model in {root} has a system: name a file to be made by --model, "
+            "or make a project by jausml init"
+        )
+    if len(found) > 1:
+        names = ", ".join(sorted(each.file for each in found)[:5])
+        raise ProjectError(f"several models have a system: name one by --model ({names})")
+    return found[0]
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A model file that is being edited.
+
+    Attributes:
+        place: Where it is.
+        project: The files around it.
+        made: The files that were made for it.
+    """
+
+    place: Place
+    project: Project
+    made: tuple[Path, ...] = ()
+
+    @property
+    def scope(self) -> Scope:
+        """The model as proposals see it."""
+        return Scope(self.project.model(self.place.file).model, self.place.root)
+
+    @property
+    def system(self) -> system.System:
+        """The system of the file.
+
+        Raises:
+            ProjectError: It has none.
+        """
+        roots = self.scope.model.documents[0].roots
+        found = next((each for each in roots if isinstance(each, system.System)), None)
+        if found is None:
+            raise ProjectError(f"{self.place.file} has no system that could have new elements")
+        return found
+
+    def forget(self) -> None:
+        """Takes away the files that were made."""
+        for each in self.made:
+            each.unlink(missing_ok=True)
+
+
+def opened(place: Place) -> Opened:
+    """Opens a model file; one that is missing is made, with an empty system of its name.
+
+    Raises:
+        ProjectError: The name is none of a system.
+        OSError: The file cannot be read or written.
+    """
+    if place.path.exists():
+        return Opened(place, Project(place.root))
+    name = place.path.name.partition(".")[0]
+    text = (
+        empty_text(name)
+        if place.is_text
+        else empty_xmi(name, metamodels_for(place.path, place.root))
+    )
+    place.path.parent.mkdir(parents=True, exist_ok=True)
+    replace_file(place.path, text.encode())
+    return Opened(place, Project(place.root), (place.path,))
+
+
+def _models(root: Path) -> Iterator[str]:
+    return (each for each in model_files(root) if each.endswith(SUFFIXES))
+
+
+def _has_system(path: Path) -> bool:
+    try:
+        data = path.read_bytes()
+    except OSError:
+        return False
+    return _SYSTEM.search(data.replace(b"\0", b"")) is not None
+
+
+def _project_around(path: Path) -> Path:
+    """Returns the nearest folder with a project or a checkout, else that of the file."""
+    return next(_marked(path), path.parent)
+
+
+def _marked(path: Path) -> Iterator[Path]:
+    return (each for each in path.parents if any((each / mark).exists() for mark in _MARKS))

@@ -1,0 +1,63 @@
+"""`jausml init --from topics|jsidl`: projects that begin with what is there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import emf_check
+import pytest
+from needs import EMF
+
+WINCH = Path(__file__).parents[1] / "importers" / "winch"
+NOTATION = pytest.mark.parametrize("notation", ["xmi", "text"])
+TOPICS = ("--from", "topics", "cmd_vel:geometry_msgs/Twist", "scan:sensor_msgs/LaserScan", "--yes")
+JSIDL = ("--from", "jsidl", WINCH)
+
+
+@NOTATION
+@pytest.mark.parametrize("origin", [TOPICS, JSIDL], ids=["topics", "jsidl"])
+def test_it_validates_and_generates(tmp_path, monkeypatch, jausml, notation, origin):
+    done = jausml("init", tmp_path / "rover", "--notation", notation, *origin)
+    assert done.exit_code == 0, done.output
+    monkeypatch.chdir(tmp_path / "rover")
+    done = jausml("validate", "models")
+    assert done.exit_code == 0, done.output
+    [line] = [each for each in done.output.splitlines() if "problems" in each]
+    model = "models/rover.xmi" if notation == "xmi" else "models/rover.ros2jaus"
+    done = jausml("generate", model, "-o", "src")
+    assert done.exit_code == 0, done.output
+    assert line
+
+
+@EMF
+@pytest.mark.parametrize("origin", [TOPICS, JSIDL], ids=["topics", "jsidl"])
+def test_eclipse_opens_it_without_a_word(tmp_path, jausml, origin):
+    assert jausml("init", tmp_path / "rover", *origin).exit_code == 0
+    done = emf_check.ask("models/rover.xmi", cwd=tmp_path / "rover")
+    assert (done.returncode, done.stdout) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("options", "status", "told"),
+    [
+        (("--from", "topics"), 2, "needs SOURCEs"),
+        (("a:geometry_msgs/Twist",), 2, "takes no SOURCE"),
+        (("--from", "topics", "a:std_msgs/String"), 2, "no ready map carries std_msgs/String"),
+        (("--from", "jsidl", WINCH / "Winch.jsidl"), 1, "nothing written"),
+        (("--from", "jsidl", "missing.jsidl"), 2, "missing.jsidl"),
+    ],
+)
+def test_what_cannot_be_begun_writes_nothing(tmp_path, jausml, options, status, told):
+    done = jausml("init", tmp_path / "rover", *options)
+    assert (done.exit_code, told in done.output) == (status, True), done.output
+    assert not (tmp_path / "rover").exists()
+
+
+def test_it_overwrites_nothing(tmp_path, jausml):
+    assert jausml("init", tmp_path / "rover", "--from", "empty").exit_code == 0
+    before = {each: each.read_bytes() for each in tmp_path.rglob("*") if each.is_file()}
+    for origin in (TOPICS, JSIDL):
+        done = jausml("init", tmp_path / "rover", *origin)
+        assert done.exit_code == 2
+        assert "is there already; nothing was written" in done.output
+    assert {each: each.read_bytes() for each in tmp_path.rglob("*") if each.is_file()} == before

@@ -1,0 +1,218 @@
+"""`jausml new bridge`: bridges of topics by ready maps, in both notations."""
+
+from __future__ import annotations
+
+import os
+import pty
+import select
+import subprocess
+import sys
+import time
+
+import emf_check
+import pytest
+from needs import EMF
+
+from jausml.metamodel.classes import bridge
+from jausml.model import read_models
+from jausml.model.names import name_of
+from jausml.text.notation import NOTATIONS
+
+NOTATION = pytest.mark.parametrize("notation", ["xmi", "text"])
+DRIVE, ODOM = "cmd_vel:geometry_msgs/Twist", "odom:nav_msgs/Odometry"
+
+
+def the_bridge(model):
+    read = read_models([model], project_root=model.parents[1], notations=NOTATIONS)
+    [found] = read.model.instances(bridge.Bridge, library=False)
+    return found
+
+
+def ways(model):
+    """What each connection carries: topics, map, direction and exchange."""
+    return [
+        (
+            [each.name for each in one.topics],
+            name_of(one.map),
+            one.direction.name,
+            one.exchange.name,
+        )
+        for one in the_bridge(model).bridgeConnections
+    ]
+
+
+@NOTATION
+def test_it_validates_and_generates(rover, jausml, notation):
+    model = rover(notation)
+    done = jausml("new", "bridge", "rover", "--topics", DRIVE, ODOM, "--yes")
+    assert done.exit_code == 0, done.output
+    assert (
+        "cmd_vel: JAUS -> ROS, velocity_command: SetVelocityCommand of VelocityStateDriver is taken"
+        in done.output
+    )
+    assert "odom: ROS -> JAUS, local_pose: reported as ReportLocalPose of" in done.output
+    done = jausml("validate", "models", "--strict")
+    assert done.exit_code == 0, done.output
+    done = jausml("generate", model, "-o", "src")
+    assert done.exit_code == 0, done.output
+    assert ways(model) == [
+        (["cmd_vel"], "velocity_command", "jausToRos", "message"),
+        (["odom"], "local_pose", "rosToJaus", "periodicEvent"),
+    ]
+    made = the_bridge(model)
+    assert sorted(map(name_of, made.provides)) == ["LocalPoseSensor", "VelocityStateDriver"]
+    drive, odometry = (each.topics[0].qos for each in made.bridgeConnections)
+    assert (drive.reliability.name, drive.depth) == ("reliable", 1)
+    assert (odometry.reliability.name, odometry.depth) == ("best_effort", 5)
+
+
+@EMF
+def test_eclipse_opens_what_it_wrote(rover, jausml):
+    model = rover("xmi")
+    assert jausml("new", "bridge", "rover", DRIVE, ODOM, "--yes").exit_code == 0
+    assert jausml("new", "component", "ocu", "--uses", "LocalPoseSensor").exit_code == 0
+    assert jausml("new", "node", "planner", "--publishes", "goal:geometry_msgs/Pose").exit_code == 0
+    files = sorted(each.relative_to(model.parents[1]) for each in model.parent.rglob("*.xmi"))
+    assert len(files) == 3
+    done = emf_check.ask(*map(str, files), cwd=model.parents[1])
+    assert (done.returncode, done.stdout) == (0, "")
+
+
+@NOTATION
+def test_what_stands_in_the_file_stays(rover, jausml, notation):
+    model = rover(notation)
+    before = model.read_text("utf-8")
+    comment = "<!-- Mine. -->\n" if notation == "xmi" else "// Mine.\n"
+    model.write_text(before + comment, "utf-8")
+    assert jausml("new", "bridge", "rover", DRIVE, "--yes").exit_code == 0
+    assert comment in model.read_text("utf-8")
+
+
+def test_the_other_side_commands_and_asks(rover, jausml):
+    model = rover("text")
+    done = jausml("new", "bridge", "base", DRIVE, ODOM, "--side", "operator", "--yes")
+    assert done.exit_code == 0, done.output
+    assert ways(model) == [
+        (["cmd_vel"], "velocity_command", "rosToJaus", "message"),
+        (["odom"], "local_pose", "jausToRos", "periodicEvent"),
+    ]
+    assert list(the_bridge(model).provides) == []
+    assert jausml("validate", "models", "--strict").exit_code == 0
+
+
+def test_one_topic_may_have_several_maps(rover, jausml):
+    model = rover("xmi")
+    word = f"{ODOM}:local_pose,velocity_state"
+    assert jausml("new", "bridge", "rover", word).exit_code == 0
+    assert [(topics, used) for topics, used, *_ in ways(model)] == [
+        (["odom"], "local_pose"),
+        (["odom"], "velocity_state"),
+    ]
+    assert jausml("validate", "models", "--strict").exit_code == 0
+
+
+@NOTATION
+def test_a_topic_may_feed_the_join_of_another(rover, jausml, notation):
+    model = rover(notation)
+    done = jausml("new", "bridge", "rover", "fix:sensor_msgs/NavSatFix", "imu/data:sensor_msgs/Imu")
+    assert done.exit_code == 2
+    done = jausml(
+        *("new", "bridge", "rover", "fix:sensor_msgs/NavSatFix", "imu/data:sensor_msgs/Imu"),
+        "--yes",
+    )
+    assert done.exit_code == 0, done.output
+    [(topics, used, *_)] = ways(model)
+    assert (topics, used) == (["fix", "imu/data"], "global_pose")
+    assert jausml("validate", "models", "--strict").exit_code == 0
+
+
+def test_what_nothing_stops_says_so(rover, jausml):
+    rover("text")
+    done = jausml("new", "bridge", "rover", "goal_pose:geometry_msgs/PoseStamped", "--yes")
+    assert done.exit_code == 0, done.output
+    assert "held when its source is lost" in done.output
+    assert jausml("validate", "models", "--strict").exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ((), "name topics"),
+        (("cmd_vel",), "is no TOPIC:TYPE"),
+        (("cmd vel:geometry_msgs/Twist",), "the name of the topic has characters"),
+        ((DRIVE, DRIVE), "is there twice"),
+        (("a:geometry_msgs/Twits",), "did you mean 'geometry_msgs/Twist'?"),
+        (("a:std_msgs/String",), "no ready map carries std_msgs/String"),
+        ((f"{DRIVE}:local_pose",), "there are velocity_command"),
+        ((ODOM,), "\n  odom:nav_msgs/Odometry:velocity_state: reported as"),
+    ],
+)
+def test_bad_words_change_nothing(rover, jausml, words, told):
+    model = rover("xmi")
+    before = {each: each.read_bytes() for each in model.parent.rglob("*") if each.is_file()}
+    done = jausml("new", "bridge", "rover", *words)
+    assert done.exit_code == 2
+    assert told in done.output
+    assert {each: each.read_bytes() for each in model.parent.rglob("*") if each.is_file()} == before
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [("2nd", "is no name"), ("os", "standard library"), ("rover", "something of the name rover")],
+)
+def test_bad_names_change_nothing(rover, jausml, name, told):
+    model = rover("xmi")
+    assert jausml("new", "bridge", "rover", ODOM, "--yes").exit_code == 0
+    before = {each: each.read_bytes() for each in model.parent.rglob("*") if each.is_file()}
+    done = jausml("new", "bridge", name, DRIVE, "--yes")
+    assert done.exit_code == 2
+    assert told in done.output
+    assert {each: each.read_bytes() for each in model.parent.rglob("*") if each.is_file()} == before
+
+
+def test_a_model_that_is_missing_is_made(tmp_path, monkeypatch, jausml):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / ".git").mkdir()
+    done = jausml("new", "bridge", "base", DRIVE, "--yes")
+    assert done.exit_code == 2
+    assert "no model in" in done.output
+    done = jausml("new", "bridge", "base", DRIVE, "--yes", "--model", "car.ros2jaus")
+    assert done.exit_code == 0, done.output
+    assert (tmp_path / "car.ros2jaus").read_text("utf-8").count("import mappings.") == 1
+    assert jausml("validate", "car.ros2jaus", "--strict").exit_code == 0
+    assert jausml("new", "bridge", "a", DRIVE, "--yes", "--model", "b.xmi").exit_code == 0
+    assert jausml("validate", "b.xmi", "mappings", "--strict").exit_code == 0
+    done = jausml("new", "bridge", "other", DRIVE, "--yes")
+    assert done.exit_code == 2
+    assert "several models have a system: name one by --model (b.xmi, car.ros2jaus)" in done.output
+
+
+def test_it_asks_on_a_terminal(rover):
+    model = rover("text")
+    main, terminal = pty.openpty()
+    command = [sys.executable, "-m", "jausml", "new", "bridge", "rover", ODOM]
+    process = subprocess.Popen(command, stdin=terminal, stdout=terminal, stderr=terminal)
+    os.close(terminal)
+    try:
+        shown = _until(main, "Which (numbers)")
+        assert "2  velocity_state: reported as ReportVelocityState" in shown
+        os.write(main, b"7 x\n")
+        _until(main, "give numbers from 1 to")
+        os.write(main, b"1, 2\n")
+        _until(main, "next: jausml validate")
+        assert process.wait(60) == 0
+    finally:
+        process.kill()
+        process.wait()
+        os.close(main)
+    assert [used for _, used, *_ in ways(model)] == ["local_pose", "velocity_state"]
+
+
+def _until(terminal, words):
+    """Reads from a terminal until some words have come; returns what came."""
+    shown, end = "", time.monotonic() + 60
+    while words not in shown:
+        ready, _, _ = select.select([terminal], [], [], max(0, end - time.monotonic()))
+        assert ready, shown
+        shown += os.read(terminal, 4096).decode()
+    return shown

@@ -1,0 +1,65 @@
+"""`jausml new component`, `node`, `map` and `service`, in both notations."""
+
+from __future__ import annotations
+
+import pytest
+
+NOTATION = pytest.mark.parametrize("notation", ["xmi", "text"])
+
+
+@NOTATION
+def test_parts_of_a_system(rover, jausml, notation):
+    model = rover(notation)
+    for words in (
+        "service Lamp --urn urn:example:light:Lamp --inherits Management"
+        " --takes SetLamp:D100 --takes QueryLamp:0x2D00 --sends ReportLamp:4D00",
+        "component lamp --provides Lamp --provides VelocityStateSensor",
+        "node driver --publishes cmd_vel:geometry_msgs/Twist"
+        " --subscribes odom:nav_msgs/msg/Odometry --subscribes /odom/valid:std_msgs/Bool",
+        "bridge ears odom:nav_msgs/Odometry --side operator --yes",
+        "map speed ReportVelocityState std_msgs/Float64 --to-ros data=Velocity_X",
+    ):
+        done = jausml("new", *words.split())
+        assert done.exit_code == 0, done.output
+    done = jausml("validate", "models")
+    assert done.exit_code == 0, done.output
+    text = model.read_text("utf-8")
+    assert text.count("100.1.1") == 1
+    assert text.count("100.1.2") == 1
+    done = jausml("generate", model, "-o", "src")
+    assert done.exit_code == 0, done.output
+
+
+@NOTATION
+def test_again_it_would_write_the_same(rover, jausml, notation):
+    """What is written is what the writers of the notations write, so Eclipse changes nothing."""
+    model = rover(notation)
+    assert jausml("new", "component", "a", "--provides", "PrimitiveDriver").exit_code == 0
+    if notation == "text":
+        assert jausml("format", model, "--check").exit_code == 0
+    else:
+        assert '<components name="a" address="100.1.1">' in model.read_text("utf-8")
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("component", "a", "--provides", "PrimitivDriver"), "did you mean 'PrimitiveDriver'?"),
+        (("component", "a", "--uses", "ListManager"), "say which (urn:jaus:jss:"),
+        (("component", "a b"), "is no name"),
+        (("component", "a", "--address", "1.2"), "address"),
+        (("node", "a", "--publishes", "x"), "should be like cmd_vel:geometry_msgs/Twist"),
+        (("node", "a", "--publishes", "x:geometry_msgs/Twits"), "did you mean"),
+        (("service", "A", "--urn", "urn:jaus:jss:core:Time"), "already"),
+        (
+            ("map", "a", "ReportVelocityState", "nav_msgs/Odometry"),
+            "has no bridge; there are: none",
+        ),
+    ],
+)
+def test_bad_words_change_nothing(rover, jausml, words, told):
+    model = rover("xmi")
+    before = model.read_bytes()
+    done = jausml("new", *words)
+    assert (done.exit_code, told in done.output) == (2, True), done.output
+    assert model.read_bytes() == before
