@@ -1,0 +1,158 @@
+"""The action and the examples for CI systems: sound by their schemas, and their commands run."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+from click.testing import CliRunner
+
+from jausml.cli import main
+from jausml.model import LIBRARY_URI
+
+ROOT = Path(__file__).resolve().parents[2]
+FOLDER = ROOT / "integrations"
+ACTION = yaml.safe_load((ROOT / "action.yml").read_text(encoding="utf-8"))
+MINIMAL = (ROOT / "models" / "minimal" / "minimal.xmi").read_text(encoding="utf-8")
+MINIMAL = MINIMAL.replace("../library/", LIBRARY_URI)
+DOUBTFUL = MINIMAL.replace(
+    '<topics name="velocity"/>',
+    '<topics name="velocity"/><safeValue target="twist.linear.x" value="0"/>',
+)
+EXPRESSION = re.compile(r"\$\{\{\s*(.*?)\s*\}\}")
+
+
+@pytest.mark.parametrize(
+    ("schema", "file"),
+    [
+        ("github-actions", ROOT / "action.yml"),
+        ("github-workflows", FOLDER / "github-workflow.yml"),
+        ("github-workflows", ROOT / ".github" / "workflows" / "ci.yml"),
+        ("gitlab-ci", FOLDER / "gitlab-ci.yml"),
+        ("azure-pipelines", FOLDER / "azure-pipelines.yml"),
+    ],
+    ids=lambda each: each if isinstance(each, str) else each.name,
+)
+def test_it_is_what_the_schema_of_its_system_says(schema, file, tmp_path):
+    checker = pytest.importorskip("check_jsonschema", reason="check-jsonschema of the extra dev")
+    # Some schemas have expressions as browsers took them before Unicode.
+    options = ["--builtin-schema", f"vendor.{schema}", "--regex-variant", "nonunicode"]
+    done = CliRunner().invoke(checker.main, [*options, str(file)])
+    assert done.exit_code == 0, done.output
+    wrong = tmp_path / "wrong.yml"
+    wrong.write_text("[1]", encoding="utf-8")
+    assert CliRunner().invoke(checker.main, [*options, str(wrong)]).exit_code == 1
+
+
+@pytest.fixture
+def repository(tmp_path, monkeypatch):
+    """A repository of models, and the current folder: a clean one and one with a warning."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "models").mkdir()
+    (tmp_path / "models" / "robot.xmi").write_text(MINIMAL, encoding="utf-8")
+    (tmp_path / "models" / "doubtful.xmi").write_text(DOUBTFUL, encoding="utf-8")
+    return tmp_path
+
+
+def run_action(folder, **given):
+    """Runs the scripts of the action but for the installation, as a runner does."""
+    inputs = {name: each["default"] for name, each in ACTION["inputs"].items()} | given
+    known = {f"inputs.{name}": value for name, value in inputs.items()}
+    known |= {"github.server_url": "https://git.example", "github.action_ref": "v1"}
+    known |= {"github.action_repository": "a/jausml"}
+    (step,) = (each for each in ACTION["runs"]["steps"] if each.get("name") == "Validate models")
+    assert "${{" not in step["run"], "an input within a script could be a command"
+    values = {
+        name: EXPRESSION.sub(lambda match: known[match[1]], text)
+        for name, text in step["env"].items()
+    }
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    # So GitHub calls a script of `shell: bash`.
+    return subprocess.run(
+        ["bash", "--noprofile", "--norc", "-eo", "pipefail", "-c", step["run"]],
+        cwd=folder,
+        env={**os.environ, **values, "PATH": path},
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+
+
+def test_the_action_tells_findings_and_leaves_sarif_to_upload(repository):
+    done = run_action(repository, models="models/robot.xmi models/doubtful.xmi")
+    assert done.returncode == 1
+    assert done.stdout.startswith("::warning file=models/doubtful.xmi,line=")
+    (run,) = json.loads((repository / "jausml.sarif").read_text())["runs"]
+    (result,) = run["results"]
+    rule = run["tool"]["driver"]["rules"][result["ruleIndex"]]
+    page = "https://git.example/a/jausml/blob/v1/docs/reference/rules.md#jml426-"
+    assert rule["helpUri"].startswith(page)
+
+
+def test_the_action_takes_a_baseline_and_no_command(repository):
+    known = ("validate", "models", "--baseline", "known.json", "--write-baseline")
+    assert CliRunner().invoke(main, known).exit_code == 0
+    done = run_action(repository, baseline="known.json", sarif="$(touch hit).sarif")
+    assert (done.returncode, done.stdout) == (0, "")
+    assert not (repository / "hit").exists()
+
+
+def test_the_action_installs_itself_and_uploads_what_it_wrote():
+    steps = ACTION["runs"]["steps"]
+    assert steps[1]["env"] == {"ACTION_PATH": "${{ github.action_path }}"}
+    (upload,) = (each for each in steps if "upload-sarif" in each.get("uses", ""))
+    assert upload["with"]["sarif_file"] == ACTION["outputs"]["sarif"]["value"]
+    assert "always()" in upload["if"]
+
+
+def test_the_workflow_gives_the_permission_that_the_upload_needs():
+    workflow = yaml.safe_load((FOLDER / "github-workflow.yml").read_text(encoding="utf-8"))
+    validate = workflow["jobs"]["validate"]
+    assert validate["permissions"]["security-events"] == "write"
+    given = next(each for each in validate["steps"] if "jausml" in each.get("uses", ""))
+    assert set(given["with"]) <= set(ACTION["inputs"])
+    assert workflow["permissions"] == {"contents": "read"}
+
+
+def commands_of(file):
+    """Returns the commands of jausml that a file of a CI system has."""
+    text = (FOLDER / file).read_text(encoding="utf-8")
+    return [
+        each.split() for each in re.findall(r"\bjausml ((?:validate|generate) .+)$", text, re.M)
+    ]
+
+
+@pytest.mark.parametrize("file", ["github-workflow.yml", "gitlab-ci.yml", "azure-pipelines.yml"])
+def test_the_commands_of_the_examples_run(repository, file):
+    (repository / "models" / "doubtful.xmi").unlink()
+    assert CliRunner().invoke(main, ["generate", "models/robot.xmi", "-o", "src"]).exit_code == 0
+    commands = commands_of(file)
+    assert commands
+    for each in commands:
+        done = CliRunner().invoke(main, each)
+        assert done.exit_code == 0, done.output
+    if file != "github-workflow.yml":
+        assert (repository / "jausml.xml").read_text().startswith("<?xml")
+        assert (FOLDER / file).read_text().count("jausml.xml") == 2
+
+
+def test_the_image_is_made_of_what_is_there():
+    """A daemon that builds it is not everywhere; its words are."""
+    text = (FOLDER / "Containerfile").read_text(encoding="utf-8").replace("\\\n", "")
+    lines = [each for each in text.splitlines() if each and not each.startswith("#")]
+    words = [each.split()[0] for each in lines]
+    assert set(words) <= {"FROM", "COPY", "RUN", "USER", "WORKDIR", "CMD"}
+    assert all(":" in each for each in lines if each.startswith("FROM"))
+    assert words.index("USER") > max(n for n, each in enumerate(words) if each == "RUN")
+    extras = re.search(r"\.whl\)\[(\w+)\]", text)[1]
+    project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    assert re.search(rf"^{extras} = \[", project, re.MULTILINE)
+    for each in (line for line in lines if line.startswith("RUN")):
+        script = each.removeprefix("RUN ")
+        assert subprocess.run(["sh", "-n", "-c", script]).returncode == 0
