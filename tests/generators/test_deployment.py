@@ -399,13 +399,14 @@ def test_hosts_get_the_keys_of_their_processes_and_none_that_signs(workspace, tm
     for _ in range(2):
         subprocess.run(line, env=environment, check=True, capture_output=True, timeout=60)
     calls = (program.parent / "calls").read_text(encoding="utf-8").splitlines()
-    assert [call.split()[1] for call in calls].count("create_enclave") == 1  # keys stay
+    assert [call.split()[1] for call in calls].count("create_enclave") == 2  # keys stay
     assert all(call.endswith(" in 7") for call in calls)
-    own = keys / "hosts" / "station"
-    found = {each.relative_to(own).as_posix() for each in own.rglob("*") if each.is_file()}
-    assert found == {
-        "public/ca.cert.pem",
-        "enclaves/governance.p7s",
-        *(f"enclaves/watcher/{name}" for name in ("cert.pem", "key.pem", "permissions.p7s")),
-    }
-    assert (own / "enclaves" / "watcher" / "key.pem").stat().st_mode & 0o077 == 0
+    for host, process in (("station", "watcher"), ("onboard", "display")):
+        own = keys / "hosts" / host
+        found = {each.relative_to(own).as_posix() for each in own.rglob("*") if each.is_file()}
+        assert found == {
+            "public/ca.cert.pem",
+            "enclaves/governance.p7s",
+            *(f"enclaves/{process}/{name}" for name in ("cert.pem", "key.pem", "permissions.p7s")),
+        }
+        assert (own / "enclaves" / process / "key.pem").stat().st_mode & 0o077 == 0

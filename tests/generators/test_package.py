@@ -148,6 +148,9 @@ def test_installation_of_launch_files_and_parameters(workspace, tmp_path):
         "config/everything.yaml",
         "config/Odometry.yaml",
         "config/idle.yaml",
+        "security/everything.policy.xml",
+        "security/Odometry.policy.xml",
+        "security/idle.policy.xml",
     }
 
 

@@ -117,6 +117,19 @@ def test_services_are_called_or_served() -> None:
     assert names(text, "service", "reply") == {"/stop", *(f"/bridge/{name}" for name in OWN)}
 
 
+def test_a_node_of_the_model_may_use_what_it_has() -> None:
+    made = policies(ROOT / "tests" / "cases" / "ros_node" / "talk.xmi")
+    (text,) = (text for name, text in made.items() if name.endswith("/talker.policy.xml"))
+    assert names(text, "topic", "publish") == {
+        *("/parameter_events", "/rosout", "/team/state", "/team/word"),
+    }
+    assert not names(text, "topic", "subscribe")
+    assert names(text, "service", "request") == {"/listener/double"}
+    served = names(text, "service", "reply")
+    assert "/team/talker/get_parameters" in served
+    assert "/team/talker/change_state" not in served
+
+
 def test_sros2_itself_takes_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     keystore = pytest.importorskip("sros2.keystore", reason="install sros2 (ros-jazzy-sros2)")
     monkeypatch.setenv("ROS_DOMAIN_ID", "7")

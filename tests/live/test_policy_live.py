@@ -1,6 +1,8 @@
-"""The SROS 2 policy of a bridge allows what its node has, and nothing else."""
+"""The SROS 2 policy of a node allows what the node has, and nothing else."""
 
 from __future__ import annotations
+
+from pathlib import Path
 
 import pytest
 from ports import free_domain, free_port
@@ -8,12 +10,16 @@ from ports import free_domain, free_port
 pytest.importorskip("rclpy")
 
 from rclpy.node import NodeNameNonExistentError
+from workspaces import packages_of
 
+from jausml import generation
 from jausml.generation import render
 from jausml.generators.bringup.target import TARGET as BRINGUP
+from jausml.generators.ros_node.target import TARGET as NODES
+from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
 
-from .bridge_support import MODEL, Process, RosPeer, generate, wait_for
+from .bridge_support import MODEL, ROOT, Process, RosPeer, generate, wait_for
 from .policy_support import allowed, graph
 
 pytestmark = [
@@ -21,32 +27,64 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
 ]
 
+TALK = ROOT / "tests" / "cases" / "ros_node" / "talk.xmi"
 
-def test_the_graph_is_the_policy(tmp_path, monkeypatch):
+
+@pytest.fixture
+def ros(monkeypatch):
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
-    (text,) = (
-        each.text
-        for each in render(read_models([MODEL]).model, [BRINGUP])
-        if each.path.endswith(".policy.xml")
-    )
-    policy = allowed(text)
-    arguments = ["-m", "loop_bridge.main", "--jaus-port", str(free_port())]
-    bridge = Process(arguments, generate(tmp_path / "workspace"), tmp_path / "log")
-    ros = RosPeer()
+    made = RosPeer()
+    yield made
+    made.close()
+
+
+def policies(model):
+    rendered = render(read_models([model]).model, [BRINGUP])
+    texts = {Path(each.path).name: each.text for each in rendered}
+    return {
+        name.removesuffix(".policy.xml"): allowed(text)
+        for name, text in texts.items()
+        if name.endswith(".policy.xml")
+    }
+
+
+def check_graph(ros, node, namespace, policy):
     last: dict[str, set[str]] = {}
 
     def is_equal() -> bool:
         try:
-            last.update(graph(ros.node, "loop_bridge", "/"))
+            last.update(graph(ros.node, node, namespace))
         except NodeNameNonExistentError:  # not discovered yet
             return False
         return last == policy
 
     try:
-        wait_for(is_equal, "graph that equals the policy")
+        wait_for(is_equal, "graph that equals the policy", 30)
     except AssertionError:
         assert last == policy  # which shows what differs
+
+
+def test_the_graph_of_a_bridge_is_its_policy(ros, tmp_path):
+    arguments = ["-m", "loop_bridge.main", "--jaus-port", str(free_port())]
+    bridge = Process(arguments, generate(tmp_path / "workspace"), tmp_path / "log")
+    try:
+        check_graph(ros, "loop_bridge", "/", policies(MODEL)["loop_bridge"])
     finally:
         bridge.close()
-        ros.close()
+
+
+def test_the_graph_of_a_node_is_its_policy(ros, tmp_path):
+    made = generation.generate(read_models([TALK]).model, [NODES, RUNTIME], tmp_path / "workspace")
+    path = packages_of(made.plan.out)
+    nodes = {
+        name: Process(["-m", f"{name}.main"], path, tmp_path / name)
+        for name in ("talker", "listener")
+    }
+    known = policies(TALK)
+    try:
+        for name in nodes:
+            check_graph(ros, name, "/team", known[name])
+    finally:
+        for node in nodes.values():
+            node.close()

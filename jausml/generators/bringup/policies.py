@@ -1,28 +1,44 @@
-"""SROS 2 policies: what the node of a bridge may do in the ROS graph, and nothing else."""
+"""SROS 2 policies: what the nodes of a system may do in the ROS graph, and nothing else."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from jausml.metamodel.classes import ros
 from jausml.semantics.topics import endpoints, resolve_topic
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
+    from typing import TypeAlias
 
     from jausml.metamodel.classes.bridge import Bridge
-    from jausml.semantics.topics import Endpoint
 
-_PUBLISHED = ("/diagnostics", "/parameter_events", "/rosout", "~/transition_event")
-"""What the node of every bridge publishes besides its connections."""
+    _Use: TypeAlias = tuple[str, str]
+
+_PUBLISHED = ("/parameter_events", "/rosout")
+"""What every node publishes besides its own topics."""
 
 _SERVED = (
     *("~/describe_parameters", "~/get_parameter_types", "~/get_parameters", "~/list_parameters"),
     *("~/set_parameters", "~/set_parameters_atomically", "~/get_type_description"),
+)
+"""Services of every node: parameters and types."""
+
+_PUBLISHED_BY_BRIDGES = ("/diagnostics", "~/transition_event")
+"""What the node of every bridge publishes besides."""
+
+_SERVED_BY_BRIDGES = (
     *("~/change_state", "~/get_available_states", "~/get_available_transitions", "~/get_state"),
     "~/get_transition_graph",
 )
-"""Services of the node of every bridge: parameters, types and the life cycle."""
+"""Services of the node of every bridge: the life cycle."""
+
+_PUBLISH, _SUBSCRIBE = ("topic", "publish"), ("topic", "subscribe")
+_REPLY, _REQUEST = ("service", "reply"), ("service", "request")
+_EXECUTE, _CALL = ("action", "execute"), ("action", "call")
+_USES = (_PUBLISH, _SUBSCRIBE, _REPLY, _REQUEST, _EXECUTE, _CALL)
+"""Elements of a policy and the attributes that allow them, in the order of their schema."""
 
 
 @dataclass(frozen=True)
@@ -42,29 +58,29 @@ class Grant:
 
 @dataclass(frozen=True)
 class PolicyView:
-    """The SROS 2 policy of one bridge.
+    """The SROS 2 policy of one node: of a bridge, or a ROS 2 node of the model.
 
     Names are those of the model; a deployment that renames topics, or moves the node into another
     namespace, changes the policy with them.
     """
 
     source: str
-    bridge: Bridge
+    element: Bridge | ros.Node
 
     @property
     def element_id(self) -> str:
         """Identity of the model element."""
-        return f"policy:{self.bridge.name}"
+        return f"policy:{self.element.name}"
 
     @property
     def name(self) -> str:
         """Name of the node."""
-        return str(self.bridge.name)
+        return str(self.element.name)
 
     @property
     def namespace(self) -> str:
         """Namespace of the node, from the root."""
-        return "/" + (self.bridge.namespace or "").strip("/")
+        return "/" + (self.element.namespace or "").strip("/")
 
     @property
     def enclave(self) -> str:
@@ -74,29 +90,35 @@ class PolicyView:
     @property
     def grants(self) -> tuple[Grant, ...]:
         """What the node may do."""
-        ends = list(endpoints([self.bridge]))
-        services = {True: list(_SERVED), False: []}
-        for service in self.bridge.serviceConnections:
-            services[service.direction.name == "rosToJaus"].append(str(service.service))
-        actions: dict[bool, list[str]] = {True: [], False: []}
-        for action in self.bridge.actionConnections:
-            actions[action.direction.name == "rosToJaus"].append(str(action.action))
-        found = (
-            self._grant("topic", "publish", [*_PUBLISHED, *_topics(ends, publishes=True)]),
-            self._grant("topic", "subscribe", _topics(ends, publishes=False)),
-            self._grant("service", "reply", services[True]),
-            self._grant("service", "request", services[False]),
-            self._grant("action", "execute", actions[True]),
-            self._grant("action", "call", actions[False]),
-        )
-        return tuple(each for each in found if each.names)
-
-    def _grant(self, element: str, use: str, names: Iterable[str]) -> Grant:
-        return Grant(element, use, tuple(sorted(set(map(self._full, names)))))
+        names: dict[_Use, set[str]] = {use: set() for use in _USES}
+        for use, found in _uses(self.element):
+            names[use] |= set(map(self._full, found))
+        return tuple(Grant(*use, tuple(sorted(found))) for use, found in names.items() if found)
 
     def _full(self, name: str) -> str:
-        return resolve_topic(name, self.bridge.namespace or "", self.name)
+        return resolve_topic(name, self.element.namespace or "", self.name)
 
 
-def _topics(ends: Iterable[Endpoint], *, publishes: bool) -> list[str]:
-    return [each.topic for each in ends if each.publishes is publishes]
+def _uses(element: Bridge | ros.Node) -> Iterator[tuple[_Use, Iterable[str]]]:
+    """Yields what a node uses, by the names that the model has."""
+    ends = list(endpoints([element]))
+    yield _PUBLISH, [*_PUBLISHED, *(each.topic for each in ends if each.publishes)]
+    yield _SUBSCRIBE, [each.topic for each in ends if not each.publishes]
+    yield _REPLY, _SERVED
+    yield from _uses_of_node(element) if isinstance(element, ros.Node) else _uses_of_bridge(element)
+
+
+def _uses_of_node(node: ros.Node) -> Iterator[tuple[_Use, Iterable[str]]]:
+    yield _REPLY, [each.service for each in node.serviceServers]
+    yield _REQUEST, [each.service for each in node.serviceClients]
+
+
+def _uses_of_bridge(bridge: Bridge) -> Iterator[tuple[_Use, Iterable[str]]]:
+    yield _PUBLISH, _PUBLISHED_BY_BRIDGES
+    yield _REPLY, _SERVED_BY_BRIDGES
+    for service in bridge.serviceConnections:
+        serves = service.direction.name == "rosToJaus"
+        yield (_REPLY if serves else _REQUEST), [service.service]
+    for action in bridge.actionConnections:
+        executes = action.direction.name == "rosToJaus"
+        yield (_EXECUTE if executes else _CALL), [action.action]

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from jausml.generators.bridge.views import BridgeView
+    from jausml.metamodel.classes.bridge import Bridge
     from jausml.metamodel.classes.system import Host, System
 
 LAUNCH_IMPORTS = Imports(
@@ -363,8 +364,10 @@ class BringupView:
 
     @property
     def policies(self) -> tuple[PolicyView, ...]:
-        """One SROS 2 policy for each bridge."""
-        return tuple(PolicyView(self.source, view.bridge) for view in self.bridges)
+        """One SROS 2 policy for each node: those of bridges, and the others."""
+        bridges = [view.bridge for view in self.bridges]
+        nodes: list[Bridge | ros.Node] = [*bridges, *self.system.nodes]
+        return tuple(PolicyView(self.source, each) for each in nodes)
 
     @property
     def dependencies(self) -> tuple[str, ...]:
