@@ -138,6 +138,7 @@ class Release:
             "sdist and wheel are built, the page in them": self.built,
             "the wheel works with the newest dependencies": self.newest,
             "it works with the lowest dependencies": self.lowest,
+            "pipx and uvx run it": self.runners,
         }
 
     def clean(self) -> None:
@@ -177,6 +178,15 @@ class Release:
         # From elsewhere, so that nothing takes jausml from the checkout.
         tests = [ROOT / test for test in SMOKE]
         run(programs / "pytest", "-q", "-n", "auto", *tests, cwd=self._place / "lowest-work")
+
+    def runners(self) -> None:
+        """Installs the wheel by pipx, and runs it by uvx, as the documentation says."""
+        programs = environment(self._place / "runners", "pipx", "uv")
+        home = self._place / "pipx"
+        pipx = ("env", f"PIPX_HOME={home}", f"PIPX_BIN_DIR={home / 'bin'}", programs / "pipx")
+        run(*pipx, "install", self._wheel)
+        run(home / "bin" / "jausml", "--version")
+        run(programs / "uvx", "--from", self._wheel, "jausml", "--version")
 
 
 def main() -> int:

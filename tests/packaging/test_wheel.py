@@ -6,7 +6,9 @@ import os
 import shutil
 import subprocess
 import sys
+import tarfile
 import venv
+import zipfile
 from importlib import metadata
 from pathlib import Path
 
@@ -56,21 +58,31 @@ def copy_distribution(name: str, target: Path) -> None:
             shutil.copy2(file.locate(), target / file)
 
 
-@pytest.fixture(scope="module")
-def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Builds the wheel from the tracked files, installs it alone; returns the bin folder."""
-    work = tmp_path_factory.mktemp("wheel")
-    source = work / "source"
+def tracked() -> list[str]:
+    """The files of the checkout that git knows and that are there."""
     names = subprocess.run(
         ["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True
     ).stdout.split("\0")
-    for name in filter(None, names):
-        if (ROOT / name).exists() and not name.startswith("tests/"):
-            (source / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy2(ROOT / name, source / name, follow_symlinks=False)
-    build = (sys.executable, "-m", "build", "--wheel", "--no-isolation")
-    run(*build, "--outdir", work, source, cwd=work)
-    (wheel,) = work.glob("jausml-*.whl")
+    return [name for name in names if name and (ROOT / name).exists()]
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Builds the sdist of the tracked files, and of it the wheel; returns their folder."""
+    work = tmp_path_factory.mktemp("built")
+    source = work / "source"
+    for name in tracked():
+        (source / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(ROOT / name, source / name, follow_symlinks=False)
+    run(sys.executable, "-m", "build", "--no-isolation", "--outdir", work, source, cwd=work)
+    return work
+
+
+@pytest.fixture(scope="module")
+def installed(built: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Installs the wheel alone; returns the bin folder."""
+    work = tmp_path_factory.mktemp("wheel")
+    (wheel,) = built.glob("jausml-*.whl")
     environment = work / "environment"
     venv.create(environment, with_pip=True)
     python = environment / "bin" / "python"
@@ -87,6 +99,21 @@ def shipped(installed: Path, tmp_path: Path) -> Path:
     """Returns the folder of the models that the wheel brought."""
     code = "import jausml, pathlib; print(pathlib.Path(jausml.__file__).parent / 'models')"
     return Path(run(installed / "python", "-c", code, cwd=tmp_path).strip())
+
+
+def test_the_sdist_has_all_that_the_checkout_has(built: Path) -> None:
+    (sdist,) = built.glob("jausml-*.tar.gz")
+    with tarfile.open(sdist) as archive:
+        packed = {name.partition("/")[2] for name in archive.getnames()}
+    assert set(tracked()) - packed == set()
+
+
+def test_type_checkers_find_what_they_need(built: Path) -> None:
+    (wheel,) = built.glob("jausml-*.whl")
+    with zipfile.ZipFile(wheel) as archive:
+        packed = set(archive.namelist())
+    stubs = {name for name in tracked() if name.startswith("jausml/") and name.endswith(".pyi")}
+    assert stubs | {"jausml/py.typed"} <= packed
 
 
 def test_there_is_no_ros(installed: Path, tmp_path: Path) -> None:
