@@ -25,7 +25,8 @@ export const Line = memo(function Line(props: EdgeProps<FlowEdge>) {
   const texts = severity ? [`${SIGNS[severity]} ${severity}`, ...edge.labels] : edge.labels;
   // What a topic carries is told where its row ends on the other side of the bridge.
   const said = live && edge.kind !== "topic" ? [liveText(live)] : [];
-  const lines = [...texts, ...said];
+  // The layout made room for the other words alone: what is told now stands above them.
+  const lines = [...said, ...texts];
   const width = edge.count > 1 ? Math.min(1.2 + 0.4 * edge.count, 5) : undefined;
   return (
     // biome-ignore lint/a11y/noInteractiveElementToNoninteractiveRole: a group of SVG is neither
@@ -39,9 +40,9 @@ export const Line = memo(function Line(props: EdgeProps<FlowEdge>) {
             <tspan
               // biome-ignore lint/suspicious/noArrayIndexKey: lines have no other name
               key={at}
-              className={at >= texts.length ? "live-text" : ""}
+              className={at < said.length ? "live-text" : ""}
               x={x}
-              y={y + (at - (lines.length - 1) / 2) * LINE_HEIGHT + 3.5}
+              y={y + (at - said.length - (texts.length - 1) / 2) * LINE_HEIGHT + 3.5}
             >
               {text}
             </tspan>
