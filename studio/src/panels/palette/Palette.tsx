@@ -18,12 +18,12 @@ interface Offer {
 }
 
 /**
- * What can be added: what fits the chosen element first, then what the system takes. It is searched
+ * What can be added: what fits the chosen element or the view first, then what the system takes. It is searched
  * as one types, dragged to the diagram, or added by Enter.
  */
 export function Palette() {
   const file = useStudio((state) => state.file);
-  const onto = useStudio((state) => state.chosen);
+  const onto = useStudio((state) => state.chosen || (state.graph?.element ?? ""));
   const revision = useRevision();
   const [typed, setTyped] = useState("");
   const query = useSettled(typed.trim(), PAUSE_MS);
