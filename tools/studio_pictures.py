@@ -114,6 +114,7 @@ class Pictures:
             page.locator(".line.live-ok").first.wait_for(timeout=PATIENCE)
             page.get_by_role("region", name="Live").get_by_role("button", name="/").first.click()
             page.get_by_text("Velocity_X: 1").wait_for(timeout=PATIENCE)
+            page.get_by_text("z: -0.2").wait_for(timeout=PATIENCE)
             page.get_by_role("separator", name="Height of the lower panel").focus()
             for _ in range(HIGHER):
                 page.keyboard.press("ArrowUp")
