@@ -41,6 +41,7 @@ VERBS = {
     "show": "Show one message, service or map.",
     "decode": "Show JAUS messages: from hex, from captures, or live.",
     "encode": "Turn messages in JSON into hex.",
+    "record": "Record both sides of a running system.",
     "replay": "Replay recordings through the maps of a model.",
     "ocu": "Operate running JAUS components of any make.",
     "ping": "Ask the component again and again, and time its answers.",
@@ -55,7 +56,17 @@ VERBS = {
 }
 """The verbs in the order of use, with what `--help` says of them before their module is loaded."""
 
-LASTING = {"run", "decode", "ocu", "top", "conformance", "studio", "language-server"}
+LASTING = {
+    "run",
+    "decode",
+    "record",
+    "replay",
+    "ocu",
+    "top",
+    "conformance",
+    "studio",
+    "language-server",
+}
 """The verbs that may run for days."""
 
 ENVIRONMENT_FAULT = 2

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import contextmanager
-from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 import click
@@ -12,15 +10,14 @@ from jausml.cli.captures import opened, skipped_lines
 from jausml.cli.common import (
     PROBLEMS,
     EnvironmentFault,
-    find_models,
 )
 from jausml.cli.messages import open_catalogue, shown_path
+from jausml.cli.recordings import force_option, output_option, valid_model, written
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from jausml.live.traffic.captures import Frame
-    from jausml.model import Model
     from jausml.recording.from_captures import CaptureReplay, JausWriter
     from jausml.recording.translating import Translator
 
@@ -28,10 +25,8 @@ if TYPE_CHECKING:
 @click.command("replay")
 @click.argument("recording", metavar="RECORDING")
 @click.argument("model", metavar="MODEL")
-@click.option(
-    "-o", "--output", metavar="FILE", required=True, help="The MCAP file that is written."
-)
-@click.option("--force", is_flag=True, help="Overwrite FILE.")
+@output_option
+@force_option
 @click.option(
     "--with-jaus",
     is_flag=True,
@@ -43,7 +38,7 @@ if TYPE_CHECKING:
 def command(
     recording: str,
     model: str,
-    output: str,
+    output: str | None,
     force: bool,
     with_jaus: bool,
     port: int,
@@ -67,12 +62,14 @@ def command(
     from jausml.recording.mcap_writing import McapFile
     from jausml.recording.translating import Translator
 
+    if output is None:
+        raise click.UsageError("say with --output which file is written")
     catalogue = open_catalogue([model]) if with_jaus else None
-    read = _valid_model(model)
+    read = valid_model(model)
     try:
         with (
             Translator(read) as translator,
-            _written(output, force=force) as stream,
+            written(output, force=force) as stream,
             McapFile(stream, has_jaus=with_jaus) as file,
         ):
             jaus = JausWriter(file, catalogue) if catalogue is not None else None
@@ -83,41 +80,6 @@ def command(
         raise EnvironmentFault(str(error)) from error
     if not (is_whole and is_complete):
         raise click.exceptions.Exit(PROBLEMS)
-
-
-def _valid_model(path: str) -> Model:
-    """Returns a model without errors."""
-    from jausml.model import read_models
-    from jausml.text.notation import NOTATIONS
-    from jausml.validation.engine import check
-    from jausml.validation.formats import text
-
-    if Path(path).is_dir():
-        raise EnvironmentFault(f"{click.format_filename(path)} is a folder; name one model file")
-    report = check(read_models(find_models([path]), notations=NOTATIONS))
-    if report.has_errors:
-        click.echo(text.render(report), nl=False, err=True)
-        click.echo(f"{text.summary(report)}; nothing replayed", err=True)
-        raise click.exceptions.Exit(PROBLEMS)
-    return report.model
-
-
-@contextmanager
-def _written(path: str, *, force: bool) -> Iterator[BinaryIO]:
-    """Opens a file for writing.
-
-    Raises:
-        EnvironmentFault: It is there already, or cannot be written.
-    """
-    try:
-        with Path(path).open("wb" if force else "xb") as stream:
-            yield stream
-    except FileExistsError as error:
-        name = click.format_filename(path)
-        raise EnvironmentFault(f"{name} is there already; --force overwrites it") from error
-    except OSError as error:
-        name = click.format_filename(path)
-        raise EnvironmentFault(f"cannot write {name}: {error.strerror}") from error
 
 
 def _replayed(replay: CaptureReplay, path: str, port: int) -> bool:

@@ -14,6 +14,9 @@ from jausml.live.traffic.errors import CaptureError
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+RAW_IP = 101
+"""LINKTYPE_RAW: a frame begins with its IP header."""
+
 _LARGEST_PART = 1 << 27
 _NANO = 10**9
 _PCAP = {

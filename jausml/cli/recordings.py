@@ -1,0 +1,64 @@
+"""Shared parts of the verbs that make and replay recordings: the model, the file."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO
+
+import click
+
+from jausml.cli.common import PROBLEMS, EnvironmentFault, find_models, notations_for
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.model import Model
+
+output_option = click.option(
+    "-o", "--output", metavar="FILE", help="The MCAP file that is written."
+)
+force_option = click.option("--force", is_flag=True, help="Overwrite FILE.")
+
+
+def valid_model(path: str, bridge_address: str | None = None) -> Model:
+    """Returns a model without errors; the others end the verb, with what is wrong.
+
+    Args:
+        path: Its file.
+        bridge_address: JAUS id of the bridge of `bridge_options`, None for none.
+
+    Raises:
+        EnvironmentFault: It cannot be read.
+    """
+    from jausml.model import read_models
+    from jausml.validation.engine import check
+    from jausml.validation.formats import text
+
+    if Path(path).is_dir():
+        raise EnvironmentFault(f"{click.format_filename(path)} is a folder; name one model file")
+    notations = notations_for(path, bridge_address, None)
+    report = check(read_models(find_models([path]), notations=notations))
+    if report.has_errors:
+        click.echo(text.render(report), nl=False, err=True)
+        click.echo(text.summary(report), err=True)
+        raise click.exceptions.Exit(PROBLEMS)
+    return report.model
+
+
+@contextmanager
+def written(path: str, *, force: bool) -> Iterator[BinaryIO]:
+    """Opens a file for writing.
+
+    Raises:
+        EnvironmentFault: It is there already, or cannot be written.
+    """
+    try:
+        with Path(path).open("wb" if force else "xb") as stream:
+            yield stream
+    except FileExistsError as error:
+        name = click.format_filename(path)
+        raise EnvironmentFault(f"{name} is there already; --force overwrites it") from error
+    except OSError as error:
+        name = click.format_filename(path)
+        raise EnvironmentFault(f"cannot write {name}: {error.strerror or error}") from error

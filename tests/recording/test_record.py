@@ -1,0 +1,102 @@
+"""`jausml record` beside those who speak: what passes on loopback stands in both files."""
+
+from __future__ import annotations
+
+import json
+import signal
+import socket
+import subprocess
+import sys
+import time
+
+import pytest
+from ports import free_port
+from recordings import by_mcap, datagram, event, pose, velocity
+
+from jausml.live.traffic.captures import read_frames
+from jausml.live.traffic.frames import UdpReader
+
+pytestmark = [pytest.mark.live, pytest.mark.ports]
+PATIENCE = 60.0
+
+
+def wait_for(condition, what):
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end, f"no {what} within {PATIENCE} s"
+        time.sleep(0.05)
+
+
+class Recording:
+    """The verb, which runs until it is told to end."""
+
+    def __init__(self, folder, port, *options):
+        self.path, self.log = folder / "run.mcap", folder / "run.log"
+        self.capture = self.path.with_suffix(".pcap")
+        line = ["record", "--output", str(self.path), "--port", str(port), *options]
+        with self.log.open("wb") as log:
+            self.process = subprocess.Popen([sys.executable, "-m", "jausml", *line], stderr=log)
+
+    def begin(self):
+        wait_for(lambda: "record" in self.log.read_text(), "begin")
+
+    def frames(self):
+        with self.capture.open("rb") as stream:
+            return list(read_frames(stream))
+
+    def end(self):
+        self.process.send_signal(signal.SIGTERM)
+        return self.process.wait(timeout=PATIENCE)
+
+    def close(self):
+        self.process.kill()
+        self.process.wait()
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory):
+    """Messages to one receiver, one to the group, and others that are no JAUS."""
+    port = free_port()
+    made = Recording(tmp_path_factory.mktemp("recording"), port)
+    try:
+        made.begin()
+        if "multicast" in made.log.read_text():
+            pytest.skip("no capture here: CAP_NET_RAW is missing")
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as speaker:
+            speaker.sendto(b"no JAUS" * 10, ("127.0.0.1", port + 1))
+            for number in range(3):
+                speaker.sendto(
+                    datagram(velocity(2.0, 0.5, 0.25), number=number), ("127.0.0.1", port)
+                )
+            loopback = socket.inet_aton("127.0.0.1")
+            speaker.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, loopback)
+            speaker.sendto(datagram(event(pose(1.0, 2.0, 0.0))), ("239.255.0.1", port))
+        # Each frame once, though loopback shows it twice.
+        wait_for(lambda: made.capture.stat().st_size > 24 + 4 * (16 + 28), "frames")
+        made.port, made.code = port, made.end()
+        yield made
+    finally:
+        made.close()
+
+
+def test_messages_stand_in_the_file_as_json(recording):
+    assert recording.code == 0
+    found = [
+        (channel.topic, json.loads(message.data)["fields"])
+        for _, channel, message in by_mcap(recording.path)
+    ]
+    topics = [topic for topic, _ in found]
+    assert topics == [*["/jaus/100.1.1/ReportVelocityState"] * 3, "/jaus/100.1.1/ReportLocalPose"]
+    assert found[0][1]["Velocity_X"] == pytest.approx(2.0, abs=1e-6)
+    assert found[3][1]["Y"] == pytest.approx(2.0, abs=1e-3)
+    assert "4 JAUS messages" in recording.log.read_text()
+
+
+def test_capture_beside_it_has_the_same_at_the_same_times(recording):
+    reader = UdpReader(recording.port)
+    datagrams = [reader.read(frame) for frame in recording.frames()]
+    assert [each.data[0] for each in datagrams] == [2] * 4
+    times = [message.log_time for _, _, message in by_mcap(recording.path)]
+    assert [each.nanoseconds for each in datagrams] == times
+    assert abs(times[0] - time.time_ns()) < 3600 * 10**9
+    assert not any(reader.skipped.values())
