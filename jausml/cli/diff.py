@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.common import PROBLEMS, find_models, reading_options
+from jausml.cli.common import PROBLEMS, EnvironmentFault, find_models, reading_options, write_report
 from jausml.cli.options import format_option
 from jausml.cli.revisions import checked_out, is_revision
 
@@ -20,9 +20,13 @@ if TYPE_CHECKING:
 
     from jausml.cli.common import Reading
     from jausml.differences.change import Change
+    from jausml.differences.matching import Matching
     from jausml.model.diagnostics import Location
+    from jausml.model.model import Model
     from jausml.model.reading.reader import ReadResult
 
+FORMATS = ("text", "json", "svg", "html")
+_PICTURES = ("svg", "html")
 _COLOURS = {"added": "green", "removed": "red"}
 _SIGNS = {"added": "+", "removed": "-", "renamed": "~", "changed": "~", "ordered": "~"}
 
@@ -30,7 +34,11 @@ _SIGNS = {"added": "+", "removed": "-", "renamed": "~", "changed": "~", "ordered
 @click.command("diff")
 @click.argument("old", metavar="OLD")
 @click.argument("new", metavar="NEW")
-@format_option("For people, or one JSON object.")
+@format_option("For people, one JSON object, or a diagram of NEW in colours.", FORMATS)
+@click.option(
+    "--view", default="system", show_default=True, metavar="VIEW", help="View of a diagram."
+)
+@click.option("-o", "--output", metavar="FILE", help="Write to a file, not to stdout.")
 @click.option(
     "--fail-on",
     type=click.Choice(["nothing", "breaking", "any"]),
@@ -46,7 +54,14 @@ _SIGNS = {"added": "+", "removed": "-", "renamed": "~", "changed": "~", "ordered
 )
 @reading_options
 def command(
-    old: str, new: str, output_format: str, fail_on: str, file: str | None, reading: Reading
+    old: str,
+    new: str,
+    output_format: str,
+    view: str,
+    output: str | None,
+    fail_on: str,
+    file: str | None,
+    reading: Reading,
 ) -> None:
     """Tell what changed from OLD to NEW, in the words of the models.
 
@@ -55,10 +70,15 @@ def command(
     count, nor whether a model is XMI or text. Changes that break programs on the network or code of
     users are marked. With --as, git can ask: a state may be /dev/null, the file that is not there.
 
+    A diagram (svg, html) shows a view of NEW, as `jausml diagram` does, and what OLD had besides:
+    what was added in blue with +, removed in orange and dashed with a minus sign, changed in yellow
+    with ~.
+
     Exit status: 0 done, 1 changes of the kind of --fail-on, 2 usage or environment, 3 internal
     error.
     """
     from jausml.differences.finding import changes
+    from jausml.differences.matching import Matching
     from jausml.differences.pairing import paired_roots
 
     if file is not None and os.devnull in (old, new):
@@ -73,7 +93,16 @@ def command(
         for name, result in ((old, before), (new, after)):
             if result.has_errors:
                 click.echo(f"warning: {name} has errors; what can be read was compared", err=True)
-        _write(found, output_format)
+        if output_format in _PICTURES:
+            roots = [(a, b) for a, b in pairs if a is not None and b is not None]
+            matching = Matching(before.model, after.model, roots)
+            states = ((before.model, old_folder), (after.model, new_folder))
+            text = _drawn(states, view, matching, found, output_format)
+        elif output_format == "json":
+            text = json.dumps(_as_json(found), indent=2, ensure_ascii=False) + "\n"
+        else:
+            text = "".join(f"{line}\n" for line in (*map(_line, found), _summary(found)))
+        write_report(click.unstyle(text) if output is not None else text, output)
     if (fail_on == "any" and found) or (fail_on == "breaking" and any(e.breaks for e in found)):
         raise click.exceptions.Exit(PROBLEMS)
 
@@ -100,13 +129,43 @@ def _read(
     return result, path if path.is_dir() else path.parent
 
 
-def _write(found: Sequence[Change], output_format: str) -> None:
-    if output_format == "json":
-        click.echo(json.dumps(_as_json(found), indent=2, ensure_ascii=False))
-        return
-    for each in found:
-        click.echo(_line(each))
-    click.echo(_summary(found))
+def _drawn(
+    states: Sequence[tuple[Model, Path]],
+    view: str,
+    matching: Matching,
+    found: Sequence[Change],
+    output_format: str,
+) -> str:
+    """Returns a view of both states as a picture or page.
+
+    Raises:
+        EnvironmentFault: Neither state has the view, or there is no layout engine.
+    """
+    from jausml.diagrams.graph import Graph
+    from jausml.diagrams.layout.graphviz import Graphviz
+    from jausml.diagrams.layout.sheet import LayoutError
+    from jausml.diagrams.views import UnknownViewError, graph_of
+    from jausml.diagrams.writers import html, svg
+    from jausml.differences.drawing import Drawn, compared
+
+    drawn: list[Drawn] = []
+    faults: list[UnknownViewError] = []
+    for model, folder in states:
+        try:
+            graph = graph_of(model, view, root=folder)
+        except UnknownViewError as error:
+            faults.append(error)
+            graph = Graph(view, "")
+        drawn.append(Drawn(graph, model, Path(os.path.realpath(folder))))
+    if len(faults) == len(states):
+        raise EnvironmentFault(str(faults[-1]))
+    old, new = drawn
+    graph = compared(old, new, matching, found)
+    render = svg.render if output_format == "svg" else html.render
+    try:
+        return render(graph, Graphviz())
+    except LayoutError as error:
+        raise EnvironmentFault(str(error)) from error
 
 
 def _line(change: Change) -> str:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.diagrams.framing import FRAME, MOST_EDGES, bridges_around, is_crowded
-from jausml.diagrams.graph import Edge, End, Group, Port
+from jausml.diagrams.graph import CHANGED, Edge, End, Group, Port
 
 if TYPE_CHECKING:
     from jausml.diagrams.graph import Graph, Node
@@ -86,6 +86,7 @@ def _box(
         subtitle=subtitle,
         details=(*node.details, *((each.label, each.note) for each in node.ports)),
         findings=tuple(findings),
+        state=node.state or (CHANGED if any(each.state for each in node.ports) else ""),
     )
 
 
@@ -102,7 +103,13 @@ def _bundle(edges: list[Edge], bridges: set[str]) -> Edge:
         element=first.element if len(edges) == 1 else "",
         details=tuple((each.title, ", ".join(each.labels) or each.kind) for each in edges),
         findings=tuple(dict.fromkeys(f for each in edges for f in each.findings)),
+        state=_common_state(edges),
     )
+
+
+def _common_state(edges: list[Edge]) -> str:
+    states = {each.state for each in edges}
+    return states.pop() if len(states) == 1 else CHANGED
 
 
 def _end(node: str, other: str, bridges: set[str]) -> End:

@@ -19,6 +19,9 @@ JAUS_COLUMN, BRIDGE_COLUMN, ROS_COLUMN = 0, 1, 2
 Details = tuple[tuple[str, str], ...]
 """What is told on request: names and texts."""
 
+ADDED, REMOVED, CHANGED = "added", "removed", "changed"
+"""States of parts, where a diagram compares two states of a model."""
+
 
 @dataclass(frozen=True)
 class Finding:
@@ -49,6 +52,7 @@ class Port:
         findings: What is wrong with it.
         element: Reference to the element that it shows, empty for none.
         key: What names it when positions of elements change.
+        state: What became of it since another state of the model, empty for nothing.
     """
 
     id: str
@@ -60,6 +64,7 @@ class Port:
     findings: tuple[Finding, ...] = ()
     element: str = ""
     key: str = ""
+    state: str = ""
 
 
 @dataclass(frozen=True)
@@ -79,6 +84,7 @@ class Node:
         findings: What is wrong with it.
         element: Reference to the element that it shows, empty for none.
         key: What names it when positions of elements change.
+        state: What became of it since another state of the model, empty for nothing.
     """
 
     id: str
@@ -92,6 +98,7 @@ class Node:
     findings: tuple[Finding, ...] = ()
     element: str = ""
     key: str = ""
+    state: str = ""
 
 
 @dataclass(frozen=True)
@@ -105,6 +112,7 @@ class Group:
         parent: Id of the group around it, empty for none.
         element: Reference to the element that it shows, empty for none.
         key: What names it when positions of elements change.
+        state: What became of it since another state of the model, empty for nothing.
     """
 
     id: str
@@ -113,6 +121,7 @@ class Group:
     parent: str = ""
     element: str = ""
     key: str = ""
+    state: str = ""
 
 
 @dataclass(frozen=True)
@@ -145,6 +154,7 @@ class Edge:
         findings: What is wrong with it.
         element: Reference to the element that it shows, empty for none.
         key: What names it when positions of elements change.
+        state: What became of it since another state of the model, empty for nothing.
     """
 
     id: str
@@ -158,6 +168,7 @@ class Edge:
     findings: tuple[Finding, ...] = ()
     element: str = ""
     key: str = ""
+    state: str = ""
 
 
 @dataclass(frozen=True)
@@ -185,6 +196,14 @@ class Graph:
     findings: tuple[Finding, ...] = field(default=())
     element: str = ""
     is_crowded: bool = False
+
+    @property
+    def compares(self) -> bool:
+        """Whether it shows what became of its parts."""
+        states = [each.state for each in self.nodes]
+        states += [port.state for node in self.nodes for port in node.ports]
+        states += [each.state for each in self.groups]
+        return any(states) or any(each.state for each in self.edges)
 
     @property
     def by_id(self) -> dict[str, Node]:

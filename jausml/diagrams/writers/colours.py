@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from jausml.diagrams.graph import ADDED, CHANGED, REMOVED
+
 SIDES = {
     "component": "jaus",
     "message": "jaus",
@@ -23,6 +25,12 @@ _LIGHT = {
     "ros": "#00795A",
     "error": "#B34700",
     "warning": "#7A5300",
+    "added": "#0072B2",
+    "added_body": "#D6EBFA",
+    "removed": "#B34700",
+    "removed_body": "#FBE0CC",
+    "changed": "#7A5300",
+    "changed_body": "#FFF4BF",
 }
 _DARK = {
     "ground": "#1E1E1E",
@@ -36,7 +44,17 @@ _DARK = {
     "ros": "#4CC9A0",
     "error": "#FF8A3D",
     "warning": "#F0C44C",
+    "added": "#56B4E9",
+    "added_body": "#123A52",
+    "removed": "#FF8A3D",
+    "removed_body": "#55290F",
+    "changed": "#F0C44C",
+    "changed_body": "#4A3F10",
 }
+STATES = (ADDED, REMOVED, CHANGED)
+"""What parts may be where two states are compared: blue, orange and yellow can be told apart by
+whoever sees red and green as one; signs and dashes say the same."""
+
 _SHARED = (
     ".diagram{font-family:Helvetica,Arial,'Liberation Sans',sans-serif}"
     ".edge{fill:none;stroke-width:1.2}.control,.owns{stroke-dasharray:5 4}"
@@ -45,15 +63,17 @@ _SHARED = (
 )
 
 
-def style(theme: str) -> str:
+def style(theme: str, *, compares: bool = False) -> str:
     """Returns the style sheet of a picture.
 
     Args:
         theme: `light`, `dark`, or `auto` for that of whoever looks.
+        compares: Whether the picture shows what became of its parts.
     """
+    light, dark = (_rules(each) + (_compared(each) if compares else "") for each in (_LIGHT, _DARK))
     if theme == "auto":
-        return f"{_SHARED}{_rules(_LIGHT)}@media(prefers-color-scheme:dark){{{_rules(_DARK)}}}"
-    return _SHARED + _rules(_DARK if theme == "dark" else _LIGHT)
+        return f"{_SHARED}{light}@media(prefers-color-scheme:dark){{{dark}}}"
+    return _SHARED + (dark if theme == "dark" else light)
 
 
 def outline(kind: str, severity: str = "") -> str:
@@ -90,4 +110,15 @@ def _rules(colours: dict[str, str]) -> str:
         ".doubled,.edge.error{stroke:%(error)s}text.error{fill:%(error)s}",
         "text.warning,text.info{fill:%(warning)s}",
     ]
+    return "".join(rules) % colours
+
+
+def _compared(colours: dict[str, str]) -> str:
+    rules = [".removed .body,.frame.removed rect,.edge.removed{stroke-dasharray:6 4}"]
+    for each in STATES:
+        rules += [
+            f".box.{each} .body,.frame.{each} rect{{fill:%({each}_body)s}}",
+            f".edge.{each}{{stroke:%({each})s;stroke-width:2.6}}",
+            f"text.{each}{{fill:%({each})s;font-weight:bold}}",
+        ]
     return "".join(rules) % colours

@@ -45,7 +45,7 @@ def render(graph: Graph, engine: Engine, theme: str = "auto") -> str:
         (
             "default-src 'none'",
             f"script-src {_hash(script)}",
-            f"style-src {_hash(style)} {_hash(colours.style(theme))}",
+            f"style-src {_hash(style)} {_hash(colours.style(theme, compares=shown.compares))}",
             "base-uri 'none'",
             "form-action 'none'",
         )

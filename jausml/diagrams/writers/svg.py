@@ -28,6 +28,11 @@ _LEGENDS = {
     "machine": "rows: what a state does and stays · all inside: in each state of the frame",
 }
 
+_STATES = (
+    "+ blue: added \N{MIDDLE DOT} \N{MINUS SIGN} orange, dashed: removed "
+    "\N{MIDDLE DOT} ~ yellow: changed"
+)
+
 
 def render(graph: Graph, engine: Engine, theme: str = "auto") -> str:
     """Returns a graph as a picture.
@@ -105,7 +110,7 @@ def _lines(
         f'viewBox="0 0 {size[0]} {size[1]}" role="img" class="diagram">'
     )
     yield f"<title>{escape(title)}</title>"
-    yield f"<style>{style(theme)}</style>"
+    yield f"<style>{style(theme, compares=graph.compares)}</style>"
     yield (
         '<defs><marker id="arrow" viewBox="0 0 8 8" refX="8" refY="4" markerWidth="8" '
         'markerHeight="8" markerUnits="userSpaceOnUse" orient="auto">'
@@ -129,17 +134,18 @@ def _lines(
 
 
 def _notes(graph: Graph) -> list[tuple[str, str]]:
-    """Returns what stands below the title: what the shapes mean, and what is wrong with files."""
+    """Returns what stands below the title: what is drawn how, and what is wrong with files."""
     legend = _LEGENDS.get(graph.view.partition(":")[0], graph.view)
     wrong = [(shapes.finding_text(each), each.severity) for each in graph.findings]
-    return [(legend, ""), *wrong]
+    states = [(_STATES, "")] if graph.compares else []
+    return [(legend, ""), *states, *wrong]
 
 
 def _frame(group: Group, places: Places) -> Iterator[str]:
     (left, top), (right, bottom) = places.frames[group.id]
     identity = quoteattr(_data(group.id))
     size = f'width="{round(right - left, 1)}" height="{round(bottom - top, 1)}"'
-    yield f'<g class="frame {group.kind}" data-id={identity}>'
+    yield f'<g class="frame {group.kind}{_behind(group.state)}" data-id={identity}>'
     yield f'<rect x="{left}" y="{top}" {size} rx="6"/>'
     yield _text(left + 10, top + 17, cut(group.title, 48), shapes.ROW, "muted")
     yield "</g>"
@@ -151,7 +157,8 @@ def _node(node: Node, places: Places, keys: Keys) -> Iterator[str]:
     grave = severity(node.findings)
     corner = f'rx="{_ROUND[node.kind]}" ' if node.kind in _ROUND else ""
     size = f'width="{sheet.width}" height="{sheet.height}"'
-    yield f'<g class="box {node.kind} {grave}" {_ids(keys.node(node.id), node.id)}>'
+    kind = f"{node.kind} {grave}{_behind(node.state)}"
+    yield f'<g class="box {kind}" {_ids(keys.node(node.id), node.id)}>'
     if grave == "error":
         outer = f'width="{sheet.width + 6}" height="{sheet.height + 6}"'
         yield f'<rect class="doubled" x="{_n(x - 3)}" y="{_n(y - 3)}" {corner}{outer}/>'
@@ -176,7 +183,7 @@ def _row(port: Port, key: str, left: float, top: float, right: float) -> Iterato
     base = top + 12.5
     quiet = "muted" if "unmapped" in port.mark else ""
     yield f'<g class="row" {_ids(key, port.id)}>'
-    yield _text(left + row.indent, base, row.label, shapes.ROW, quiet)
+    yield _text(left + row.indent, base, row.label, shapes.ROW, port.state or quiet)
     if row.note:
         after = left + row.indent + width(row.label, shapes.ROW) + shapes.GAP
         yield _text(after, base, row.note, shapes.SMALL, "muted")
@@ -196,7 +203,8 @@ def _edge(edge: Edge, route: Route, keys: Keys) -> Iterator[str]:
     weight = f' stroke-width="{min(1.2 + 0.4 * edge.count, 5):g}"' if edge.count > 1 else ""
     words = ": ".join(each for each in (edge.title, ", ".join(edge.labels)) if each)
     yield (
-        f'<path class="edge {edge.kind} {grave}" {_ids(keys.edge(edge.id), edge.id)}{weight} '
+        f'<path class="edge {edge.kind} {grave}{_behind(edge.state)}" '
+        f"{_ids(keys.edge(edge.id), edge.id)}{weight} "
         f'd="M{_pair(start)}{curves}" marker-end="url(#arrow)">'
         f"<title>{escape(cut(words, 400))}</title></path>"
     )
@@ -215,8 +223,19 @@ def _label(edge: Edge, route: Route, keys: Keys) -> Iterator[str]:
     yield f'<rect class="behind" {corner} width="{_n(widest)}" height="{height}" rx="2"/>'
     for index, text in enumerate(lines):
         base = y - height / 2 + 10.5 + index * shapes.LINE_HEIGHT
-        yield _text(x - width(text, shapes.SMALL) / 2, base, text, shapes.SMALL, grave or "flow")
+        yield _text(
+            x - width(text, shapes.SMALL) / 2,
+            base,
+            text,
+            shapes.SMALL,
+            grave or edge.state or "flow",
+        )
     yield "</g>"
+
+
+def _behind(state: str) -> str:
+    """Returns a state as one more class of a part."""
+    return f" {state}" if state else ""
 
 
 def _text(x: float, y: float, text: str, size: int, kind: str, *, bold: bool = False) -> str:
