@@ -6,6 +6,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -22,6 +23,7 @@ from jausml.text.notation import NOTATIONS
 
 ROOT = Path(__file__).resolve().parents[2]
 TWO_HOSTS = (ROOT / "tests" / "live" / "two_hosts.ros2jaus").read_text(encoding="utf-8")
+STATION = next(n for n, line in enumerate(TWO_HOSTS.splitlines(), 1) if "host station" in line)
 WORST_EXPOSURE = 20  # tenths; systemd calls up to 2.0 "OK", and a service that says nothing 9.6
 MAPS = "import mappings.velocity_state_sensor\n"
 VEHICLE = "component vehicle { address: 100.1.1  provides: VelocityStateSensor  external: true }\n"
@@ -100,11 +102,12 @@ def test_each_host_has_what_runs_on_it(files_of):
     units = sorted(path for path in files if path.endswith(".service"))
     assert units == [
         "hosts/onboard/jaus-rover-display.service",
+        "hosts/onboard/jaus-rover-trailer.service",
         "hosts/onboard/jaus-rover-vehicle.service",
         "hosts/station/jaus-rover-watcher.service",
     ]
     wants = read_unit(files["hosts/onboard/jaus-rover.target"])["Wants"]
-    assert wants == ["jaus-rover-vehicle.service", "jaus-rover-display.service"]
+    assert wants == [f"jaus-rover-{name}.service" for name in ("vehicle", "trailer", "display")]
     assert "display" not in "".join(
         text for path, text in files.items() if path.startswith("hosts/station/")
     )
@@ -206,6 +209,14 @@ def test_containers_run_what_the_units_run_without_privileges(variant, files_of)
             assert dockerfile.removeprefix("rover_deployment/") in files
 
 
+def test_compose_takes_the_files(workspace):
+    files = sorted(map(str, workspace.glob("rover_deployment/hosts/*/compose.yaml")))
+    assert len(files) == 2
+    line = ["-m", "check_jsonschema", "--builtin-schema", "vendor.compose-spec", *files]
+    done = subprocess.run([sys.executable, *line], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 def check_confined(service):
     assert service["user"].split(":")[0] not in ("", "0", "root")
     assert service["cap_drop"] == ["ALL"]
@@ -270,11 +281,8 @@ def test_allowed_hosts_of_a_bridge_may_come(files_of):
 
 
 def test_several_processes_of_a_host_have_the_ports_of_the_runtime(model_of):
-    text = TWO_HOSTS.replace(
-        "    node display", "    component arm { address: 100.1.2 }\n    node display"
-    )
     for port in (3794, HIGHEST_SHARED_PORT, HIGHEST_SHARED_PORT + 1):
-        model = model_of(text.replace("transport: judp", f"port: {port}"))
+        model = model_of(TWO_HOSTS.replace("transport: judp", f"port: {port}"))
         files = {each.path: each.text for each in render(model, [DEPLOYMENT])}
         rules = files["rover_deployment/hosts/onboard/firewall.nft"]
         (found,) = re.findall(r"udp dport \{ ([^}]*) \}", rules)
@@ -312,7 +320,7 @@ def test_nft_takes_the_firewalls(variant, files_of, tmp_path):
 
 
 def test_peers_are_named_where_multicast_does_not_pass(files_of):
-    named = "--jaus-peer 100.1.1=10.77.0.1:3794"
+    named = "--jaus-peer 100.1.1=10.77.0.1:3794 --jaus-peer 100.1.2=10.77.0.1:3794"
     options = read_environment(files_of("no multicast")["hosts/station/jaus.env"])
     assert options == {"JAUS_OPTIONS": named}
     assert read_environment(files_of("multicast")["hosts/station/jaus.env"])["JAUS_OPTIONS"] == ""
@@ -352,11 +360,11 @@ def test_a_bridge_that_takes_from_anybody_is_asked_for_networks(model_of):
         (MAPS + VEHICLE + watcher(), "has no host to deploy on"),
         (
             TWO_HOSTS.replace('interface: "10.77.0.2"', ""),
-            r"rover\.ros2jaus:15:5: host 'station' has the interface 127\.0\.0\.1, which no other",
+            rf"rover\.ros2jaus:{STATION}:5: host 'station' has the interface 127\.0\.0\.1,",
         ),
         (
             TWO_HOSTS.replace('"10.77.0.2"', '"10.77.0.2"  port: 3795'),
-            r"15:\d+: host 'station' has port 3795 and 'onboard' 3794",
+            rf"{STATION}:\d+: host 'station' has port 3795 and 'onboard' 3794",
         ),
     ],
 )

@@ -18,7 +18,6 @@ from jausml.text.notation import NOTATIONS
 MODELS = Path(__file__).resolve().parents[2] / "models"
 EXAMPLES = [
     MODELS / "catvehicle" / "catvehicle.xmi",
-    MODELS / "examples" / "nav2" / "nav2.ros2jaus",
     MODELS / "examples" / "winch" / "winch.xmi",
 ]
 KEYS = {"numpy": "python3-numpy"}

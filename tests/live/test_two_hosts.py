@@ -1,7 +1,8 @@
 """A generated deployment on two hosts, behind its own firewalls: multicast, named peers, TCP.
 
-The vehicle says on one host how fast it is, by JAUS; the bridge is on the other; a ROS 2 node
-beside the vehicle says what arrives. All three run as their units say.
+A vehicle and its trailer, which share the port of one host, say how fast they are, by JAUS; the
+bridge is on the other host; a ROS 2 node beside the vehicle says what arrives. All run as their
+units say.
 """
 
 from __future__ import annotations
@@ -44,19 +45,31 @@ PROBE = Path(__file__).with_name("probe.py")
 ADDRESSES = {"onboard": "10.77.0.1", "station": "10.77.0.2"}
 STRANGER = "10.77.0.66"
 GROUP = "239.255.0.1"
-UNITS = {"vehicle": "onboard", "display": "onboard", "watcher": "station"}
+UNITS = {
+    "vehicle": "onboard",
+    "trailer": "onboard",
+    "display": "onboard",
+    "watcher": "station",
+}
 TARGETS = (BRIDGE, BRINGUP, DEPLOYMENT, COMPONENT, MESSAGES, ROS_NODE, RUNTIME)
 PATIENCE = 60
 WITH_FIREWALL = shutil.which("nft") is not None
+SPEEDS = {"odometry": ("vehicle", 2.0), "trailing": ("trailer", 1.5)}
 SKELETONS = {
-    "vehicle": (
-        "return super().report_velocity_state(query, sender)",
-        "return ReportVelocityState(velocity_x=2.0, velocity_y=0.5, yaw_rate=0.25)",
-    ),
-    "display": (
-        "super().on_odometry(message)",
-        'print("arrived", message.twist.twist.linear.x, flush=True)',
-    ),
+    **{
+        name: {
+            "return super().report_velocity_state(query, sender)": (
+                f"return ReportVelocityState(velocity_x={speed}, velocity_y=0.5, yaw_rate=0.25)"
+            )
+        }
+        for name, speed in SPEEDS.values()
+    },
+    "display": {
+        f"super().on_{topic}(message)": (
+            f'print("{topic}", round(message.twist.twist.linear.x, 2), flush=True)'
+        )
+        for topic in SPEEDS
+    },
 }
 
 
@@ -77,11 +90,13 @@ def workspace_of(folder, transport):
     assert not read.diagnostics, read.diagnostics
     out = folder / "src"
     generate(read.model, TARGETS, out)
-    for package, (said, says) in SKELETONS.items():
+    for package, methods in SKELETONS.items():
         skeleton = out / package / package / f"{package}.py"
         code = skeleton.read_text(encoding="utf-8")
-        assert said in code
-        skeleton.write_text(code.replace(said, says), encoding="utf-8")
+        for said, says in methods.items():
+            assert said in code
+            code = code.replace(said, says)
+        skeleton.write_text(code, encoding="utf-8")
     return out
 
 
@@ -131,13 +146,14 @@ class Deployment:
         return self.folder / f"{name}.log"
 
     def arrives(self):
-        """Waits until the speed of the vehicle has crossed both networks."""
-        wait_for(self.has_arrived, "odometry", PATIENCE)
+        """Waits until the speeds of vehicle and trailer have crossed both networks."""
+        wait_for(self.has_arrived, "speed of vehicle and trailer", PATIENCE)
 
     def has_arrived(self):
         for name, process in self.processes.items():
             assert process.poll() is None, self.log(name).read_text()
-        return "arrived 2.0" in self.log("display").read_text()
+        shown = self.log("display").read_text()
+        return all(f"{topic} {speed}" in shown for topic, (_, speed) in SPEEDS.items())
 
     def close(self):
         for process in self.processes.values():
