@@ -13,7 +13,7 @@ import pytest
 import yaml
 from deployed import install, moved, read_environment, read_unit, started
 
-from jausml.generation import GenerationError, generate, render
+from jausml.generation import GenerationError, generate, render, select
 from jausml.generators.bringup.target import TARGET as BRINGUP
 from jausml.generators.deployment.ports import HIGHEST_SHARED_PORT, dds_ports
 from jausml.generators.deployment.target import TARGET as DEPLOYMENT
@@ -97,6 +97,15 @@ def image(workspace, tmp_path_factory):
     return folder
 
 
+def test_it_is_made_on_request_and_stays(model_of, tmp_path):
+    installed = {"bringup": BRINGUP, "deployment": DEPLOYMENT}
+    model = model_of(TWO_HOSTS)
+    for names, stands in (((), False), (("deployment",), True), ((), True)):
+        chosen = select(installed, names)
+        generate(model, chosen.targets, tmp_path, kept=chosen.kept)
+        assert (tmp_path / "rover_deployment" / "README.md").exists() is stands
+
+
 def test_each_host_has_what_runs_on_it(files_of):
     files = files_of("multicast")
     units = sorted(path for path in files if path.endswith(".service"))
@@ -166,7 +175,11 @@ def test_files_of_users_stay_and_units_of_former_processes_go(workspace, tmp_pat
 
 
 @pytest.mark.skipif(not shutil.which("systemd-analyze"), reason="install systemd to judge units")
-def test_systemd_takes_the_units_and_calls_them_hardened(image):
+@pytest.mark.parametrize("variant", ["multicast", "manager"])
+def test_systemd_takes_the_units_and_calls_them_hardened(variant, model_of, tmp_path):
+    generate(model_of(VARIANTS[variant]), [DEPLOYMENT], tmp_path / "src")
+    image = tmp_path / "image"
+    install(tmp_path / "src" / "rover_deployment" / "hosts" / "onboard", image)
     base = image / "usr" / "lib" / "systemd" / "system"
     base.mkdir(parents=True)
     for path in Path("/usr/lib/systemd/system").glob("*.target"):
