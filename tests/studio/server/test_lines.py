@@ -1,0 +1,75 @@
+"""Lines in the views of machines and services, and maps that are filled, over a real socket."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from jausml.model.uris import LIBRARY_URI
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from studio_client import Page
+
+pytestmark = pytest.mark.ports
+
+FILE = "service.xmi"
+MACHINE = {"file": FILE, "view": "machine:Winch.ReceiveFSM"}
+SERVICE = {"file": FILE, "view": "service:Winch"}
+
+
+@pytest.fixture
+def folder(folder: Path, models: Path) -> Path:
+    text = (models / "examples" / "winch" / FILE).read_text(encoding="utf-8")
+    path = folder / FILE
+    path.write_text(text.replace("../../library/", LIBRARY_URI), encoding="utf-8")
+    return folder
+
+
+def test_a_transition_is_drawn_from_state_to_state(page: Page) -> None:
+    graph = page.ask("view", **MACHINE)["graph"]
+    assert page.ask("form", element=graph["element"])["class"] == "jaus.StateMachine"
+    boxes = {each["title"]: {"node": each["id"], "port": ""} for each in graph["nodes"]}
+    ends = page.ask("ends", **MACHINE, **boxes["Idle"])["ends"]
+    assert {"Locked", "PayingIn", "Idle"} <= {each["label"] for each in ends}
+    found = page.ask("connect", **MACHINE, source=boxes["Idle"], target=boxes["Locked"])
+    option = next(each for each in found["options"] if each["label"] == "transition on EndStop")
+    page.ask("edit", commands=option["commands"], label=option["label"])
+    after = page.ask("view", **MACHINE)["graph"]["edges"]
+    assert len(after) == len(graph["edges"]) + 1
+
+
+def test_what_a_service_inherits_is_picked_and_taken_away(page: Page) -> None:
+    graph = page.ask("view", **SERVICE)["graph"]
+    own = next(each for each in graph["nodes"] if each["element"] == graph["element"])
+    ends = page.ask("ends", **SERVICE, node=own["id"], port="")["ends"]
+    events = next(each for each in ends if each["label"].startswith("Events"))
+    source = {"node": own["id"], "port": ""}
+    target = {"node": events["node"], "port": events["port"]}
+    [option] = page.ask("connect", **SERVICE, source=source, target=target)["options"]
+    page.ask("edit", commands=option["commands"], label=option["label"])
+    edges = page.ask("view", **SERVICE)["graph"]["edges"]
+    line = next(each["id"] for each in edges if each["kind"] == "inherits")
+    [option] = page.ask("unlink", **SERVICE, line=line)["options"]
+    page.ask("edit", commands=option["commands"], label=option["label"])
+    assert {each["kind"] for each in page.ask("view", **SERVICE)["graph"]["edges"]} <= {
+        "owns",
+        "answers",
+    }
+
+
+def test_a_line_that_follows_from_its_ends_is_not_taken_away(page: Page) -> None:
+    asked = {"file": "catvehicle.xmi", "view": "system", "line": "any"}
+    assert "follows" in page.ask("unlink", **asked)["refusal"]
+
+
+def test_a_map_is_filled_by_what_is_offered(page: Page) -> None:
+    asked = {"file": "catvehicle.xmi", "view": "map:velocity_state"}
+    found = page.ask("fill_map", **asked)
+    assert "Velocity_Z -> twist.twist.linear.z : negate" in found["statements"]
+    assert found["left"]["to_ros"] == ["pose", "twist.covariance"]
+    done = page.ask("edit", commands=found["commands"], label=found["label"])
+    assert len(done["created"]) == len(found["statements"])
+    assert page.ask("fill_map", **asked)["refusal"]
