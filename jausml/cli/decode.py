@@ -23,6 +23,7 @@ from jausml.cli.messages import (
     to_json,
     write,
 )
+from jausml.cli.options import interface_option, multicast_group_option, port_option
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -62,30 +63,9 @@ Line = tuple[str, str]
     " else JSON.",
 )
 @model_option
-@click.option(
-    "--port",
-    "--jaus-port",
-    "port",
-    default=3794,
-    show_default=True,
-    help="For --pcap and --listen: UDP port.",
-)
-@click.option(
-    "--interface",
-    "--jaus-interface",
-    "interface",
-    default="127.0.0.1",
-    show_default=True,
-    help="For --listen: IPv4.",
-)
-@click.option(
-    "--multicast-group",
-    "--jaus-multicast-group",
-    "multicast_group",
-    default="239.255.0.1",
-    show_default=True,
-    help="For --listen.",
-)
+@port_option(text="For --pcap and --listen: UDP port of JUDP.")
+@interface_option(text="For --listen: IPv4 address of the network interface.")
+@multicast_group_option(text="For --listen: multicast group of JUDP.")
 @click.option("--count", type=click.IntRange(1), help="End after so many messages or datagrams.")
 @click.option(
     "--duration",
