@@ -175,7 +175,7 @@ def test_a_service_chooses_between_several_meanings(jausml):
         (("--pcap", "x", STATUS), "give one of HEX or FILE, --pcap, and --listen"),
         (("--model", "absent.xmi", STATUS), "absent.xmi: No such file or directory"),
         (("--listen", "--interface", "nowhere"), "nowhere"),
-        (("--listen", "--port", "0"), "port is 0"),
+        (("--listen", "--port", "0"), "0 is not in the range 1<=x<=65535"),
         (("--listen", "--multicast-group", "10.0.0.1"), "not an IPv4 multicast group"),
         (("--listen", "--interface", "192.0.2.1", "--count", "1"), "cannot listen to"),
         (("--format", "xml", STATUS), "xml"),
