@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 _OF_ROS = frozenset({"/rosout", "/parameter_events"})
-_POLL, _SETTLED = 0.1, 1.0
+_POLL, _SETTLED = 0.1, 2.0
 """Seconds between two looks, and without a change after which all is known."""
 
 
@@ -52,7 +52,7 @@ class GraphTopic:
 def running_topics(seconds: float) -> list[GraphTopic]:
     """Returns the topics that run, in the order of their names; those of ROS itself left out.
 
-    It looks until nothing has changed for a second, if there is anything.
+    It looks until nothing has changed for two seconds, if there is anything.
 
     Args:
         seconds: How long to look at most.
