@@ -25,6 +25,7 @@ from jausml.cli.manners import Manners, colour_allowed
 VERBS = {
     "init": "Make a project of models.",
     "new": "Add an element to a model: a bridge of topics, a component, a node.",
+    "upgrade": "Bring a project to the present version of the metamodels.",
     "validate": "Check models.",
     "generate": "Generate a workspace from the system in a model.",
     "run": "Start the processes of a generated workspace.",

@@ -11,12 +11,12 @@ import jinja2
 from jausml import __version__
 from jausml.model.uris import library_root
 from jausml.model.xmi.writer import replace_file
-from jausml.projects.eclipse import with_schema_location
+from jausml.projects.eclipse import METAMODELS, with_schema_location
 from jausml.projects.errors import ProjectError
 from jausml.projects.first_model import as_xmi, empty_text, empty_xmi, text_of
+from jausml.projects.upgrading.copies import SUMS, sums_of
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(?:_[a-z0-9]+)*")
-_METAMODELS = "metamodels"
 _LIBRARY = "library"
 TEMPLATES = {
     ".project": "project.j2",
@@ -100,22 +100,29 @@ def _contents(wish: Wish) -> dict[str, bytes]:
     for path, template in TEMPLATES.items():
         text = environment.get_template(template).render(wish=wish, version=__version__)
         found[path] = text.encode()
-    for source in sorted(library_root().rglob("*.xmi")):
-        path = source.relative_to(library_root()).as_posix()
-        text = with_schema_location(source.read_text(encoding="utf-8"), "../../metamodels")
-        found[f"{_LIBRARY}/{path}"] = text.encode()
-    for name, data in _metamodels().items():
-        found[f"{_METAMODELS}/{name}"] = data
+    for folder, copies in copies_for().items():
+        found |= {f"{folder}/{path}": data for path, data in copies.items()}
+        found[f"{folder}/{SUMS}"] = sums_of(copies)
     return found
 
 
+def copies_for() -> dict[str, dict[str, bytes]]:
+    """Returns the copies that Eclipse needs, by folder and path in it."""
+    library: dict[str, bytes] = {}
+    for source in sorted(library_root().rglob("*.xmi")):
+        path = source.relative_to(library_root()).as_posix()
+        text = with_schema_location(source.read_text(encoding="utf-8"), f"../../{METAMODELS}")
+        library[path] = text.encode()
+    return {_LIBRARY: library, METAMODELS: _metamodels()}
+
+
 def _metamodels() -> dict[str, bytes]:
-    folder = Path(str(library_root())).parent.parent / _METAMODELS
+    folder = Path(str(library_root())).parent.parent / METAMODELS
     return {each.name: each.read_bytes() for each in sorted(folder.glob("*.ecore"))}
 
 
 def _model(wish: Wish) -> bytes:
-    beside = f"../{_METAMODELS}"
+    beside = f"../{METAMODELS}"
     if wish.is_empty:
         return (empty_text(wish.name) if wish.is_text else empty_xmi(wish.name, beside)).encode()
     xmi = as_xmi(wish.name, beside)

@@ -1,0 +1,50 @@
+"""`jausml upgrade`: brings a project to the present version of the metamodels."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from jausml.cli.common import PROBLEMS, EnvironmentFault
+
+
+@click.command("upgrade")
+@click.argument(
+    "folder",
+    metavar="[DIR]",
+    type=click.Path(exists=True, file_okay=False, path_type=Path),
+    default=".",
+)
+@click.option("--check", is_flag=True, help="Write nothing; exit status 1 when something is old.")
+def command(folder: Path, check: bool) -> None:
+    """Bring the models in DIR, by default this folder, to the present version of the metamodels.
+
+    Names that have changed are changed in the files, which keep all else: layout, comments and
+    order. Copies of metamodels and library that `jausml init` made are made anew, unless somebody
+    has changed them. All is written, or nothing.
+
+    Exit status: 0 done, 1 a model cannot be upgraded (--check: or something is old), 2 usage or
+    environment, 3 internal error.
+    """
+    from jausml.projects.upgrading.project import carry_out, upgrade_of
+    from jausml.projects.upgrading.steps import UpgradeError
+
+    try:
+        upgrade = upgrade_of(folder)
+        if not check:
+            carry_out(upgrade)
+    except UpgradeError as error:
+        click.echo(f"{error}; nothing written", err=True)
+        raise click.exceptions.Exit(PROBLEMS) from error
+    except OSError as error:
+        raise EnvironmentFault(f"{error.filename}: {error.strerror}") from error
+    root = folder.resolve()
+    for path in upgrade.kept:
+        click.echo(f"{path.relative_to(root)} stays: it was changed here", err=True)
+    for path in upgrade.files:
+        click.echo(f"{path.relative_to(root)} {'is old' if check else 'upgraded'}")
+    if not upgrade.files:
+        click.echo("all is of the present version", err=True)
+    elif check:
+        raise click.exceptions.Exit(PROBLEMS)
