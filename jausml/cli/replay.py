@@ -1,24 +1,29 @@
-"""`jausml replay`: captures through the maps of a model into an MCAP file."""
+"""`jausml replay`: captures through the maps of a model into a file, topics to the wire."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, BinaryIO
+import signal
+from contextlib import contextmanager
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import click
 
 from jausml.cli.captures import opened, skipped_lines
-from jausml.cli.common import (
-    PROBLEMS,
-    EnvironmentFault,
-)
+from jausml.cli.common import PROBLEMS, EnvironmentFault, FiniteRange, bridge_options
 from jausml.cli.messages import open_catalogue, shown_path
+from jausml.cli.options import interface_option, multicast_group_option, port_option
 from jausml.cli.recordings import force_option, output_option, valid_model, written
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
+    from threading import Event
 
     from jausml.live.traffic.captures import Frame
+    from jausml.model import Model
     from jausml.recording.from_captures import CaptureReplay, JausWriter
+    from jausml.recording.to_wire import WireReplay
     from jausml.recording.translating import Translator
 
 
@@ -32,54 +37,171 @@ if TYPE_CHECKING:
     is_flag=True,
     help="Have the JAUS messages in FILE too, as JSON; ros2 bag does not play such a file.",
 )
+@interface_option()
+@port_option()
+@multicast_group_option()
 @click.option(
-    "--port", "--jaus-port", "port", default=3794, show_default=True, help="UDP port of JAUS."
+    "--speed",
+    type=FiniteRange(0, 100, min_open=True),
+    default=1.0,
+    show_default=True,
+    help="Seconds of the recording in each second.",
 )
+@click.option(
+    "--max-rate",
+    type=FiniteRange(0, 10000, min_open=True),
+    default=1000.0,
+    show_default=True,
+    metavar="HZ",
+    help="Messages each second at most; what comes faster is late.",
+)
+@click.option("--count", type=click.IntRange(1), help="End after so many messages.")
+@click.option(
+    "--wait",
+    type=FiniteRange(0, 3600),
+    default=3.0,
+    show_default=True,
+    metavar="S",
+    help="Seconds for others to find the bridges, before the first message.",
+)
+@click.option(
+    "--hold",
+    type=FiniteRange(0, 3600),
+    default=1.0,
+    show_default=True,
+    metavar="S",
+    help="Seconds for which the bridges stay after the last message.",
+)
+@click.option(
+    "--allow-commands",
+    is_flag=True,
+    help="Send commands too: they move whatever obeys them, so look who hears them.",
+)
+@bridge_options
 def command(
     recording: str,
     model: str,
     output: str | None,
     force: bool,
     with_jaus: bool,
-    port: int,
+    bridge_address: str | None,
+    **options: Any,
 ) -> None:
     """Replay recordings through the maps of MODEL.
 
-    RECORDING is a capture: pcap, pcapng, or - for stdin. Each message that a bridge of MODEL would
-    take is translated as the bridge does it, and stands in FILE with the time at which it was
+    RECORDING may be a capture: pcap, pcapng, or - for stdin. Each message that a bridge of MODEL
+    would take is translated as the bridge does it, and stands in FILE with the time at which it was
     captured. So does what such a bridge has sent itself, where its map has both directions.
-    Foxglove, PlotJuggler and `ros2 bag play` open FILE.
+    Foxglove, PlotJuggler and `ros2 bag play` open FILE. Of a file of maps without a system all maps
+    are used, for the messages of anybody, each on a topic of its name.
 
-    Of a file of maps without a system all maps are used, for the messages of anybody, each on a
-    topic of its name.
+    Or RECORDING is one of ROS: an MCAP file, or a bag of rosbag2. Then the bridges of MODEL go on
+    the network of JAUS, loopback by default, and are given its topics at the pace of their times.
+    They report to whoever asks. Commands are left out without --allow-commands: a recorded command
+    moves a vehicle as the first one did, whatever stands around it now.
 
-    Exit status: 0 done, 1 problems in the model, in the capture or in what is in it (the rest is
+    Exit status: 0 done, 1 problems in the model, in the recording or in what is in it (the rest is
     done), 2 usage or environment, 3 internal error.
     """
     from jausml.generation import GenerationError
+    from jausml.recording.bags import is_bag
     from jausml.recording.errors import RecordingError
+
+    to_wire = is_bag(recording)
+    if to_wire and (output is not None or with_jaus):
+        raise click.UsageError(f"{shown_path(recording)} goes to JAUS, not to a file")
+    if not to_wire and output is None:
+        raise click.UsageError("say with --output which file is written")
+    try:
+        if to_wire:
+            is_done = _to_wire(recording, valid_model(model, bridge_address), options)
+        else:
+            port = options["port"]
+            read = valid_model(model, bridge_address)
+            paths = (recording, model, str(output))
+            is_done = _to_file(read, paths, port, force=force, jaus=with_jaus)
+    except (RecordingError, GenerationError) as error:
+        raise EnvironmentFault(str(error)) from error
+    if not is_done:
+        raise click.exceptions.Exit(PROBLEMS)
+
+
+def _to_wire(recording: str, model: Model, options: dict[str, Any]) -> bool:
+    """Gives a recording of ROS to bridges; returns whether all that they take could be used."""
+    from threading import Event
+
+    from jausml.recording.bags import Bag
+    from jausml.recording.to_wire import WireReplay, paced
+
+    if not Path(recording).exists():
+        raise EnvironmentFault(f"{shown_path(recording)}: there is no such file")
+    stop = Event()
+    bag, allowed = Bag(recording), options["allow_commands"]
+    transport = {name: options[name] for name in ("interface", "port", "multicast_group")}
+    with (
+        _stopped_by_signals(stop),
+        WireReplay(model, transport, allow_commands=allowed) as replay,
+    ):
+        for each in replay.commands:
+            what = "its commands are sent" if allowed else "left out without --allow-commands"
+            click.echo(f"{each}: {what}", err=True)
+        click.echo(f"on the network; the first message comes in {options['wait']:g} s", err=True)
+        stop.wait(options["wait"])
+        messages = paced(bag.messages(), options["speed"], options["max_rate"], stop)
+        replay.run(islice(messages, options["count"]))
+        stop.wait(options["hold"])
+    for line in _wire_lines(replay):
+        click.echo(line, err=True)
+    for encoding, number in sorted(bag.others.items()):
+        click.echo(f"{number} messages in {encoding} are not of ROS", err=True)
+    return not replay.refused
+
+
+@contextmanager
+def _stopped_by_signals(stop: Event) -> Iterator[None]:
+    """Has SIGINT and SIGTERM end a replay in good order: what it commands is stopped."""
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    former = [signal.signal(number, lambda *_: stop.set()) for number in numbers]
+    try:
+        yield
+    finally:
+        for number, handler in zip(numbers, former, strict=True):
+            signal.signal(number, handler)
+
+
+def _wire_lines(replay: WireReplay) -> Iterator[str]:
+    """Yields what became of the messages of a recording of ROS."""
+    for topic, number in sorted(replay.published.items()):
+        yield f"{number} of {topic}"
+    for name, counts in sorted(replay.connections.items()):
+        drops = "".join(f", {number} {why}" for why, number in sorted(counts["drops"].items()))
+        yield f"  {name}: {counts['passed']} to JAUS{drops}"
+    for reason, number in sorted(replay.refused.items()):
+        yield f"{number} not used: {reason}"
+    for topic, number in sorted(replay.others.items()):
+        yield f"{number} of {topic}, which no bridge takes"
+
+
+def _to_file(
+    read: Model, paths: tuple[str, str, str], port: int, *, force: bool, jaus: bool
+) -> bool:
+    """Makes a file of a capture; returns whether all of it could be used."""
     from jausml.recording.from_captures import CaptureReplay, JausWriter
     from jausml.recording.mcap_writing import McapFile
     from jausml.recording.translating import Translator
 
-    if output is None:
-        raise click.UsageError("say with --output which file is written")
-    catalogue = open_catalogue([model]) if with_jaus else None
-    read = valid_model(model)
-    try:
-        with (
-            Translator(read) as translator,
-            written(output, force=force) as stream,
-            McapFile(stream, has_jaus=with_jaus) as file,
-        ):
-            jaus = JausWriter(file, catalogue) if catalogue is not None else None
-            replay = CaptureReplay(translator, file, jaus)
-            is_whole = _replayed(replay, recording, port)
-            is_complete = _told(replay, translator, jaus, model)
-    except (RecordingError, GenerationError) as error:
-        raise EnvironmentFault(str(error)) from error
-    if not (is_whole and is_complete):
-        raise click.exceptions.Exit(PROBLEMS)
+    recording, model, output = paths
+    catalogue = open_catalogue([model]) if jaus else None
+    with (
+        Translator(read) as translator,
+        written(output, force=force) as stream,
+        McapFile(stream, has_jaus=jaus) as file,
+    ):
+        writer = JausWriter(file, catalogue) if catalogue is not None else None
+        replay = CaptureReplay(translator, file, writer)
+        is_whole = _replayed(replay, recording, port)
+        is_complete = _told(replay, translator, writer, model)
+    return is_whole and is_complete
 
 
 def _replayed(replay: CaptureReplay, path: str, port: int) -> bool:

@@ -1,0 +1,96 @@
+"""Recordings of ROS, read: MCAP files, and bags of rosbag2 in any storage."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from jausml.recording.errors import RecordingError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+MCAP, SQLITE = ".mcap", ".db3"
+_CDR = "cdr"
+
+
+@dataclass(frozen=True)
+class RosMessage:
+    """A message of ROS of a recording.
+
+    Attributes:
+        topic: Full name of its topic.
+        type: Full name of its type.
+        time: When it was heard, in nanoseconds since 1970.
+        data: The message, serialized (CDR).
+    """
+
+    topic: str
+    type: str
+    time: int
+    data: bytes
+
+
+def is_bag(path: str) -> bool:
+    """Returns whether a path is that of a recording of ROS, by its name or as a folder."""
+    return path.endswith((MCAP, SQLITE)) or Path(path).is_dir()
+
+
+class Bag:
+    """A recording.
+
+    Attributes:
+        others: How many messages are not of ROS, by the encoding that they have.
+    """
+
+    def __init__(self, path: str) -> None:
+        """Names a recording.
+
+        Args:
+            path: An MCAP file, or a bag of rosbag2: its folder, or the file of its storage.
+        """
+        self.others: Counter[str] = Counter()
+        self._path = path
+
+    def messages(self) -> Iterator[RosMessage]:
+        """Yields the messages of ROS in the order of their times.
+
+        Raises:
+            RecordingError: The recording cannot be read, or a library is missing.
+        """
+        read = self._mcap if self._path.endswith(MCAP) else self._bag
+        try:
+            yield from read()
+        except ImportError as error:
+            raise RecordingError(
+                f"{error.name} is missing: pip install 'jausml[record]'"
+            ) from error
+        except OSError as error:
+            raise RecordingError(f"{self._path}: {error.strerror or error}") from error
+
+    def _mcap(self) -> Iterator[RosMessage]:
+        from mcap.exceptions import McapError  # noqa: PLC0415 - an extra
+        from mcap.reader import make_reader  # noqa: PLC0415
+
+        with Path(self._path).open("rb") as stream:
+            try:
+                for schema, channel, message in make_reader(stream).iter_messages():
+                    if schema is None or channel.message_encoding != _CDR:
+                        self.others[channel.message_encoding] += 1
+                        continue
+                    yield RosMessage(channel.topic, schema.name, message.log_time, message.data)
+            except McapError as error:
+                reason = str(error) or type(error).__name__
+                raise RecordingError(f"{self._path} cannot be read: {reason}") from error
+
+    def _bag(self) -> Iterator[RosMessage]:
+        from rosbags.rosbag2 import Reader, ReaderError  # noqa: PLC0415 - an extra
+
+        try:
+            with Reader(self._path) as reader:
+                for connection, time, data in reader.messages():
+                    yield RosMessage(connection.topic, connection.msgtype, time, bytes(data))
+        except ReaderError as error:
+            raise RecordingError(f"{self._path} cannot be read: {error}") from error
