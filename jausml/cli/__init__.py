@@ -24,8 +24,8 @@ from jausml.cli.manners import Manners, colour_allowed
 
 VERBS = {
     "init": "Make a project of models.",
-    "new": "Add an element to a model: a bridge of topics, a component, a node.",
-    "upgrade": "Bring a project to the present version of the metamodels.",
+    "new": "Add an element to a model: a bridge, a component, a node.",
+    "upgrade": "Bring the models of a project to the present metamodels.",
     "validate": "Check models.",
     "generate": "Generate a workspace from the system in a model.",
     "run": "Start the processes of a generated workspace.",
