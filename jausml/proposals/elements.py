@@ -120,6 +120,10 @@ def label_of(element: EObject) -> str:
 
 
 def _by_what_it_says(element: EObject) -> str:
+    if isinstance(element, jaus.Transition):
+        message = element.message
+        trigger = name_of(message) if message is not None else element.event or "anything else"
+        return f"{trigger} to {element.target}" if element.target else trigger
     target, source = getattr(element, "target", None), getattr(element, "source", None)
     if isinstance(target, str):
         return f"{source} -> {target}" if isinstance(source, str) else target

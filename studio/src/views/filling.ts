@@ -1,6 +1,7 @@
 // Filling a map from what corresponds.
 
 import { ask, change, messageOf } from "../actions";
+import { FIT_EVENT } from "../canvas/Tools";
 import type { Filling } from "../protocol";
 import { say, state } from "../store";
 
@@ -15,6 +16,8 @@ export async function fillMap(): Promise<Filling | null> {
       return filling;
     }
     await change(filling.commands, filling.label);
+    // Boxes have grown by the rows that are shown now.
+    requestAnimationFrame(() => document.dispatchEvent(new Event(FIT_EVENT)));
     return filling;
   } catch (error) {
     say(messageOf(error), true);

@@ -113,6 +113,16 @@ def test_the_form_of_a_transition_knows_its_states_and_events(desk):
     assert {"EndStop", "Timedout"} <= {each.value for each in fields["event"].choices}
 
 
+def test_transitions_are_called_by_what_triggers_them_and_where_they_lead(desk):
+    states = desk.scope.model.instances(jaus.State, library=False)
+    locked = next(each for each in states if each.name == "Locked")
+    held = {each.feature: each.elements for each in form_of(desk.scope, locked).children}
+    assert [each.label for each in held["transitions"]] == [
+        "ReleaseBrake to Idle",
+        "SetWinchCommand",
+    ]
+
+
 def test_a_service_comes_to_inherit_another_one_and_no_longer_does(desk):
     own = desk.scope.model.fragment(desk.the(jaus.Service))
     bases = {each.label: each.value for each in heritage(desk.scope, own)}
