@@ -194,6 +194,7 @@ class _Server:
         )
         params = {"processId": None, "rootUri": None, "capabilities": {}}
         self._asked = 0
+        self._published: int | None = None
         self.ask("initialize", **params)
         self.tell("initialized")
 
@@ -210,8 +211,8 @@ class _Server:
 
     def until_published(self, version: int) -> None:
         """Waits for the problems of a version of the text."""
-        while self._receive().get("params", {}).get("version") != version:
-            pass
+        while self._published != version:
+            self._receive()
 
     def processor_time(self) -> float:
         """Returns its processor time in seconds, threads that have ended included."""
@@ -237,4 +238,8 @@ class _Server:
             size = int(value) if name.lower() == b"content-length" else size
         if not size:
             raise RuntimeError("the language server has ended")
-        return json.loads(self._process.stdout.read(size))
+        message = json.loads(self._process.stdout.read(size))
+        # Also while something else is waited for: it is told only once.
+        if message.get("method") == "textDocument/publishDiagnostics":
+            self._published = message["params"].get("version") or self._published
+        return message
