@@ -256,10 +256,13 @@ def test_another_file_whose_references_would_shift_is_named(merge, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("spoilt", "where"),
-    [(0, "the base"), (1, "our side"), (2, "their side")],
+    ("spoilt", "where", "text"),
+    [
+        (0, "the base", ""),
+        (1, "our side", "<a>"),
+        (2, "their side", MINIMAL.replace('type="vehicle"', 'typ="vehicle"')),
+    ],
 )
-@pytest.mark.parametrize("text", ["", "<a>", MINIMAL.replace('type="vehicle"', 'typ="vehicle"')])
 def test_a_state_that_cannot_be_read_whole_is_not_merged(merge, spoilt, where, text):
     states = [MINIMAL] * 3
     states[spoilt] = text

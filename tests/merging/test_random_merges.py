@@ -1,0 +1,84 @@
+"""Random changes of both sides: a merge never fails, and where one side did nothing, is the other.
+
+`JAUSML_EXAMPLES` raises how many are tried.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import sys
+from pathlib import Path
+
+import pytest
+
+from jausml.differences.finding import changes
+from jausml.editing.commands import EditError
+from jausml.editing.project import Project
+from jausml.merging.merging import UnmergeableError, merged
+from jausml.model import LIBRARY_URI, read_models
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests" / "editing"))
+
+BASE = (ROOT / "models" / "minimal" / "minimal.xmi").read_text(encoding="utf-8")
+BASE = BASE.replace("../library/", LIBRARY_URI)
+SEEDS = range(min(int(os.environ.get("JAUSML_EXAMPLES", "2")), 100))
+STEPS = 3
+
+
+def edited(folder, chance):
+    """Returns the base after some random commands that leave a model that can be read."""
+    from random_commands import Commands
+
+    folder.mkdir()
+    (folder / "model.xmi").write_text(BASE, encoding="utf-8")
+    project = Project(folder)
+    done = 0
+    for _ in range(20 * STEPS):
+        try:
+            project.do([Commands(project, "model.xmi", chance).any()], "random")
+        except EditError:
+            continue
+        if project.model("model.xmi").has_errors:
+            project.undo()
+            continue
+        done += 1
+        if done == STEPS:
+            break
+    return project.text("model.xmi")
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_merge_is_one_side_or_both(tmp_path, seed):
+    ours = edited(tmp_path / "ours", random.Random(seed))
+    theirs = edited(tmp_path / "theirs", random.Random(-1 - seed))
+    root = (tmp_path / "merged").resolve()
+    root.mkdir()
+
+    def merge(*states):
+        return merged("model.xmi", root, *states)
+
+    base = BASE.encode()
+    mine = merge(base, ours, base)
+    assert (mine.data, mine.findings) == (ours, ())
+    other = merge(base, base, theirs)
+    assert other.findings == ()
+    assert differences(tmp_path, other.data, theirs) == []
+    try:
+        both = merge(base, ours, theirs)
+    except UnmergeableError as error:
+        pytest.fail(f"the sides can be read, and what is merged must be too: {error}")
+    assert not read(tmp_path / "both", both.data).has_errors
+
+
+def differences(folder, one, other):
+    first, second = (read(folder / n, d).model for n, d in (("one", one), ("other", other)))
+    found = changes(first, second, list(zip(first.roots[:1], second.roots[:1], strict=True)))
+    return [(each.element, each.path, each.text) for each in found]
+
+
+def read(folder, data):
+    folder.mkdir()
+    (folder / "model.xmi").write_bytes(data)
+    return read_models([folder / "model.xmi"])
