@@ -31,6 +31,7 @@ export type Dialog =
       options: ConnectOption[];
       refusal: string;
     }
+  | { kind: "hosts"; boxes: string[] }
   | { kind: "rename"; element: Ref; name: string }
   | { kind: "diff"; title: string; diff: string };
 
@@ -81,6 +82,8 @@ export interface Studio {
   bright: Set<PartKey> | null;
   /** Ends to which the line that is being drawn may go. */
   legal: Set<PartKey> | null;
+  /** The part that would take what is being dragged. */
+  under: PartKey | null;
   filter: string;
   bottom: BottomTab;
   middle: MiddleTab;
@@ -109,6 +112,7 @@ export const BEGINNING: Studio = {
   undoable: null,
   bright: null,
   legal: null,
+  under: null,
   filter: "",
   bottom: "problems",
   middle: "diagram",

@@ -247,3 +247,48 @@ test("a line that is no element is taken away as the server says", async () => {
   await actions.removeSelected();
   expect(state().said.text).toBe("it follows from its ends");
 });
+
+const ITEM = {
+  id: "service Waypoints",
+  group: "services" as const,
+  label: "Waypoints",
+  note: "",
+  documentation: "",
+  drop: { commands: [{ kind: "remove" as const, element: "of the system" }] },
+  label_of_edit: "add Waypoints",
+  onto: "",
+};
+
+test("what is dropped on a box goes on it, as the server says", async () => {
+  const server = serveGraph();
+  const onBox = {
+    ...ITEM,
+    onto: "ocu",
+    drop: { commands: [{ kind: "remove" as const, element: "on ocu" }] },
+  };
+  server.answer("palette", ({ onto }) => ({ items: onto ? [onBox, ITEM] : [ITEM] }));
+  await actions.drop(ITEM, null, "robot.xmi#ocu");
+  expect(server.params("palette")[0]).toMatchObject({ query: "Waypoints", onto: "robot.xmi#ocu" });
+  expect(server.params("edit").at(-1)?.commands).toEqual(onBox.drop.commands);
+  // What was offered for the choice goes into the system where it is dropped on nothing.
+  await actions.drop(onBox);
+  expect(server.params("edit").at(-1)?.commands).toEqual(ITEM.drop.commands);
+});
+
+test("a box that is dragged into a host runs there, in one edit with its place", async () => {
+  const server = serveGraph();
+  const set = { kind: "set" as const, element: "p", feature: "components", values: ["ocu"] };
+  const option = { label: "Run ocu on robot", why: "", preview: "", is_best: false };
+  server.answer("host", () => ({ ...option, commands: [set] }));
+  await actions.placeOn("robot", ["ocu"], { "key:ocu": [5, 6] });
+  expect(server.params("host")[0]).toMatchObject({ nodes: ["ocu"], host: "robot" });
+  const positions = { "key:ocu": [5, 6] };
+  const placed = { kind: "place", file: "robot.xmi", view: "system", positions };
+  expect(server.params("edit")).toMatchObject([
+    { label: "Run ocu on robot", commands: [set, placed] },
+  ]);
+  // Where it runs already it is only moved.
+  server.answer("host", () => ({ ...option, commands: [] }));
+  await actions.placeOn("", ["ocu"], { "key:ocu": [5, 6] });
+  expect(server.params("edit").at(-1)).toMatchObject({ label: "Move a box", commands: [placed] });
+});

@@ -1,19 +1,40 @@
 // Adding what the palette offers.
 
-import type { PaletteItem, Point } from "../protocol";
+import type { PaletteItem, Point, Ref } from "../protocol";
 import { state } from "../store";
+import { ask, tried } from "./asking";
 import { edit } from "./changing";
 import { place } from "./placing";
 
 /** Type of what the palette gives to a drag: the item as JSON. */
 export const DRAGGED = "application/x-jausml-palette-item";
 
-/** Adds what an item of the palette holds, where it was dropped if it was dropped. */
-export async function drop(item: PaletteItem, at: Point | null = null): Promise<void> {
-  const result = await edit(item.drop.commands, item.label_of_edit);
+/**
+ * Adds what an item of the palette holds.
+ *
+ * @param at Where it was dropped, null if it was not.
+ * @param onto The element on which it was dropped; what does not fit there goes into the system.
+ */
+export async function drop(
+  item: PaletteItem,
+  at: Point | null = null,
+  onto: Ref | "" = "",
+): Promise<void> {
+  const meant = await fitting(item, onto);
+  if (!meant) return;
+  const result = await edit(meant.drop.commands, meant.label_of_edit);
   if (!result || !at) return;
   const { graph } = state();
   const created = new Set(result.created);
   const node = graph?.nodes.find((each) => created.has(each.element));
   if (node) await place({ [node.key]: [Math.round(at[0]), Math.round(at[1])] });
+}
+
+/** The same item as it goes on what it was dropped on: dragged was what went on the choice. */
+async function fitting(item: PaletteItem, onto: Ref | ""): Promise<PaletteItem | undefined> {
+  if (!onto && !item.onto) return item;
+  const { file } = state();
+  const { label: query, group } = item;
+  const answer = await tried(ask("palette", { file, query, kinds: [group], onto }));
+  return answer && (answer.items.find((each) => each.id === item.id) ?? item);
 }

@@ -1,7 +1,8 @@
 // Where boxes stand.
 
-import type { EditResult, LayoutKey, Point } from "../protocol";
-import { say, state } from "../store";
+import { boxesOf } from "../canvas/frames";
+import type { Command, EditResult, LayoutKey, Point } from "../protocol";
+import { say, state, update } from "../store";
 import { ask, tried } from "./asking";
 import { edit } from "./changing";
 import { show } from "./showing";
@@ -11,6 +12,35 @@ export function place(positions: Record<LayoutKey, Point>): Promise<EditResult |
   const count = Object.keys(positions).length;
   const label = count === 1 ? "Move a box" : `Move ${count} boxes`;
   return edit([{ kind: "place", file: state().file, view: state().view, positions }], label);
+}
+
+/**
+ * Keeps boxes where they were dragged, into the frame of another host: they run there then.
+ *
+ * @param host Id of the frame, empty for outside of all.
+ */
+export async function placeOn(
+  host: string,
+  boxes: string[],
+  positions: Record<LayoutKey, Point>,
+): Promise<EditResult | null> {
+  const { file, view } = state();
+  const option = await tried(ask("host", { file, nodes: boxes, host }));
+  if (!option) return null;
+  const placed: Command[] = Object.keys(positions).length
+    ? [{ kind: "place", file, view, positions }]
+    : [];
+  if (!option.commands.length) return placed.length ? place(positions) : null;
+  return edit([...option.commands, ...placed], option.label);
+}
+
+/** Asks on which host the chosen boxes shall run. */
+export function offerHosts(): void {
+  const { graph, selection } = state();
+  const boxes = graph ? boxesOf(graph, selection) : [];
+  if (!graph?.groups.some((each) => each.kind === "host")) return say("The system has no hosts.");
+  if (!boxes.length) return say("Choose a component or a node first.");
+  update({ dialog: { kind: "hosts", boxes } });
 }
 
 /** Lets the layout place every box anew. */

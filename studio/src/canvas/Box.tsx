@@ -131,8 +131,8 @@ const BETWEEN = "\u001f";
 /** Classes of a box and of each of its rows as one text, so that a box is drawn anew only if one changes. */
 function statesOf(studio: Studio, node: GraphNode): string {
   const keys = [nodeKey(node.id), ...node.ports.map((port) => portKey(node.id, port.id))];
-  const { selection, bright, legal } = studio;
-  if (!selection.length && !bright && !legal) return "";
+  const { selection, bright, legal, under } = studio;
+  if (!selection.length && !bright && !legal && !under) return "";
   const here = active(studio);
   return keys
     .map((key) =>
@@ -141,6 +141,7 @@ function statesOf(studio: Studio, node: GraphNode): string {
         key === here ? "active" : "",
         bright && !bright.has(key) ? "dim" : "",
         legal?.has(key) ? "legal" : "",
+        key === under ? "under" : "",
       ]
         .filter(Boolean)
         .join(" "),

@@ -2,7 +2,7 @@ import { act, fireEvent, render, screen, waitFor, within } from "@testing-librar
 import userEvent from "@testing-library/user-event";
 import { beforeEach, expect, test } from "vitest";
 import { select } from "../actions";
-import { edgeKey, nodeKey, portKey } from "../selection";
+import { edgeKey, groupKey, nodeKey, portKey } from "../selection";
 import { state, update } from "../store";
 import { type FakeServer, serve } from "../testing/fakeServer";
 import { smallGraph } from "../testing/graphs";
@@ -168,4 +168,23 @@ test("an empty folder offers a new model, an empty diagram says what to do", asy
   rerender(<Canvas />);
   await userEvent.click(screen.getByRole("button", { name: "New model…" }));
   expect(state().dialog).toEqual({ kind: "create" });
+});
+
+test("a box gets another host by keys, and frames are gone to from inside", async () => {
+  const graph = smallGraph();
+  const rest = { element: "", parent: "", x: 0, y: 0, width: 9, height: 9 };
+  graph.groups = [
+    { ...rest, id: "h", key: "h", kind: "host", title: "host robot" },
+    { ...rest, id: "f", key: "f", kind: "bridge", title: "bridge", parent: "h" },
+  ];
+  graph.nodes[1]!.group = "f";
+  update({ graph });
+  render(<Canvas />);
+  select([portKey("bridge", "velocity")]);
+  await press("f");
+  expect(state().selection).toEqual([groupKey("f")]);
+  await press("f");
+  expect(state().selection).toEqual([groupKey("h")]);
+  await press("h");
+  expect(state().dialog).toEqual({ kind: "hosts", boxes: ["bridge"] });
 });

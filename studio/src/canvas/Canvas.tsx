@@ -10,21 +10,14 @@ import {
   useReactFlow,
   useStore,
 } from "@xyflow/react";
-import {
-  type DragEvent,
-  type MouseEvent,
-  useCallback,
-  useEffect,
-  useMemo,
-  useRef,
-  useState,
-} from "react";
-import { beginDrawing, connect, DRAGGED, drop, endDrawing, place, select } from "../actions";
+import { type MouseEvent, useCallback, useEffect, useMemo, useRef, useState } from "react";
+import { beginDrawing, connect, endDrawing, select } from "../actions";
 import { useCanvasKeys } from "../keyboard/canvasKeys";
-import type { Graph, LayoutKey, PaletteItem, Point } from "../protocol";
+import type { Graph } from "../protocol";
 import { edgeKey, groupKey, type PartKey, partOf } from "../selection";
 import { active, state, useStudio } from "../store";
 import { Box } from "./Box";
+import { useDragging, useDropping } from "./dragging";
 import { EmptyHint, Nothing } from "./EmptyHint";
 import { Frame } from "./Frame";
 import {
@@ -77,61 +70,34 @@ function Diagram({ graph }: { graph: Graph }) {
   );
   const isFar = useStore((flow) => flow.transform[2] < FAR);
   const here = useStudio(active);
-  const flow = useReactFlow();
   const keys = useCanvasKeys(graph, setMoved);
   const drawing = useDrawing();
+  const dragging = useDragging(graph, setMoved);
+  const dropping = useDropping(graph);
   useInSight(graph, here);
 
   const onNodesChange = useCallback(
     (changes: NodeChange<FlowNode>[]) => {
-      const places = changes.filter((each) => each.type === "position" && each.position);
-      if (places.length) {
-        setMoved((before) => {
-          const after = new Map(before);
-          for (const each of places) {
-            if (each.type === "position" && each.position) after.set(each.id, each.position);
-          }
-          return after;
-        });
-      }
+      dragging.onMoved(changes);
       takeSelection(changes, (id) => {
         const node = boxes.find((each) => each.id === id);
         return node ? keyOfNode(node) : null;
       });
     },
-    [boxes, setMoved],
+    [boxes, dragging.onMoved],
   );
   const onEdgesChange = useCallback((changes: EdgeChange<FlowEdge>[]) => {
     takeSelection(changes, edgeKey);
   }, []);
 
-  async function onDragStop(_: unknown, __: unknown, dragged: FlowNode[]) {
-    const positions: Record<LayoutKey, Point> = {};
-    for (const node of dragged) {
-      if (node.type !== "box") continue;
-      const { key, x, y } = node.data.node;
-      const to: Point = [Math.round(node.position.x), Math.round(node.position.y)];
-      if (to[0] !== x || to[1] !== y) positions[key] = to;
-    }
-    if (!Object.keys(positions).length || !(await place(positions))) setMoved(NOTHING_MOVED);
-  }
-
   function onClick(event: MouseEvent) {
     const key = (event.target as Element).closest<HTMLElement>("[data-part]")?.dataset.part;
-    if (!key || partOf(key).of !== "port") return;
+    if (!key || partOf(key).of === "node") return;
     const { selection } = state();
     const isMore = event.ctrlKey || event.metaKey || event.shiftKey;
     if (!isMore) select([key]);
     else if (selection.includes(key)) select(selection.filter((each) => each !== key));
     else select([...selection, key]);
-  }
-
-  async function onDrop(event: DragEvent) {
-    const text = event.dataTransfer.getData(DRAGGED);
-    if (!text) return;
-    event.preventDefault();
-    const at = flow.screenToFlowPosition({ x: event.clientX, y: event.clientY });
-    await drop(JSON.parse(text) as PaletteItem, [at.x, at.y]);
   }
 
   return (
@@ -146,17 +112,16 @@ function Diagram({ graph }: { graph: Graph }) {
         onNodesChange={onNodesChange}
         onEdgesChange={onEdgesChange}
         onNodeClick={onClick}
-        onNodeDragStop={(...told) => void onDragStop(...told)}
-        onSelectionDragStop={(event, dragged) => void onDragStop(event, null, dragged)}
+        onNodeDrag={(_, __, dragged) => dragging.onDrag(dragged)}
+        onNodeDragStop={(_, __, dragged) => void dragging.onDragStop(dragged)}
+        onSelectionDrag={(_, dragged) => dragging.onDrag(dragged)}
+        onSelectionDragStop={(_, dragged) => void dragging.onDragStop(dragged)}
         onPaneClick={() => select([])}
         onConnectStart={drawing.onStart}
         onConnectEnd={drawing.onEnd}
-        onDragOver={(event) => {
-          if (!event.dataTransfer.types.includes(DRAGGED)) return;
-          event.preventDefault();
-          event.dataTransfer.dropEffect = "copy";
-        }}
-        onDrop={(event) => void onDrop(event)}
+        onDragOver={dropping.onDragOver}
+        onDragLeave={dropping.onDragLeave}
+        onDrop={(event) => void dropping.onDrop(event)}
         connectionMode={ConnectionMode.Loose}
         connectionRadius={24}
         selectionMode={SelectionMode.Partial}

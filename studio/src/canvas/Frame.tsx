@@ -10,11 +10,13 @@ export const Frame = memo(function Frame({ data, selected }: NodeProps<FrameNode
   const { group } = data;
   const key = groupKey(group.id);
   const isActive = useStudio((studio) => active(studio) === key);
+  const isUnder = useStudio((studio) => studio.under === key);
+  const states = [selected && "chosen", isActive && "active", isUnder && "under"];
   return (
     // biome-ignore lint/a11y/useSemanticElements: the diagram is one application with parts
     <div
       id={domId(key)}
-      className={`frame ${group.kind} ${selected ? "chosen" : ""} ${isActive ? "active" : ""}`}
+      className={["frame", group.kind, ...states].filter(Boolean).join(" ")}
       role="group"
       aria-label={`${group.kind} ${group.title}`}
       data-part={key}

@@ -32,7 +32,9 @@ export function toNodes(graph: Graph): FlowNode[] {
     height: group.height,
     measured: { width: group.width, height: group.height },
     data: { group },
-    draggable: false,
+    // By its title: what is in a frame, and the ground under it, take the pointer for themselves.
+    dragHandle: ".frame > .title",
+    selectable: false,
     connectable: false,
     zIndex: -1,
   }));

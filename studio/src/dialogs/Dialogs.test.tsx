@@ -130,3 +130,15 @@ test("keys of the page undo and redo, but not while somebody types or a dialog i
   expect(state().dialog).toBeNull();
   document.removeEventListener("keydown", onShortcut);
 });
+
+test("hosts are chosen among those of the diagram", async () => {
+  const rest = { element: "", parent: "", x: 0, y: 0, width: 9, height: 9, kind: "host" };
+  const groups = ["desk", "robot"].map((id) => ({ ...rest, id, key: id, title: `host ${id}` }));
+  update({ graph: { ...smallGraph(), groups }, dialog: { kind: "hosts", boxes: ["ocu"] } });
+  const none = { label: "Run ocu on robot", why: "", preview: "", commands: [], is_best: false };
+  server.answer("host", () => none);
+  render(<Dialogs />);
+  await userEvent.keyboard("rob{Enter}");
+  await waitFor(() => expect(server.params("host")).toHaveLength(1));
+  expect(server.params("host")[0]).toMatchObject({ nodes: ["ocu"], host: "robot" });
+});

@@ -1,5 +1,5 @@
 import { type FormEvent, useState } from "react";
-import { choose, connect, edit, newModel, rename, take } from "../actions";
+import { choose, connect, edit, newModel, placeOn, rename, take } from "../actions";
 import { HELP } from "../keyboard/keys";
 import { type Dialog, state, update, useStudio } from "../store";
 import { Diff } from "./Diff";
@@ -23,6 +23,8 @@ export function Dialogs() {
       return <Ends dialog={dialog} />;
     case "connect":
       return <Connect dialog={dialog} />;
+    case "hosts":
+      return <Hosts dialog={dialog} />;
     case "rename":
       return <Rename dialog={dialog} />;
     case "create":
@@ -177,6 +179,24 @@ function Connect({ dialog }: Of<"connect">) {
         onPick={(at) => {
           const option = options[at];
           if (option) void take(option);
+        }}
+      />
+    </Modal>
+  );
+}
+
+function Hosts({ dialog }: Of<"hosts">) {
+  const groups = useStudio((studio) => studio.graph?.groups);
+  const hosts = (groups ?? []).filter((each) => each.kind === "host");
+  return (
+    <Modal title="Run on host…" onClose={close}>
+      <Picker
+        label="hosts of the system"
+        picks={hosts.map(({ id, title }) => ({ id, text: title, shown: <strong>{title}</strong> }))}
+        onPick={(at) => {
+          const host = hosts[at];
+          close();
+          if (host) void placeOn(host.id, dialog.boxes, {});
         }}
       />
     </Modal>

@@ -3,6 +3,7 @@
 import { useReactFlow, type XYPosition } from "@xyflow/react";
 import { type KeyboardEvent, useCallback, useEffect, useRef } from "react";
 import { place, select } from "../actions";
+import { boxesOf } from "../canvas/frames";
 import { type Direction, jump, step } from "../canvas/navigation";
 import type { Graph, LayoutKey, Point } from "../protocol";
 import { indexOf, nodeKey, type PartKey, partOf, portKey } from "../selection";
@@ -105,7 +106,7 @@ function useNudge(graph: Graph, setMoved: SetMoved) {
       const [dx, dy] = { left: [-far, 0], right: [far, 0], up: [0, -far], down: [0, far] }[
         direction
       ] as Point;
-      for (const id of boxesOf(state().selection)) {
+      for (const id of boxesOf(graph, state().selection)) {
         const node = indexOf(graph).nodes.get(id);
         const at = waiting.current.get(id) ?? node;
         if (at) waiting.current.set(id, { x: Math.round(at.x + dx), y: Math.round(at.y + dy) });
@@ -115,15 +116,5 @@ function useNudge(graph: Graph, setMoved: SetMoved) {
       timer.current = setTimeout(keep, PAUSE_MS);
     },
     [graph, setMoved, keep],
-  );
-}
-
-function boxesOf(selection: PartKey[]): Set<string> {
-  return new Set(
-    selection.flatMap((key) => {
-      const part = partOf(key);
-      if (part.of === "port") return [part.node];
-      return part.of === "node" ? [part.id] : [];
-    }),
   );
 }

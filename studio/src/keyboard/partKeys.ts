@@ -7,18 +7,22 @@ import {
   cutSelected,
   focusOn,
   offerEnds,
+  offerHosts,
   paste,
   removeSelected,
   select,
 } from "../actions";
+import { frameAround } from "../canvas/frames";
 import { FIT_EVENT } from "../canvas/Tools";
-import { nodeKey } from "../selection";
-import { state, update } from "../store";
+import { groupKey, nodeKey } from "../selection";
+import { active, state, update } from "../store";
 
 /** What a key does with what is chosen, by the name of the key. */
 export const PART_KEYS: Record<string, () => void> = {
   Enter: openForm,
   C: () => void offerEnds(),
+  H: offerHosts,
+  F: toFrame,
   F2: () => void beginRename(),
   Delete: () => void removeSelected(),
   Backspace: () => void removeSelected(),
@@ -37,6 +41,15 @@ export const PART_KEYS: Record<string, () => void> = {
 
 function selectAll(): void {
   select((state().graph?.nodes ?? []).map((node) => nodeKey(node.id)));
+}
+
+/** From a box to the frame around it, and on to the frame around that. */
+function toFrame(): void {
+  const { graph } = state();
+  const key = active(state());
+  if (!graph || !key) return;
+  const around = frameAround(graph, key);
+  if (around) select([groupKey(around)]);
 }
 
 function leave(): void {

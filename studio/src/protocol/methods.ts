@@ -4,7 +4,7 @@ import type { Command, EditResult, Entry } from "./commands";
 import type { GraphEnd, ViewResult } from "./graphs";
 import type { LiveMessage, LiveState } from "./live";
 import type { Direction, Filling, MapSide, TriedInput, TryResult } from "./maps";
-import type { ConnectResult, Form, LegalEnd, PaletteItem } from "./offers";
+import type { ConnectOption, ConnectResult, Form, LegalEnd, PaletteItem } from "./offers";
 import type { Plan } from "./plans";
 import type { Problems } from "./problems";
 import type { FileInfo, Project, Ref, ViewInfo } from "./project";
@@ -30,6 +30,8 @@ export interface Methods {
   ];
   connect: [{ file: string; view: string; source: GraphEnd; target: GraphEnd }, ConnectResult];
   ends: [{ file: string; view: string; node: string; port: string }, { ends: LegalEnd[] }];
+  /** What lets boxes run on a host, given by the id of its frame; empty for outside of all. */
+  host: [{ file: string; nodes: string[]; host: string }, ConnectOption];
   /** How a line is taken away that is no element. */
   unlink: [{ file: string; view: string; line: string }, ConnectResult];
   problems: [{ file: string }, Problems];

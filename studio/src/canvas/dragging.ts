@@ -1,0 +1,122 @@
+// Dragging: boxes, frames with all in them, and items of the palette.
+
+import { type NodeChange, useReactFlow } from "@xyflow/react";
+import { type DragEvent, useCallback } from "react";
+import { DRAGGED, drop, place, placeOn } from "../actions";
+import type { Graph, LayoutKey, PaletteItem, Point } from "../protocol";
+import { elementOf, groupKey, nodeKey, type PartKey, partOf } from "../selection";
+import { state, update } from "../store";
+import { type BoxNode, type FlowNode, frameId, type Moved, NOTHING_MOVED } from "./flow";
+import { contentOf, movedTogether, newHost } from "./frames";
+
+type SetMoved = (change: (before: Moved) => Moved) => void;
+
+/** What React Flow tells of dragging; `setMoved` shows it until the server has it. */
+export function useDragging(graph: Graph, setMoved: SetMoved) {
+  const onMoved = useCallback(
+    (changes: NodeChange<FlowNode>[]) => {
+      const places = changes.flatMap((each) =>
+        each.type === "position" && each.position ? [[each.id, each.position] as const] : [],
+      );
+      if (!places.length) return;
+      const frames = new Set(graph.groups.map((each) => frameId(each.id)));
+      setMoved((before) =>
+        places.reduce<Moved>(
+          (after, [id, to]) =>
+            frames.has(id) ? movedTogether(graph, after, id, to) : new Map([...after, [id, to]]),
+          before,
+        ),
+      );
+    },
+    [graph, setMoved],
+  );
+
+  const onDrag = useCallback(
+    (dragged: FlowNode[]) => {
+      const host = dragged.some(isFrame) ? null : hostUnder(graph, dragged.filter(isBox));
+      mark(host ? groupKey(host.id) : null);
+    },
+    [graph],
+  );
+
+  const onDragStop = useCallback(
+    async (dragged: FlowNode[]) => {
+      mark(null);
+      const positions = placesOf(graph, dragged);
+      if (!Object.keys(positions).length) return setMoved(() => NOTHING_MOVED);
+      const host = dragged.some(isFrame) ? null : hostUnder(graph, dragged.filter(isBox));
+      const done = host ? await placeOn(host.id, host.boxes, positions) : await place(positions);
+      if (!done) setMoved(() => NOTHING_MOVED);
+    },
+    [graph, setMoved],
+  );
+
+  return { onMoved, onDrag, onDragStop };
+}
+
+const isFrame = (each: FlowNode): boolean => each.type === "frame";
+const isBox = (each: FlowNode): each is BoxNode => each.type === "box";
+
+/** Where boxes stand after they, or frames around them, were dragged; by key. */
+function placesOf(graph: Graph, dragged: FlowNode[]): Record<LayoutKey, Point> {
+  const positions: Record<LayoutKey, Point> = {};
+  for (const flowNode of dragged) {
+    const { x: toX, y: toY } = flowNode.position;
+    const from = flowNode.type === "frame" ? flowNode.data.group : flowNode.data.node;
+    const boxes =
+      flowNode.type === "frame"
+        ? contentOf(graph, flowNode.data.group.id).boxes
+        : [flowNode.data.node];
+    for (const { key, x, y } of boxes) {
+      const to: Point = [Math.round(x + toX - from.x), Math.round(y + toY - from.y)];
+      if (to[0] !== x || to[1] !== y) positions[key] = to;
+    }
+  }
+  return positions;
+}
+
+/** The host into whose frame boxes were dragged, and those of them that do not run there. */
+function hostUnder(graph: Graph, dragged: BoxNode[]): { id: string; boxes: string[] } | null {
+  const going = dragged.flatMap(({ id, position, data }) => {
+    const host = data.node.element ? newHost(graph, data.node, position) : null;
+    return host === null ? [] : [{ id, host }];
+  });
+  const [first] = going;
+  // Boxes that were dragged together go to one host, that of the first.
+  if (!first) return null;
+  return { id: first.host, boxes: going.filter((e) => e.host === first.host).map((e) => e.id) };
+}
+
+function mark(under: PartKey | null): void {
+  if (state().under !== under) update({ under });
+}
+
+/** Taking items of the palette, which go on the box under the pointer if they fit there. */
+export function useDropping(graph: Graph) {
+  const flow = useReactFlow();
+  function onDragOver(event: DragEvent) {
+    if (!event.dataTransfer.types.includes(DRAGGED)) return;
+    event.preventDefault();
+    event.dataTransfer.dropEffect = "copy";
+    mark(boxUnder(event));
+  }
+  async function onDrop(event: DragEvent) {
+    const text = event.dataTransfer.getData(DRAGGED);
+    const under = boxUnder(event);
+    mark(null);
+    if (!text) return;
+    event.preventDefault();
+    const at = flow.screenToFlowPosition({ x: event.clientX, y: event.clientY });
+    const onto = under ? elementOf(graph, under) : "";
+    await drop(JSON.parse(text) as PaletteItem, [at.x, at.y], onto);
+  }
+  return { onDragOver, onDrop, onDragLeave: () => mark(null) };
+}
+
+function boxUnder(event: DragEvent): PartKey | null {
+  const target = event.target instanceof Element ? event.target : null;
+  const key = target?.closest<HTMLElement>("[data-part]")?.dataset.part;
+  const part = key ? partOf(key) : null;
+  if (part?.of === "port") return nodeKey(part.node);
+  return part?.of === "node" ? nodeKey(part.id) : null;
+}
