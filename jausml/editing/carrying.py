@@ -236,13 +236,13 @@ class _Work:
         return refs.ref_of(obj, model, self._draft.root), model.metamodels.class_of(obj)
 
     def _known(self, ref: Ref) -> Ref:
-        """Returns what `new:0` stands for, and any other ref as it is."""
+        """Returns what `new:0` and `new:0/@maps.1` stand for, and any other ref as it is."""
         if not ref.startswith(NEW):
             return ref
-        number = ref.removeprefix(NEW)
+        number, parting, path = ref.removeprefix(NEW).partition("/")
         if not number.isdecimal() or int(number) >= len(self._created):
             raise EditError(f"{ref} is nothing that was added before")
-        return self._forest.ref(self._created[int(number)])
+        return f"{self._forest.ref(self._created[int(number)])}{parting}{path}"
 
 
 def _shift(

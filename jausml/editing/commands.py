@@ -16,7 +16,10 @@ Values: TypeAlias = "tuple[str, ...]"
 """Values of a feature: attributes as XMI writes them, references as refs; none unset it."""
 
 NEW = "new:"
-"""`new:0` is a ref to what the first `Add` or `Create` of a batch of commands made, and so on."""
+"""`new:0` is a ref to what the first `Add` or `Create` of a batch of commands made, and so on.
+
+`new:0/@maps.1` is a ref to what that owns.
+"""
 
 
 IDENTIFIER = "xmi:id"

@@ -28,7 +28,7 @@ from jausml.text.notation import SUFFIX
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from jausml.editing.commands import Add, Command, LayoutKey
+    from jausml.editing.commands import Add, Command, LayoutKey, Set
     from jausml.editing.forest import Forest
     from jausml.editing.records import Stored
     from jausml.metamodel.classes.ecore import EObject
@@ -285,7 +285,7 @@ class Project:
             wanted = {f for f in wanted if f in self._files or is_model_file(f, self.root)}
             return tuple(filter(None, map(self._refreshed, sorted(wanted))))
 
-    def describe(self, elements: Sequence[Ref]) -> tuple[Add, ...]:
+    def describe(self, elements: Sequence[Ref]) -> tuple[Add | Set, ...]:
         """Returns commands that would add elements once more, to whatever owner.
 
         Raises:
@@ -295,7 +295,7 @@ class Project:
             draft = self._draft()
             return described([draft.locate(each) for each in elements], self.ref)
 
-    def paste(self, commands: Sequence[Add], owner: Ref, label: str) -> Entry:
+    def paste(self, commands: Sequence[Add | Set], owner: Ref, label: str) -> Entry:
         """Adds what `describe` gave, under names that are free.
 
         Args:

@@ -55,13 +55,15 @@ def participant_name(wanted: str, whole: EObject) -> str:
     return free_name(wanted, [*taken, f"{own}_bringup", f"{own}_messages"])
 
 
-def free_address(model: Model) -> str:
+def free_address(model: Model, taken: Iterable[str] = ()) -> str:
     """Returns a JAUS id in the subsystem of most components, which none of them has.
 
     Args:
         model: The model.
+        taken: Ids besides those of the model.
     """
-    known = [_parts(each) for each in model.instances(jaus.Component, library=False)]
+    components = model.instances(jaus.Component, library=False)
+    known = [_parts(str(each)) for each in (*(one.address for one in components), *taken)]
     used = {each for each in known if each is not None}
     places = Counter(each[:2] for each in sorted(used) if _is_usable(*each[:2]))
     ((subsystem, node), _), *_ = places.most_common(1) or [(_FIRST, 0)]
@@ -77,9 +79,9 @@ def _is_usable(subsystem: int, node: int) -> bool:
     return 1 <= subsystem < 0xFFFF and 1 <= node <= _LAST and 0xFF not in divmod(subsystem, 0x100)
 
 
-def _parts(component: jaus.Component) -> tuple[int, int, int] | None:
+def _parts(address: str) -> tuple[int, int, int] | None:
     try:
-        subsystem, node, number = map(int, str(component.address).split("."))
+        subsystem, node, number = map(int, address.split("."))
     except ValueError:
         return None
     return subsystem, node, number

@@ -18,6 +18,7 @@ from jausml.text.notation import NOTATIONS
 
 EXAMPLE = Path(__file__).parents[2] / "models" / "examples" / "catvehicle"
 NAMES = Policy(ignored=frozenset({"name"}))
+NAMES_AND_TABLES = Policy(ignored=frozenset({"name", "table"}))
 FILES = ("catvehicle.xmi", "catvehicle.ros2jaus")
 
 
@@ -64,6 +65,72 @@ def test_copies_refer_to_each_other(project):
     entry = project.paste(commands, project.ref(bridge.maps[2], model), "paste")
     copied = project.find(entry.created[1])[0]
     assert (copied.name, copied.map.name) == ("odometry_2", "velocity_state_2")
+
+
+@pytest.mark.parametrize("target", FILES)
+@pytest.mark.parametrize("source", FILES)
+def test_a_copied_bridge_uses_its_own_maps(project, source, target):
+    model = project.model(source).model
+    original = own(project, source, "bridge")
+    before = (project.root / target).read_bytes()
+    commands = project.describe([project.ref(original, model)])
+    there = project.model(target).model
+    entry = project.paste(commands, project.ref(there.root, there), "paste")
+    copied = project.find(entry.created[0])[0]
+    assert [each.name for each in copied.maps] == [each.name for each in original.maps]
+    for now, then in zip(copied.bridgeConnections, original.bridgeConnections, strict=True):
+        assert now.name == then.name
+        assert then.map.eContainer() is original
+        assert now.map.eContainer() is copied
+        assert now.map.name == then.map.name
+        for topic, its in zip(now.topics, then.topics, strict=True):
+            assert topic.join is None or topic.join.eContainer() is now.map
+            assert (topic.join is None) is (its.join is None)
+    found = project.find(entry.created[0])[1].metamodels
+    assert (
+        compare(original, copied, found, Policy(ignored=frozenset({"name", "map", "join"}))) == []
+    )
+    # A peer that was not copied is that of the original.
+    if source == target:
+        peers = [each.name for one in original.bridgeConnections for each in one.peers]
+        assert [each.name for one in copied.bridgeConnections for each in one.peers] == peers
+    project.undo()
+    assert (project.root / target).read_bytes() == before
+
+
+@pytest.mark.parametrize("target", FILES)
+def test_a_copied_map_uses_its_own_tables(project, target):
+    library = EXAMPLE.parents[1] / "library" / "mappings" / "illumination.ros2jaus"
+    shutil.copy(library, project.root / "lights.ros2jaus")
+    project.refresh()
+    model = project.model("lights.ros2jaus").model
+    original = own(project, "lights.ros2jaus", "set_lamps")
+    there = project.model(target).model
+    owner = project.ref(own(project, target, "bridge"), there)
+    entry = project.paste(project.describe([project.ref(original, model)]), owner, "paste")
+    copied, found = project.find(entry.created[0])
+    assert copied.name == "set_lamps"
+    conversions = [e for e in copied.eAllContents() if e.eClass.name == "Conversion" and e.table]
+    assert conversions
+    assert {each.table.eContainer() for each in conversions} == {copied}
+    assert compare(original, copied, found.metamodels, NAMES_AND_TABLES) == []
+
+
+def test_what_is_copied_together_refers_to_each_other_in_any_order(project):
+    file = "catvehicle.xmi"
+    model = project.model(file).model
+    chosen = [own(project, file, name) for name in ("bridge", "operator_control_unit", "vehicle")]
+    commands = project.describe([project.ref(each, model) for each in chosen])
+    entry = project.paste(commands, project.ref(model.root, model), "paste")
+    bridge, unit, vehicle = (project.find(each)[0] for each in entry.created[:3])
+    assert [each.name for each in (bridge, unit, vehicle)] == [f"{each.name}_2" for each in chosen]
+    peers = {each.name for one in bridge.bridgeConnections for each in one.peers}
+    assert peers
+    assert peers <= {vehicle.name, unit.name}
+    assert {each.provider for each in unit.connections} <= {vehicle, bridge, None}
+    assert [each.name for each in unit.controls] == [
+        f"{each.name}_2" for each in chosen[1].controls
+    ]
 
 
 def test_a_copy_goes_into_a_new_file(project):

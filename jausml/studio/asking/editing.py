@@ -6,8 +6,9 @@ from collections.abc import Mapping  # noqa: TC003 - parameters are typed at run
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml.editing.commands import Add, Place
+from jausml.editing.commands import Add, Place, Set
 from jausml.studio import shown
+from jausml.studio.answers.pasting import with_free_addresses
 from jausml.studio.asking import showing
 from jausml.studio.encoding import command
 from jausml.studio.methods import Method, Nothing
@@ -113,8 +114,9 @@ def edit(
 
 def _paste(desk: Desk, asked: Paste) -> dict[str, Any]:
     given = [command(each, f"commands[{i}]") for i, each in enumerate(asked.commands)]
-    added = [each for each in given if isinstance(each, Add)]
-    made = desk.project.paste(added, asked.owner, "Paste")
+    added = [each for each in given if isinstance(each, Add | Set)]
+    model = desk.project.find(asked.owner)[1]
+    made = desk.project.paste(with_free_addresses(model, added), asked.owner, "Paste")
     desk.changed(made)
     return {"revision": desk.project.revision, "entry": shown.entry(made), "created": made.created}
 

@@ -86,6 +86,20 @@ def test_what_was_copied_is_pasted_beside_it(page: Page) -> None:
     assert (done["entry"]["label"], len(done["created"])) == ("Paste", 1)
 
 
+def test_a_copied_bridge_stands_for_itself(page: Page) -> None:
+    element = node_of(page, "bridge")
+    commands = page.ask("copy", elements=[element])["commands"]
+    done = page.ask("paste", owner=element, commands=commands)
+    form = page.ask("form", element=done["created"][0])
+    values = {each["feature"]: each["values"] for each in form["fields"]}
+    assert values["name"] == ["bridge_2"]
+    # Two components of one address would be an error.
+    found = page.ask("problems", file=FILE)["problems"]
+    assert [each for each in found if each["severity"] == "error"] == []
+    page.ask("undo")
+    assert "bridge_2" not in page.ask("text", file=FILE)["text"]
+
+
 def test_problems_come_with_each_change(page: Page) -> None:
     page.ask("problems", file=FILE)
     element = node_of(page, "component")
