@@ -96,6 +96,15 @@ class Desktop:
         mouse.move(end["x"] + end["width"] / 2, end["y"] + end["height"] / 2, steps=8)
         mouse.up()
 
+    def drag(self, part, x, y):
+        """Drags a part, which is taken near its corner, to a place of the page."""
+        place = part.bounding_box()
+        mouse = self.page.mouse
+        mouse.move(place["x"] + 5, place["y"] + 5)
+        mouse.down()
+        mouse.move(x, y, steps=5)
+        mouse.up()
+
     def no_problems(self):
         expect(self.verdict).to_have_text("No problems.")
 

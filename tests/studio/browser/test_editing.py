@@ -25,11 +25,7 @@ def desk(open_studio, example):
 def test_what_was_moved_stays_where_it_is(desk, example):
     before = example.read_bytes()
     place = desk.title("vehicle").bounding_box()
-    mouse = desk.page.mouse
-    mouse.move(place["x"] + 5, place["y"] + 5)
-    mouse.down()
-    mouse.move(place["x"] + 45, place["y"] + 85, steps=5)
-    mouse.up()
+    desk.drag(desk.title("vehicle"), place["x"] + 45, place["y"] + 85)
     expect(desk.said).to_contain_text("Move a box")
     moved = desk.place("vehicle")
     desk.page.reload()
@@ -105,6 +101,74 @@ def test_by_keys_alone(desk, example):
     expect(desk.dialog(re.compile("Keys"))).to_contain_text("connect to")
     desk.keyboard.press("Escape")
     expect(desk.page.get_by_role("dialog")).to_have_count(0)
+
+
+def test_connecting_by_keys_alone(desk, example):
+    desk.keyboard.press("Control+f")
+    desk.keyboard.type("vehicle")
+    desk.keyboard.press("Enter")
+    desk.keyboard.press("Escape")
+    expect(desk.diagram).to_be_focused()
+    desk.keyboard.press("c")
+    ends = desk.dialog("Connect to…")
+    desk.keyboard.type("velocity_controller dead")
+    expect(ends.get_by_role("option")).to_have_count(1)
+    desk.keyboard.press("Enter")
+    ways = desk.dialog("Connect how?")
+    expect(ways.get_by_role("option").first).to_contain_text("fits best")
+    desk.keyboard.press("Enter")
+    expect(desk.row("bridge", "dead_reckoning")).to_have_count(1)
+    expect(desk.page.get_by_role("dialog")).to_have_count(0)
+    assert b'<topics name="dead_reckoning"' in example.read_bytes()
+
+
+def test_a_copied_bridge_is_a_bridge_of_its_own(desk, example):
+    before = example.read_bytes()
+    desk.title("bridge").click()
+    desk.keyboard.press("Control+c")
+    expect(desk.said).to_contain_text("Copied bridge")
+    desk.keyboard.press("Control+v")
+    rows = desk.box("bridge").locator(".row").count()
+    expect(desk.box("bridge_2").locator(".row")).to_have_count(rows)
+    desk.keyboard.press("Control+z")
+    expect(desk.box("bridge_2")).to_have_count(0)
+    assert example.read_bytes() == before
+
+
+def test_what_two_programs_changed_is_told_with_both(desk, example):
+    text = example.read_text(encoding="utf-8")
+    desk.rename("logger", "recorder")
+    example.write_text(text.replace('name="vehicle"', 'name="rover"'), encoding="utf-8")
+    banner = desk.page.get_by_role("status").filter(has_text="catvehicle.xmi")
+    expect(banner).to_contain_text("while you did")
+    expect(desk.box("rover")).to_be_visible()
+    expect(desk.box("logger")).to_be_visible()
+    banner.get_by_role("button", name=re.compile("difference", re.I)).click()
+    expect(desk.dialog(re.compile("catvehicle.xmi"))).to_contain_text("recorder")
+
+
+def test_what_is_dragged_into_a_host_runs_there_and_frames_take_all_along(open_studio, example):
+    text = example.read_text(encoding="utf-8")
+    placed = '<placements host="//@hosts.1" components="operator_control_unit"/>'
+    ground = f'<hosts name="ground"/>\n  {placed}'
+    text = text.replace(" operator_control_unit bridge", " bridge")
+    example.write_text(text.replace("<placements", f"{ground}\n  <placements"), encoding="utf-8")
+    desk = Desktop(open_studio(example))
+    frame = desk.page.locator(".frame", has_text="host ground")
+    inside = frame.bounding_box()
+    desk.drag(desk.title("logger"), inside["x"] + 10, inside["y"] + inside["height"] - 10)
+    expect(desk.said).to_contain_text("Run logger on ground")
+    assert b'components="operator_control_unit" nodes="//@nodes.' in example.read_bytes()
+    moved = example.read_bytes()
+    before = [desk.place("logger"), desk.place("operator_control_unit")]
+    title = frame.locator(".title").bounding_box()
+    desk.drag(frame.locator(".title"), title["x"] + 100, title["y"] + 200)
+    expect(desk.said).to_contain_text("Move 2 boxes")
+    after = [desk.place("logger"), desk.place("operator_control_unit")]
+    steps = {(x - a, y - b) for (x, y), (a, b) in zip(after, before, strict=True)}
+    assert len(steps) == 1
+    assert steps != {(0, 0)}
+    assert example.read_bytes() == moved
 
 
 def test_the_table_tells_the_same(desk):
