@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from jausml.editing.commands import Add, Set
 from jausml.metamodel.classes import jaus
-from jausml.studio.answers.fresh import free_address
+from jausml.proposals.fresh import free_address
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -19,6 +19,7 @@ export const Line = memo(function Line(props: EdgeProps<FlowEdge>) {
   const [path, x, y] = wayOf(props);
   const severity = severityOf(edge.findings);
   const classes = ["line", edge.kind, severity, liveClass(live)];
+  if (data!.isAcross) classes.push("across");
   if (selected) classes.push("chosen");
   if (isActive) classes.push("active");
   if (isDim) classes.push("dim");

@@ -7,7 +7,7 @@ import { edgeKey, groupKey, indexOf, nodeKey, type PartKey } from "../selection"
 export type BoxNode = Node<{ node: GraphNode }, "box">;
 export type FrameNode = Node<{ group: GraphGroup }, "frame">;
 export type FlowNode = BoxNode | FrameNode;
-export type FlowEdge = Edge<{ edge: GraphEdge; isRouted: boolean }, "line">;
+export type FlowEdge = Edge<{ edge: GraphEdge; isRouted: boolean; isAcross: boolean }, "line">;
 
 /** Places of boxes that are being moved, by id. */
 export type Moved = ReadonlyMap<string, XYPosition>;
@@ -131,7 +131,11 @@ function toEdge(
     target: target.id,
     sourceHandle: handleId(from, rowOf(source, edge.source)),
     targetHandle: handleId(to, rowOf(target, edge.target)),
-    data: { edge, isRouted: edge.route.length > 3 && !isMoved },
+    data: {
+      edge,
+      isRouted: edge.route.length > 3 && !isMoved,
+      isAcross: source.group !== target.group,
+    },
   };
 }
 
