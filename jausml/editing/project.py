@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from jausml.editing.carrying import carry_out, referrers
 from jausml.editing.commands import EditError
+from jausml.editing.conflicts import takes_back
 from jausml.editing.describing import described, pasted
 from jausml.editing.disk import Disk
 from jausml.editing.drafts import Draft
@@ -399,6 +400,7 @@ class Project:
         old = known.data if known is not None else b""
         new = found if found is not None else b""
         diff = self._diff(file, new)
+        is_conflict = takes_back(self._log.last, known, found)
         self._revision += 1
         after = ""
         if found is None:
@@ -410,7 +412,7 @@ class Project:
         change = FileChange(file, (step,), known.digest if known is not None else "", after)
         self._rebasing.note_unknown(self._revision, [file])
         self._log.add(f"{file} was changed by another program", (change,), is_outside=True)
-        return Change(file, diff)
+        return Change(file, diff, is_conflict)
 
     def _diff(self, file: str, new: bytes) -> str:
         known = self._files.get(file)

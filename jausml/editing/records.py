@@ -110,7 +110,7 @@ class Change:
     Attributes:
         file: The file, relative to the root with forward slashes.
         diff: The difference, as `diff -u` writes it.
-        is_conflict: Whether it changed what waits to be written.
+        is_conflict: Whether it has done away with the last edit, which it had not seen.
     """
 
     file: str

@@ -70,6 +70,35 @@ def test_what_was_just_saved_is_not_overwritten(project):
     assert text(project) == MODEL.replace("driver", "captain")
 
 
+@pytest.mark.parametrize(
+    "edit",
+    [
+        Rename(NODE, "captain"),
+        Remove(NODE),
+        Add("robot.xmi#/", "nodes", "ros.Node", {"name": ("cook",)}),
+    ],
+)
+def test_a_program_that_has_not_seen_the_last_edit_makes_a_conflict(project, edit):
+    project.do([edit], "edit")
+    done = text(project)
+    noted = MODEL.replace("<system", "<!-- a note -->\n<system")
+    save(project, noted)
+    [change] = project.refresh()
+    assert change.is_conflict
+    # What it did stands in the file, what was done here in the history.
+    assert text(project) == noted
+    project.undo()
+    assert text(project) == done
+
+
+def test_a_program_that_goes_on_from_the_last_edit_makes_none(project):
+    project.do([Rename(NODE, "captain")], "rename")
+    save(project, text(project).replace('"robot"', '"rover"'))
+    assert [each.is_conflict for each in project.refresh()] == [False]
+    save(project, MODEL)
+    assert [each.is_conflict for each in project.refresh()] == [False]
+
+
 def test_undoing_over_a_change_that_nobody_told_is_refused(project):
     project.do([Rename(NODE, "captain")], "rename")
     save(project, OTHER)

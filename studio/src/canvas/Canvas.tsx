@@ -112,10 +112,10 @@ function Diagram({ graph }: { graph: Graph }) {
         onNodesChange={onNodesChange}
         onEdgesChange={onEdgesChange}
         onNodeClick={onClick}
-        onNodeDrag={(_, __, dragged) => dragging.onDrag(dragged)}
-        onNodeDragStop={(_, __, dragged) => void dragging.onDragStop(dragged)}
-        onSelectionDrag={(_, dragged) => dragging.onDrag(dragged)}
-        onSelectionDragStop={(_, dragged) => void dragging.onDragStop(dragged)}
+        onNodeDrag={(event, _, dragged) => dragging.onDrag(event, dragged)}
+        onNodeDragStop={(event, _, dragged) => void dragging.onDragStop(event, dragged)}
+        onSelectionDrag={(event, dragged) => dragging.onDrag(event, dragged)}
+        onSelectionDragStop={(event, dragged) => void dragging.onDragStop(event, dragged)}
         onPaneClick={() => select([])}
         onConnectStart={drawing.onStart}
         onConnectEnd={drawing.onEnd}

@@ -1,18 +1,19 @@
 // Dragging: boxes, frames with all in them, and items of the palette.
 
-import { type NodeChange, useReactFlow } from "@xyflow/react";
+import { type NodeChange, useReactFlow, type XYPosition } from "@xyflow/react";
 import { type DragEvent, useCallback } from "react";
 import { DRAGGED, drop, place, placeOn } from "../actions";
 import type { Graph, LayoutKey, PaletteItem, Point } from "../protocol";
 import { elementOf, groupKey, nodeKey, type PartKey, partOf } from "../selection";
 import { state, update } from "../store";
-import { type BoxNode, type FlowNode, frameId, type Moved, NOTHING_MOVED } from "./flow";
-import { contentOf, movedTogether, newHost } from "./frames";
+import { type FlowNode, frameId, type Moved, NOTHING_MOVED } from "./flow";
+import { contentOf, hostAt, hostOf, movedTogether } from "./frames";
 
 type SetMoved = (change: (before: Moved) => Moved) => void;
 
 /** What React Flow tells of dragging; `setMoved` shows it until the server has it. */
 export function useDragging(graph: Graph, setMoved: SetMoved) {
+  const flow = useReactFlow();
   const onMoved = useCallback(
     (changes: NodeChange<FlowNode>[]) => {
       const places = changes.flatMap((each) =>
@@ -32,30 +33,27 @@ export function useDragging(graph: Graph, setMoved: SetMoved) {
   );
 
   const onDrag = useCallback(
-    (dragged: FlowNode[]) => {
-      const host = dragged.some(isFrame) ? null : hostUnder(graph, dragged.filter(isBox));
+    (event: Dragging, dragged: FlowNode[]) => {
+      const host = hostUnder(graph, dragged, flow.screenToFlowPosition(pointOf(event)));
       mark(host ? groupKey(host.id) : null);
     },
-    [graph],
+    [graph, flow],
   );
 
   const onDragStop = useCallback(
-    async (dragged: FlowNode[]) => {
+    async (event: Dragging, dragged: FlowNode[]) => {
       mark(null);
       const positions = placesOf(graph, dragged);
       if (!Object.keys(positions).length) return setMoved(() => NOTHING_MOVED);
-      const host = dragged.some(isFrame) ? null : hostUnder(graph, dragged.filter(isBox));
+      const host = hostUnder(graph, dragged, flow.screenToFlowPosition(pointOf(event)));
       const done = host ? await placeOn(host.id, host.boxes, positions) : await place(positions);
       if (!done) setMoved(() => NOTHING_MOVED);
     },
-    [graph, setMoved],
+    [graph, flow, setMoved],
   );
 
   return { onMoved, onDrag, onDragStop };
 }
-
-const isFrame = (each: FlowNode): boolean => each.type === "frame";
-const isBox = (each: FlowNode): each is BoxNode => each.type === "box";
 
 /** Where boxes stand after they, or frames around them, were dragged; by key. */
 function placesOf(graph: Graph, dragged: FlowNode[]): Record<LayoutKey, Point> {
@@ -75,16 +73,29 @@ function placesOf(graph: Graph, dragged: FlowNode[]): Record<LayoutKey, Point> {
   return positions;
 }
 
-/** The host into whose frame boxes were dragged, and those of them that do not run there. */
-function hostUnder(graph: Graph, dragged: BoxNode[]): { id: string; boxes: string[] } | null {
-  const going = dragged.flatMap(({ id, position, data }) => {
-    const host = data.node.element ? newHost(graph, data.node, position) : null;
-    return host === null ? [] : [{ id, host }];
-  });
-  const [first] = going;
-  // Boxes that were dragged together go to one host, that of the first.
-  if (!first) return null;
-  return { id: first.host, boxes: going.filter((e) => e.host === first.host).map((e) => e.id) };
+/** The host whose frame is under the pointer, and the dragged boxes that do not run there. */
+function hostUnder(
+  graph: Graph,
+  dragged: FlowNode[],
+  pointer: XYPosition,
+): { id: string; boxes: string[] } | null {
+  if (dragged.some((each) => each.type === "frame")) return null;
+  const id = hostAt(graph, pointer);
+  const boxes = dragged.flatMap((each) =>
+    each.type === "box" && each.data.node.element && hostOf(graph, each.data.node) !== id
+      ? [each.id]
+      : [],
+  );
+  return boxes.length ? { id, boxes } : null;
+}
+
+/** What drags: a pointer, or a finger. */
+type Dragging = { clientX: number; clientY: number } | { changedTouches: TouchList };
+
+function pointOf(event: Dragging): XYPosition {
+  const { clientX: x, clientY: y } =
+    "clientX" in event ? event : (event.changedTouches[0] ?? { clientX: 0, clientY: 0 });
+  return { x, y };
 }
 
 function mark(under: PartKey | null): void {

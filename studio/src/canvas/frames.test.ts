@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import type { GraphGroup } from "../protocol";
 import { smallGraph } from "../testing/graphs";
 import { frameId, NOTHING_MOVED } from "./flow";
-import { contentOf, hostAt, hostOf, movedTogether, newHost } from "./frames";
+import { contentOf, hostAt, hostOf, movedTogether } from "./frames";
 
 function frame(id: string, kind: string, x: number, width: number, parent = ""): GraphGroup {
   return { id, element: id, key: id, kind, title: id, parent, x, y: 0, width, height: 300 };
@@ -47,12 +47,4 @@ test("a box runs on the host whose frame is around it, also around the frame of 
   expect(graph.nodes.map((each) => hostOf(graph, each))).toEqual(["ground", "robot", "robot"]);
   expect(hostAt(graph, { x: 0, y: 10 })).toBe("ground");
   expect(hostAt(graph, { x: 0, y: 900 })).toBe("");
-});
-
-test("a box that is moved within its host stays there, by its middle", () => {
-  const graph = hosted();
-  const ocu = graph.nodes[0]!;
-  expect(newHost(graph, ocu, { x: 20, y: 30 })).toBeNull();
-  expect(newHost(graph, ocu, { x: 150, y: 30 })).toBe("robot");
-  expect(newHost(graph, ocu, { x: 150, y: 600 })).toBe("");
 });

@@ -66,13 +66,6 @@ export function hostAt(graph: Graph, { x, y }: XYPosition): string {
   return found.at(-1)?.id ?? "";
 }
 
-/** The host into whose frame a box is moved, null while it stays where it runs. */
-export function newHost(graph: Graph, node: GraphNode, to: XYPosition): string | null {
-  const middle = { x: to.x + node.width / 2, y: to.y + node.height / 2 };
-  const host = hostAt(graph, middle);
-  return host === hostOf(graph, node) ? null : host;
-}
-
 /** Ids of the boxes that are meant by parts: of rows their box, of frames all in them. */
 export function boxesOf(graph: Graph, keys: PartKey[]): string[] {
   const found = keys.flatMap((key) => {
