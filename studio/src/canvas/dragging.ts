@@ -21,13 +21,14 @@ export function useDragging(graph: Graph, setMoved: SetMoved) {
       );
       if (!places.length) return;
       const frames = new Set(graph.groups.map((each) => frameId(each.id)));
-      setMoved((before) =>
-        places.reduce<Moved>(
-          (after, [id, to]) =>
-            frames.has(id) ? movedTogether(graph, after, id, to) : new Map([...after, [id, to]]),
-          before,
-        ),
-      );
+      setMoved((before) => {
+        let after = new Map(before);
+        for (const [id, to] of places) {
+          if (frames.has(id)) after = movedTogether(graph, after, id, to);
+          else after.set(id, to);
+        }
+        return after;
+      });
     },
     [graph, setMoved],
   );

@@ -160,6 +160,11 @@ def test_what_is_dragged_into_a_host_runs_there_and_frames_take_all_along(open_s
     expect(desk.said).to_contain_text("Run logger on ground")
     assert b'components="operator_control_unit" nodes="//@nodes.' in example.read_bytes()
     moved = example.read_bytes()
+    # The frame grows with the answer.
+    for _ in range(400):
+        if frame.bounding_box()["height"] > inside["height"] + 20:
+            break
+        desk.page.wait_for_timeout(100)
     before = [desk.place("logger"), desk.place("operator_control_unit")]
     title = frame.locator(".title").bounding_box()
     desk.drag(frame.locator(".title"), title["x"] + 100, title["y"] + 200)
