@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jausml.editing.project import Project
-from jausml.editing.reading import SUFFIXES, model_files
+from jausml.editing.reading import SUFFIXES, can_be_parsed, model_files
 from jausml.metamodel.classes import system
 from jausml.model.xmi.writer import replace_file
 from jausml.projects.eclipse import metamodels_for
@@ -108,9 +108,13 @@ class Opened:
         """The system of the file.
 
         Raises:
-            ProjectError: It has none.
+            ProjectError: It has none, or cannot be read.
         """
-        roots = self.scope.model.documents[0].roots
+        read = self.project.model(self.place.file)
+        if not can_be_parsed(self.place.file, self.project.text(self.place.file)):
+            fault = read.diagnostics[0]
+            raise ProjectError(f"{fault.location}: {fault.message}")
+        roots = read.model.documents[0].roots
         found = next((each for each in roots if isinstance(each, system.System)), None)
         if found is None:
             raise ProjectError(f"{self.place.file} has no system that could have new elements")

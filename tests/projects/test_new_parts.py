@@ -26,8 +26,6 @@ def test_parts_of_a_system(rover, jausml, notation):
     text = model.read_text("utf-8")
     assert text.count("100.1.1") == 1
     assert text.count("100.1.2") == 1
-    done = jausml("generate", model, "-o", "src")
-    assert done.exit_code == 0, done.output
 
 
 @NOTATION
@@ -39,6 +37,18 @@ def test_again_it_would_write_the_same(rover, jausml, notation):
         assert jausml("format", model, "--check").exit_code == 0
     else:
         assert '<components name="a" address="100.1.1">' in model.read_text("utf-8")
+
+
+@pytest.mark.parametrize(
+    ("notation", "told"), [("xmi", "rover.xmi:3:1: not well-formed XML"), ("text", "ros2jaus:1:")]
+)
+def test_a_model_that_cannot_be_read_is_left_alone(rover, jausml, notation, told):
+    model = rover(notation)
+    data = model.read_bytes().replace(b"/>", b">").replace(b"system rover", b"system rover {")
+    model.write_bytes(data)
+    done = jausml("new", "node", "a")
+    assert (done.exit_code, told in done.output) == (2, True), done.output
+    assert model.read_bytes() == data
 
 
 @pytest.mark.parametrize(
