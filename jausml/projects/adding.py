@@ -97,7 +97,7 @@ def add_bridge(
         models = [read_models([path], project_root=place.root).model for path in copies]
         scope = Scope(at.scope.model, place.root, tuple(models))
         ways = [_present(each, scope) for each in chosen]
-        return new_bridge(scope, whole, name, ways, topics=topics, address=address)
+        return [new_bridge(scope, whole, name, ways, topics=topics, address=address)]
 
     try:
         files = add(place, f"Add bridge {name}", commands)

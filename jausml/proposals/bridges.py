@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.editing.commands import NEW, Add
+from jausml.editing.commands import Add, Child
 from jausml.model.names import name_of
 from jausml.model.words import snake_case
 from jausml.proposals.bridging import Draft, peer_of
@@ -14,7 +14,6 @@ from jausml.proposals.topics import joins_of
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.editing.commands import Command
     from jausml.metamodel.classes import system
     from jausml.proposals.elements import Scope
     from jausml.proposals.topics import Crossing, TopicEnd
@@ -28,7 +27,7 @@ def new_bridge(
     *,
     topics: Sequence[TopicEnd] = (),
     address: str = "",
-) -> list[Command]:
+) -> Add:
     """Returns what makes a bridge with a connection for each chosen way.
 
     Args:
@@ -47,8 +46,7 @@ def new_bridge(
         services = [each.offer.service for each in chosen if each.offer.is_provided is is_used]
         if services:
             values[feature] = tuple(dict.fromkeys(map(scope.ref, services)))
-    place = f"{NEW}{0}"
-    made: list[Command] = [Add(scope.ref(whole), "bridges", "bridge.Bridge", values)]
+    connections: list[Child] = []
     names: list[str] = []
     fed: set[str] = set()
     for each in chosen:
@@ -64,8 +62,9 @@ def new_bridge(
             joins_of(each, topics, fed),
             each.hold,
         )
-        made.append(draft.connection(scope, place, scope.ref(each.map)))
-    return made
+        made = draft.connection(scope, "", scope.ref(each.map))
+        connections.append(Child(made.feature, made.kind, made.values, made.children))
+    return Add(scope.ref(whole), "bridges", "bridge.Bridge", values, tuple(connections))
 
 
 def _connection_name(crossing: Crossing, chosen: Sequence[Crossing]) -> str:

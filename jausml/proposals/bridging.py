@@ -178,7 +178,7 @@ class Draft:
 
         Args:
             scope: The model.
-            place: Ref of the bridge that shall have it.
+            place: Ref of the bridge that shall have it; empty for one that is made with it.
             used: Ref of its map.
             siblings: The connections that the bridge has already.
         """
