@@ -14,6 +14,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ordered_set import OrderedSet
+from pyecore.innerutils import InternalSet
 from pyecore.valuecontainer import ECollection, EList, EValue
 
 from jausml.metamodel.tables import ClassTable, FeatureKind, FeatureTable
@@ -23,8 +24,24 @@ if TYPE_CHECKING:
 
 
 def new_object(table: ClassTable) -> Any:
-    """Makes an element of a class that is not abstract, with all features at their defaults."""
-    return table.eclass.python_class()
+    """Makes an element of a class that is not abstract, with all features at their defaults.
+
+    It is not among pyecore's `allInstances`, whose weak references would take most of the time.
+    """
+    made = object.__new__(table.eclass.python_class)
+    made.__dict__ = {
+        "_internal_id": None,
+        "_isset": InternalSet(),
+        "_container": None,
+        "_containment_feature": None,
+        "_eresource": None,
+        "listeners": [],
+        "_eternal_listener": [],
+        "_inverse_rels": set(),
+        "_staticEClass": False,
+        "dyn_inst": made,
+    }
+    return made
 
 
 def set_value(obj: Any, table: FeatureTable, value: Any) -> None:

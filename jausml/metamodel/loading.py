@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 from pyecore.ecore import EAttribute, EClass, EDataType, EEnum, EProxy
 from pyecore.resources import URI, ResourceSet
 
+from jausml.metamodel.access import hasten
 from jausml.metamodel.tables import (
     ClassTable,
     DataTypeTable,
@@ -229,6 +230,7 @@ class _Flattening:
                     table.subtypes |= {other}
         for feature in self._features.values():
             self._link(feature)
+            hasten(feature)
 
     def _declare(self, package: PackageTable, eclass: Any) -> None:
         abstract = bool(eclass.abstract or eclass.interface)

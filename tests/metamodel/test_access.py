@@ -1,0 +1,72 @@
+"""Quick access to features says what pyecore's own access says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from jausml.metamodel import load_metamodels, read_metamodels
+from jausml.metamodel.filling import new_object
+
+ZOO = Path(__file__).parents[1] / "model" / "emf" / "zoo.ecore"
+TABLES = [
+    *load_metamodels().classes.values(),
+    *read_metamodels([ZOO]).classes.values(),
+]
+CONCRETE = [each for each in TABLES if not each.abstract]
+
+
+@pytest.mark.parametrize("table", CONCRETE, ids=lambda each: each.qualified_name)
+def test_what_was_never_set_has_the_value_that_pyecore_gives(table):
+    ours, theirs = new_object(table), table.eclass()
+    for name, feature in table.features.items():
+        expected = feature.feature.__get__(theirs, type(theirs))
+        found = getattr(ours, name)
+        assert (list(found) if feature.many else found) == (
+            list(expected) if feature.many else expected
+        ), name
+        assert not ours.eIsSet(feature.feature)
+
+
+@pytest.mark.parametrize("table", CONCRETE, ids=lambda each: each.qualified_name)
+def test_asking_for_one_value_leaves_no_trace(table):
+    element = new_object(table)
+    plain = [each for each in table.features.values() if not each.feature.derived]
+    single = [each for each in plain if not each.many and each.opposite is None]
+    before = dict(element.__dict__)
+    for each in single:
+        getattr(element, each.name)
+    assert element.__dict__ == before
+
+
+def test_a_class_still_gives_the_feature_itself():
+    for table in TABLES:
+        for name, feature in table.features.items():
+            assert getattr(table.python_class, name) is feature.feature
+
+
+def test_values_are_set_checked_and_taken_back_as_by_pyecore():
+    component = new_object(load_metamodels().classes["jaus.Component"])
+    component.name = "front"
+    assert (component.name, component.eGet("name")) == ("front", "front")
+    with pytest.raises(TypeError):
+        component.name = 5
+    del component.name
+    assert component.name is None
+    service = new_object(load_metamodels().classes["jaus.Service"])
+    component.provides.append(service)
+    assert list(component.provides) == [service]
+    with pytest.raises(TypeError):
+        component.provides.append(component)
+
+
+def test_an_element_is_as_pyecore_makes_it():
+    for table in CONCRETE:
+        ours, theirs = new_object(table), table.eclass()
+        assert ours.__dict__.keys() == theirs.__dict__.keys()
+        for name, value in theirs.__dict__.items():
+            expected = ours if value is theirs else value
+            assert type(ours.__dict__[name]) is type(value)
+            assert ours.__dict__[name] == expected, name
+        assert type(ours) is type(theirs)
