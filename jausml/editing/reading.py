@@ -14,6 +14,7 @@ from jausml.editing.commands import EditError
 from jausml.editing.records import Stored
 from jausml.model.diagnostics import Diagnostic, Location
 from jausml.model.reading.reader import ReadResult, read_models
+from jausml.model.reading.shelf import Shelf
 from jausml.model.refs import LIBRARY, file_of
 from jausml.model.rules import READER_RULES
 from jausml.model.uris import library_root, shipped_as
@@ -137,6 +138,7 @@ class Reader:
         self._root = root
         self._kept: dict[str, list[_Kept]] = {}
         self._library: dict[str, ReadResult] = {}
+        self._shelf = Shelf()
 
     def read(self, file: str, files: Mapping[str, Stored]) -> ReadResult:
         """Returns the model of a file and all that it refers to.
@@ -188,6 +190,7 @@ class Reader:
             project_root=self._root,
             notations=NOTATIONS,
             contents=contents,
+            shelf=self._shelf,
         )
 
     def _with_faults(

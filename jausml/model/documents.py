@@ -35,6 +35,7 @@ class Document:
         written: What the notation made of it, None for XMI.
         imports: The documents whose names it uses.
         lacks_imports: True when a document that it imports could not be read.
+        is_shared: True when other models may have its elements too.
     """
 
     def __init__(self, path: Path, display: str, *, is_library: bool, given: bool) -> None:
@@ -51,6 +52,7 @@ class Document:
         self.written: Written | None = None
         self.imports: list[Document] = []
         self.lacks_imports = False
+        self.is_shared = False
         self._by_tag: dict[Node, dict[str, list[Node]]] = {}
         self._root_positions: dict[EObject, int] | None = None
         self._positions: dict[Node, dict[tuple[str, str], tuple[int, int]]] = {}

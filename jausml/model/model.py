@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import chain
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -22,6 +23,19 @@ MadeT = TypeVar("MadeT")
 
 UNKNOWN_PATH = "<model>"
 """The path of elements that no document holds."""
+
+
+@dataclass(frozen=True, slots=True)
+class Origins:
+    """The elements of one document.
+
+    Attributes:
+        nodes: The document and the light node of each element.
+        identifiers: The ids of those that have one.
+    """
+
+    nodes: dict[EObject, tuple[Document, Node]]
+    identifiers: dict[EObject, str]
 
 
 class Model:
@@ -50,6 +64,19 @@ class Model:
         self._by_class = None
         self._made.clear()
         self._origin[node.obj] = (document, node)
+
+    def origins_of(self, document: Document) -> Origins:
+        """Returns the elements of a document, for another model that shares them."""
+        elements = list(self.elements_of(document))
+        nodes = {each: self._origin[each] for each in elements}
+        return Origins(nodes, {each: self._ids[each] for each in elements if each in self._ids})
+
+    def share(self, origins: Origins) -> None:
+        """Remembers the elements of a document that another model has too; for the reader."""
+        self._by_class = None
+        self._made.clear()
+        self._origin.update(origins.nodes)
+        self._ids.update(origins.identifiers)
 
     def node_of(self, obj: EObject) -> Node | None:
         """Returns the light node of which an element was built, None for one that was not read."""

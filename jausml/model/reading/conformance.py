@@ -9,6 +9,8 @@ from jausml.metamodel.filling import count
 from jausml.model.reading.problems import NodePlace
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from jausml.metamodel.classes.ecore import EObject
     from jausml.model.documents import Document
     from jausml.model.model import Model
@@ -16,12 +18,12 @@ if TYPE_CHECKING:
     from jausml.model.xmi.parsing import Node
 
 
-def check_bounds(model: Model, problems: Problems) -> None:
-    """Checks the lower and upper bounds of all features of all elements.
+def check_bounds(documents: Iterable[Document], model: Model, problems: Problems) -> None:
+    """Checks the lower and upper bounds of all features of the elements of documents.
 
     A feature with another finding is left alone: one cause is one error.
     """
-    for document in model.documents:
+    for document in documents:
         pending = list(reversed(document.root_nodes))
         while pending:
             node = pending.pop()

@@ -52,6 +52,21 @@ class Reference:
     direct: Any = None
 
 
+@dataclass(slots=True)
+class Mention:
+    """A document that one refers to which was read before.
+
+    Attributes:
+        place: Somewhere in the document that refers.
+        uri: URI of the document referred to, without fragment.
+        name: Nothing: it is no reference by name.
+    """
+
+    place: NodePlace
+    uri: str
+    name: str = ""
+
+
 class ElementBuilder:
     """Builds the elements of one document.
 
@@ -68,7 +83,7 @@ class ElementBuilder:
         metamodels: Metamodels,
         model: Model,
         problems: Problems,
-        references: list[Reference],
+        references: list[Reference | Mention],
         document: Document,
     ) -> None:
         self._packages = metamodels.packages

@@ -15,11 +15,12 @@ from jausml.model.model import Model
 from jausml.model.names import NameFinder
 from jausml.model.notation import Explanation
 from jausml.model.reading.conformance import check_bounds
-from jausml.model.reading.elements import ElementBuilder
+from jausml.model.reading.elements import ElementBuilder, Mention
 from jausml.model.reading.known import KnownNames, in_order_of_import
 from jausml.model.reading.problems import NodePlace, Problems
 from jausml.model.reading.references import Resolution
 from jausml.model.reading.references_by_name import NameResolution
+from jausml.model.reading.shelf import NotShareableError
 from jausml.model.uris import FileTarget, UriFault, UriResolver, find_project_root
 from jausml.model.xmi.parsing import Node, parse
 
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 
     from jausml.model.notation import Fault, Notation, Written
     from jausml.model.reading.elements import Reference
+    from jausml.model.reading.shelf import Shelf
 
 _BESIDE = "JML103"
 """The rule of what is written beside the features of an element, which are read all the same."""
@@ -62,6 +64,7 @@ def read_models(
     metamodels: Metamodels | None = None,
     notations: Sequence[Notation] = (),
     contents: Mapping[Path, bytes] | None = None,
+    shelf: Shelf | None = None,
 ) -> ReadResult:
     """Reads model files and all that they refer to.
 
@@ -75,6 +78,8 @@ def read_models(
         metamodels: The metamodels, by default the shipped ones.
         notations: What reads files that are no XMI, by the endings of their names.
         contents: What an editor holds of files, by real path; it is read instead of what is stored.
+        shelf: Where documents of the library are kept for the next reading with it. Whoever gives
+            one must not change what was read. Without one all elements belong to the model alone.
 
     Returns:
         The model and the findings.
@@ -85,9 +90,12 @@ def read_models(
         root = Path(project_root)
     folders = {name: Path(folder) for name, folder in (projects or {}).items()}
     uris = UriResolver(root, allow_outside=allow_outside, projects=folders)
+    given = (metamodels or load_metamodels(), uris, notations, contents or {})
     with without_collector():
-        reading = _Reading(metamodels or load_metamodels(), uris, notations, contents or {})
-        model, diagnostics = reading.run(names)
+        try:
+            model, diagnostics = _Reading(*given, shelf).run(names)
+        except NotShareableError:
+            model, diagnostics = _Reading(*given, None).run(names)
     return ReadResult(model, diagnostics, root)
 
 
@@ -100,22 +108,31 @@ class _Reading:
         uris: UriResolver,
         notations: Sequence[Notation],
         contents: Mapping[Path, bytes],
+        shelf: Shelf | None,
     ) -> None:
         self._metamodels = metamodels
         self._notations = notations
         self._contents = contents
+        self._shelf = shelf
+        self._taken: set[Document] = set()
+        self._opened: dict[Document, dict[str, Document | None]] = {}
         self._uris = uris
         self._documents: dict[Path, Document] = {}
         self._targets: dict[tuple[str, str], FileTarget | UriFault] = {}
         rules = {id_: rule for each in notations for id_, rule in each.rules.items()}
         self._problems = Problems(rules)
         self._model = Model([], metamodels)
-        self._references: list[Reference] = []
+        self._references: list[Reference | Mention] = []
         self._written: dict[Document, Written] = {}
         self._names = NameFinder(self._model, self._open_library)
 
     def run(self, names: Sequence[str]) -> tuple[Model, list[Diagnostic]]:
-        for target in [self._uris.given(name) for name in names]:
+        targets = [self._uris.given(name) for name in names]
+        if any(each.is_library for each in targets):
+            self._shelf = None  # what is checked itself is not what others refer to
+        if self._shelf is not None:
+            self._shelf.prepare(self._contents.keys())
+        for target in targets:
             self._given(target)
         self._open_all()
         self._declare()
@@ -124,8 +141,13 @@ class _Reading:
         resolution.run(self._references)
         for document, written in self._written.items():
             self._report(document, written.check())
-        check_bounds(self._model, self._problems)
-        return self._model, self._problems.diagnostics(self._model)
+        read = [each for each in self._model.documents if each not in self._taken]
+        check_bounds(read, self._model, self._problems)
+        diagnostics = self._problems.diagnostics(self._model)
+        if self._shelf is not None:
+            faulty = {each.location.path for each in diagnostics}
+            self._shelf.put(self._model, self._opened, faulty)
+        return self._model, diagnostics
 
     def _open_all(self) -> None:
         """Opens the documents that others import or refer to."""
@@ -151,13 +173,20 @@ class _Reading:
 
     def _open(self, uri: str, base: Document) -> Document | UriFault:
         """Returns the document that a URI names, read at the first call."""
+        opened = self._opened_by(uri, base)
+        if base.is_shared:
+            found = None if isinstance(opened, UriFault) else opened
+            self._opened.setdefault(base, {}).setdefault(uri, found)
+        return opened
+
+    def _opened_by(self, uri: str, base: Document) -> Document | UriFault:
         key = (uri, base.display)
         target = self._targets.get(key)
         if target is None:
             target = self._targets[key] = self._uris.resolve(uri, base)
         if isinstance(target, UriFault):
             return target
-        document = self._documents.get(target.path)
+        document = self._documents.get(target.path) or self._take(target)
         if document is None:
             document = self._add(target, given=False)
             fault = self._load(document)
@@ -172,21 +201,39 @@ class _Reading:
 
     def _add(self, target: FileTarget, *, given: bool) -> Document:
         document = Document(target.path, target.display, is_library=target.is_library, given=given)
+        is_xml = self._notation_of(target.path) is None
+        document.is_shared = self._shelf is not None and target.is_library and is_xml
         self._documents[target.path] = document
         self._model.documents.append(document)
         return document
 
+    def _take(self, target: FileTarget) -> Document | None:
+        """Returns a document that was read before, None when it was not."""
+        shelved = self._shelf.find(target) if self._shelf is not None else None
+        if shelved is None:
+            return None
+        document = shelved.document
+        self._documents[target.path] = document
+        self._model.documents.append(document)
+        self._model.share(shelved.origins)
+        self._taken.add(document)
+        place = NodePlace(document, document.root_nodes[0])
+        self._references += [Mention(place, uri) for uri in shelved.uris]
+        return document
+
     def _load(self, document: Document) -> str | None:
         """Reads and builds a document; returns why its file cannot be read, else None."""
+        if self._shelf is not None and document.is_shared:
+            self._shelf.note(document.path)
         try:
             held = self._contents.get(document.path)
             document.data = document.path.read_bytes() if held is None else held
         except (OSError, ValueError) as error:
             return getattr(error, "strerror", None) or str(error)
-        for notation in self._notations:
-            if document.path.name.endswith(notation.suffixes):
-                self._read_notation(document, notation)
-                return None
+        notation = self._notation_of(document.path)
+        if notation is not None:
+            self._read_notation(document, notation)
+            return None
         result = parse(document.data)
         fault = result.fault
         if result.root is None:
@@ -198,6 +245,11 @@ class _Reading:
         document.readable = True
         self._builder(document).build(result.root)
         return None
+
+    def _notation_of(self, path: Path) -> Notation | None:
+        """Returns what reads a file that is no XMI."""
+        fitting = (each for each in self._notations if path.name.endswith(each.suffixes))
+        return next(fitting, None)
 
     def _builder(self, document: Document) -> ElementBuilder:
         return ElementBuilder(

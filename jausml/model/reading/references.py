@@ -9,10 +9,12 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from jausml.metamodel import FeatureKind, Metamodels
-from jausml.metamodel.filling import holds, link
+from jausml.metamodel.filling import holds, link, point
 from jausml.model.diagnostics import Related
 from jausml.model.documents import Document
 from jausml.model.names import depth
+from jausml.model.reading.elements import Mention
+from jausml.model.reading.shelf import NotShareableError
 from jausml.model.uris import UriFault
 from jausml.model.values import show
 from jausml.model.xmi.fragments import Found, FragmentFinder
@@ -66,7 +68,7 @@ class Resolution:
         self._circular: set[Node] = set()
         self._suggestions = 0
 
-    def run(self, references: Sequence[Reference]) -> None:
+    def run(self, references: Sequence[Reference | Mention]) -> None:
         """Resolves references, in the order in which they are written.
 
         Single names wait for those of owners: they are looked for in what these mean.
@@ -77,14 +79,19 @@ class Resolution:
         waiting: list[Reference] = []
         done = 0
         for done, reference in enumerate(references, 1):  # noqa: B007 - counts for what follows
-            if reference.name and not reference.feature.many:
+            if isinstance(reference, Mention):
+                self._open(reference.uri, reference.place.document)
+            elif reference.name and not reference.feature.many:
                 waiting.append(reference)
             else:
                 self._resolve(reference)
         for reference in sorted(waiting, key=lambda each: depth(each.owner)):
             self._resolve(reference)
         for reference in islice(references, done, None):
-            self._resolve(reference)
+            if isinstance(reference, Mention):
+                self._open(reference.uri, reference.place.document)
+            else:
+                self._resolve(reference)
         for absent in self._absent.values():
             self._report_absent(absent)
 
@@ -98,8 +105,16 @@ class Resolution:
             self._check_container(reference, target)
         elif holds(reference.owner, reference.feature, target):
             self._report_repeated(reference)
+        elif self._is_of_others(reference, target):
+            point(reference.owner, reference.feature, target)
         else:
             link(reference.owner, reference.feature, target)
+
+    def _is_of_others(self, reference: Reference, target: EObject) -> bool:
+        """Tells whether a target is an element of other models too, which must not change."""
+        document = self._model.document_of(target)
+        is_shared = document is not None and document.is_shared
+        return is_shared and not reference.place.document.is_shared
 
     def _target(self, reference: Reference) -> EObject | None:
         """Returns the element referred to, None when a finding explains why there is none."""
@@ -164,6 +179,8 @@ class Resolution:
         return False
 
     def _contain(self, reference: Reference, target: EObject) -> None:
+        if self._is_of_others(reference, target):
+            raise NotShareableError
         owner: Any = reference.owner
         container = target.eContainer()
         if container is not None and reference.direct is None:
