@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from jausml.editing.applying import Applying
 from jausml.editing.batches import with_created
 from jausml.editing.commands import NEW, Add, Create, EditError, Move, Place, Rename, Set
-from jausml.editing.comparing import matched
+from jausml.editing.comparing import renewed
 from jausml.editing.creating import new_document
 from jausml.editing.following import followed
 from jausml.editing.forest import Forest
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from jausml.editing.layout import Layout
     from jausml.editing.planning import Planner
     from jausml.metamodel import ClassTable
+    from jausml.model.model import Model
     from jausml.model.refs import Ref
 
 _NAMING = ("name", "urn", "version")
@@ -93,7 +94,7 @@ def referrers(ref: Ref, draft: Draft) -> tuple[Referrer, ...]:
         EditError: There is no such element, or it is one of the library.
     """
     models = {each: draft.read(each).model for each in draft.referring(draft.editable(ref))}
-    forest = Forest(models, draft.root)
+    forest = Forest.grown(models, draft.root)
     targets = set(thing_of(ref, forest).everything())
     fragments = forest.fragments()
     return tuple(
@@ -118,7 +119,7 @@ def thing_of(ref: Ref, forest: Forest) -> Thing:
 class _Work:
     """Work on a draft.
 
-    The forest of one command is compared with what is read after it, which is that of the next.
+    The forest of one command is compared with what is read after it, and becomes that of the next.
     """
 
     def __init__(self, draft: Draft, known: Forest | None) -> None:
@@ -171,6 +172,8 @@ class _Work:
         self._take(files)
         forest = self._forest
         paths = forest.paths()
+        is_shifting = not isinstance(command, Set | Rename)
+        before = forest.refs(paths) if is_shifting else {}
         applying = Applying(forest, self._find, self._draft.read(files[0]).model.metamodels)
         applying.apply(command)
         self._referrers += _referrers_of(applying, paths)
@@ -181,38 +184,37 @@ class _Work:
             plans[file] = planner_of(file).plan(applying.steps, context)
         for file, splices in plans.items():
             self._draft.apply(file, splices)
-        found = self._check(applying)
-        if not isinstance(command, Set | Rename):
-            self._shifts.append(_shift(forest.fragments(paths), found, self._forest))
+        self._check(applying)
+        if is_shifting:
+            self._shifts.append(_shift(before, self._forest.refs()))
 
-    def _check(self, applying: Applying) -> Mapping[Thing, Thing]:
-        """Reads what was changed; returns the things that were read by those that were meant."""
-        read = self._grown(list(self._forest.roots))
-        found = matched(self._forest, read)
+    def _check(self, applying: Applying) -> None:
+        """Reads what was changed, and sees to it that it is what was meant."""
+        models = self._read(list(self._forest.roots))
+        read = renewed(self._forest, models, applying.changed.keys())
         for file in self._forest.roots:
             if layout_file(file) in self._draft.files:
-                layout = followed(self._layout_of(file), file, self._forest, read, found)
+                layout = followed(self._layout_of(file), file, self._forest, read)
                 self._draft.put(layout_file(file), write_layout(layout) or None)
-        self._created = [found[each] for each in self._created if each in found]
-        self._created += [found[each] for each in applying.created]
+        there = set(read.things.values()) if self._created else set()
+        self._created = [each for each in self._created if each in there]
+        self._created += applying.created
         self._forest = read
-        return found
 
     def _take(self, files: Sequence[str]) -> None:
         """Has the forest hold the elements of some files, and of those where something was made."""
         wanted = dict.fromkeys([*(self._forest.roots if self._created else ()), *files])
         if set(wanted) == set(self._forest.roots):
             return
-        forest = self._grown(list(wanted))
-        found = matched(self._forest, forest) if self._created else {}
-        self._created = [found[each] for each in self._created]
+        forest = Forest.grown(self._read(list(wanted)), self._draft.root)
+        created = [self._forest.ref(each) for each in self._created]
+        self._created = [thing_of(each, forest) for each in created]
         self._forest = forest
 
-    def _grown(self, files: Sequence[str]) -> Forest:
+    def _read(self, files: Sequence[str]) -> dict[str, Model]:
         for file in files:
             self._draft.check(file)
-        models = {file: self._draft.read(file).model for file in files}
-        return Forest(models, self._draft.root)
+        return {file: self._draft.read(file).model for file in files}
 
     def _concerned(self, command: Set | Add | Remove | Move | Rename) -> list[str]:
         """Returns the files that a command may change, that of its element first."""
@@ -245,19 +247,10 @@ class _Work:
         return f"{self._forest.ref(self._created[int(number)])}{parting}{path}"
 
 
-def _shift(
-    before: Mapping[Thing, str], found: Mapping[Thing, Thing], after: Forest
-) -> dict[Ref, Ref]:
+def _shift(before: Mapping[Thing, Ref], after: Mapping[Thing, Ref]) -> dict[Ref, Ref]:
     """Returns the new refs of things by the old ones where they differ, empty for what is gone."""
-    fragments = after.fragments()
-    shift: dict[Ref, Ref] = {}
-    for thing, fragment in before.items():
-        now = found.get(thing)
-        ref = f"{thing.file}#{fragment}"
-        new = after.ref(now, fragments) if now is not None else ""
-        if new != ref:
-            shift[ref] = new
-    return shift
+    pairs = ((ref, after.get(thing, "")) for thing, ref in before.items())
+    return {old: new for old, new in pairs if old != new}
 
 
 def _referrers_of(applying: Applying, paths: Mapping[Thing, str]) -> Iterable[Referrer]:

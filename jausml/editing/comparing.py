@@ -5,66 +5,109 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.editing.commands import EditError
+from jausml.editing.forest import Forest
 
 if TYPE_CHECKING:
-    from jausml.editing.forest import Forest, Thing
-    from jausml.model.refs import Ref
+    from collections.abc import Collection, Mapping
+
+    from jausml.editing.forest import Thing
+    from jausml.metamodel.classes.ecore import EObject
+    from jausml.model.model import Model
 
 
-def matched(wanted: Forest, read: Forest) -> dict[Thing, Thing]:
-    """Returns which things of one forest are those of another.
+def renewed(wanted: Forest, models: Mapping[str, Model], changed: Collection[Thing]) -> Forest:
+    """Returns the forest of what was read of changed files, made of the things that are meant.
 
     Args:
-        wanted: A forest that commands were applied to.
-        read: What was read of the changed files.
+        wanted: A forest that a command was applied to. Its things become those of what was read.
+        models: What was read of its files.
+        changed: The things whose values or references the command changed.
 
     Raises:
-        EditError: They are not the same.
+        EditError: Something else was read than is meant; the forest is worth nothing any more.
     """
-    found: dict[Thing, Thing] = {}
-    pending: list[tuple[Thing, Thing]] = []
+    read = Forest(models, wanted.folder)
     for file, roots in wanted.roots.items():
-        if len(roots) != len(read.roots[file]):
-            raise _different(file, f"{len(roots)} and {len(read.roots[file])} roots")
-        pending += zip(roots, read.roots[file], strict=True)
-    while pending:
-        one, other = pending.pop()
-        found[one] = other
-        if one.table is not other.table or one.identifier != other.identifier:
-            raise _different(one, "is another element")
-        if one.values != other.values and _stated(one, one.open) != _stated(other, one.open):
-            raise _different(one, f"has {other.values}, not {one.values}")
-        names = [name for name, each in one.owned.items() if each]
-        if len(names) != len(other.owned):
-            raise _different(one, f"owns {list(other.owned)}, not {names}")
-        for name in names:
-            ours, theirs = one.owned[name], other.owned.get(name, [])
-            if len(ours) != len(theirs):
-                raise _different(one, f"has {len(theirs)} {name}, not {len(ours)}")
-            pending += zip(ours, theirs, strict=True)
-    _match_references(found)
-    return found
+        found = models[file].documents[0].roots
+        if len(roots) != len(found):
+            raise _different(file, f"{len(roots)} and {len(found)} roots")
+        read.roots[file] = roots
+        pending = list(zip(roots, found, strict=True))
+        while pending:
+            thing, obj = pending.pop()
+            _renew(thing, obj, file, wanted, read, is_changed=thing in changed)
+            pending += _children(thing, read)
+    read.pair()
+    for thing in read.everything():
+        _compare_references(thing, read)
+    return read
 
 
-def _stated(thing: Thing, open_names: set[str]) -> dict[str, tuple[str | None, ...]]:
-    """Returns what the attributes of a thing have, without those that a text leaves open."""
-    return {name: each for name, each in thing.values.items() if name not in open_names}
+def _renew(
+    thing: Thing, obj: EObject, file: str, wanted: Forest, read: Forest, *, is_changed: bool
+) -> None:
+    """Makes an element that was read that of a thing, if it has the values that are meant."""
+    model = read.models[file]
+    if model.metamodels.class_of(obj) is not thing.table:
+        raise _different(thing, "is another element")
+    if thing.identifier != (model.identifier(obj) or ""):
+        raise _different(thing, "is another element")
+    is_written_alike = not is_changed and _is_written_alike(thing, obj, wanted, model)
+    read.hold(thing, obj, file)
+    if not is_written_alike:
+        meant, open_names = thing.values, thing.open
+        read.take_values(thing)
+        if meant != thing.values and _stated(meant, open_names) != _stated(
+            thing.values, open_names
+        ):
+            raise _different(thing, f"has {thing.values}, not {meant}")
 
 
-def _match_references(found: dict[Thing, Thing]) -> None:
-    def same(target: Thing | Ref) -> Thing | Ref | None:
-        return target if isinstance(target, str) else found.get(target)
+def _is_written_alike(thing: Thing, obj: EObject, wanted: Forest, model: Model) -> bool:
+    """Tells whether all values of an element are written as they were before the command.
 
-    for one, other in found.items():
-        ours = {name: each for name, each in one.references.items() if each}
-        if len(ours) != len(other.references):
-            raise _different(one, f"refers by {list(other.references)}, not {list(ours)}")
-        for name, targets in ours.items():
-            read = other.references.get(name, [])
-            if len(read) != len(targets) or any(
-                same(a) != b for a, b in zip(targets, read, strict=True)
-            ):
-                raise _different(one, f"refers by {name} to {read}, not {targets}")
+    It has them in XML attributes alone: then they are the same, for nothing else tells them.
+    """
+    if thing.obj is None or not model.documents[0].is_xml:
+        return False
+    before = wanted.models[thing.file].node_of(thing.obj)
+    after = model.node_of(obj)
+    if before is None or after is None or before.attributes != after.attributes:
+        return False
+    return all(child.obj is not None for node in (before, after) for child in node.children)
+
+
+def _stated(
+    values: Mapping[str, tuple[str | None, ...]], open_names: set[str]
+) -> dict[str, tuple[str | None, ...]]:
+    """Returns what attributes have, without those that a text leaves open."""
+    return {name: each for name, each in values.items() if name not in open_names}
+
+
+def _children(thing: Thing, read: Forest) -> list[tuple[Thing, EObject]]:
+    """Returns what a thing owns, and the elements that were read of it."""
+    found = read.owned_by(thing)
+    if not found and not thing.owned:
+        return []
+    names = {name for name, each in thing.owned.items() if each}
+    if names != found.keys():
+        raise _different(thing, f"owns {list(found)}, not {sorted(names)}")
+    # In the order of the metamodel, whatever the command has added last.
+    thing.owned = {name: thing.owned[name] for name in found}
+    pairs: list[tuple[Thing, EObject]] = []
+    for name, children in thing.owned.items():
+        if len(children) != len(found[name]):
+            raise _different(thing, f"has {len(found[name])} {name}, not {len(children)}")
+        pairs += zip(children, found[name], strict=True)
+    return pairs
+
+
+def _compare_references(thing: Thing, read: Forest) -> None:
+    meant = {name: each for name, each in thing.references.items() if each}
+    thing.references = read.references_of(thing)
+    if meant != thing.references:
+        what = f"refers to {thing.references}, not {meant}"
+        raise _different(thing, what)
 
 
 def _different(where: Thing | str, what: str) -> EditError:

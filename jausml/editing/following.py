@@ -9,24 +9,19 @@ from jausml.editing.layout import renamed
 from jausml.model.keys import Keys
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from jausml.editing.forest import Forest, Thing
+    from jausml.editing.forest import Forest
     from jausml.editing.layout import Layout
     from jausml.model.model import Model
 
 
-def followed(
-    layout: Layout, file: str, before: Forest, after: Forest, found: Mapping[Thing, Thing]
-) -> Layout:
+def followed(layout: Layout, file: str, before: Forest, after: Forest) -> Layout:
     """Returns the layout of a file after an edit: what was renamed keeps its place.
 
     Args:
         layout: The layout before.
         file: The model file.
         before: The elements before.
-        after: The elements after.
-        found: The things after for those before; what is gone is not among them.
+        after: The elements after, with the things of those before; what is gone is not among them.
     """
     old, new = before.models[file], after.models[file]
     elements = {after.things[obj]: obj for obj in new.elements() if obj in after.things}
@@ -35,7 +30,7 @@ def followed(
     for obj in old.elements():
         thing = before.things.get(obj)
         if thing is not None:
-            element = elements.get(found[thing]) if thing in found else None
+            element = elements.get(thing)
             names[old_keys.of(obj)] = new_keys.of(element) if element is not None else None
     views = _views(old, new)
     moved = {views.get(view, view): boxes for view, boxes in layout.items()}

@@ -103,7 +103,7 @@ class Thing:
 
 
 class Forest:
-    """The elements of some files of a project.
+    """The elements of some files of a project; `Forest.grown` has all of them.
 
     Args:
         models: The models of the files, by their names.
@@ -121,18 +121,24 @@ class Forest:
         self.roots: dict[str, list[Thing]] = {}
         self.things: dict[EObject, Thing] = {}
         self._identifiers: dict[Thing, str] = {}
+        self._foreign: dict[EObject, Ref] = {}
+
+    @classmethod
+    def grown(cls, models: Mapping[str, Model], root: Path) -> Forest:
+        """Returns the forest of all elements of some files.
+
+        Args:
+            models: The models of the files, by their names.
+            root: The opened folder, symbolic links followed.
+        """
+        forest = cls(models, root)
         for file, model in models.items():
-            self.roots[file] = [
-                self._grown(each, file, model, model.documents[0])
-                for each in model.documents[0].roots
-            ]
-        for model in models.values():
-            for document in model.documents[1:]:
-                known = self.roots.get(file_of(document, root))
-                if known is not None:
-                    self._pair(document, known, model)
-        for thing in list(self._all()):
-            self._refer(thing, models[thing.file])
+            document = model.documents[0]
+            forest.roots[file] = [forest._grown(each, file) for each in document.roots]
+        forest.pair()
+        for thing in list(forest.everything()):
+            thing.references = forest.references_of(thing)
+        return forest
 
     def find(self, ref: Ref) -> Thing | None:
         """Returns the thing of a ref as it was read, None when the forest has none."""
@@ -173,52 +179,91 @@ class Forest:
         """
         return f"{thing.root.file}#{(fragments or self.fragments())[thing]}"
 
+    def refs(self, paths: Mapping[Thing, str] | None = None) -> dict[Thing, Ref]:
+        """Returns the refs of all things in the files that they were read of.
+
+        Args:
+            paths: The paths of things, those of now when None.
+        """
+        return {each: f"{each.file}#{at}" for each, at in self.fragments(paths).items()}
+
     def referrers(self, targets: set[Thing]) -> Iterator[tuple[Thing, str]]:
         """Yields what refers to one of some things, and the name of the feature."""
-        for thing in self._all():
+        for thing in self.everything():
             for name, values in thing.references.items():
                 if any(each in targets for each in values):
                     yield thing, name
 
-    def _all(self) -> Iterator[Thing]:
+    def everything(self) -> Iterator[Thing]:
+        """Yields all things, in order."""
         for roots in self.roots.values():
             for root in roots:
                 yield from root.everything()
 
-    def _grown(self, obj: EObject, file: str, model: Model, document: Document) -> Thing:
+    def _grown(self, obj: EObject, file: str) -> Thing:
         """Makes a thing of an element, and of all that it owns, without references."""
-        root = self._thing(obj, file, model, document)
+        root = self._thing(obj, file)
         pending = [root]
         while pending:
             thing = pending.pop()
-            for feature in thing.table.contained:
-                for child in contents(thing.obj, feature):
-                    if model.document_of(child) is not document:
-                        continue  # the root of another file, which this one refers to
-                    made = self._thing(child, file, model, document)
-                    made.owner, made.feature = thing, feature.name
-                    thing.owned.setdefault(feature.name, []).append(made)
-                    pending.append(made)
+            for name, children in self.owned_by(thing).items():
+                made = thing.owned[name] = [self._thing(each, file) for each in children]
+                for each in made:
+                    each.owner, each.feature = thing, name
+                pending += made
         return root
 
-    def _thing(self, obj: EObject, file: str, model: Model, document: Document) -> Thing:
-        thing = Thing(model.metamodels.class_of(obj), file, obj)
+    def _thing(self, obj: EObject, file: str) -> Thing:
+        model = self.models[file]
+        thing = Thing(model.metamodels.class_of(obj), file)
         thing.identifier = model.identifier(obj) or ""
-        if thing.identifier and fragment_of(obj, document, model) == thing.identifier:
-            self._identifiers[thing] = thing.identifier
-        for name, feature in thing.table.features.items():
-            if feature.kind is FeatureKind.ATTRIBUTE and name in obj.__dict__:
-                values = attribute_values(obj, feature)
-                if values:
-                    thing.values[name] = values
-        if not document.is_xml and (node := model.node_of(obj)) is not None:
-            stated = {child.tag for child in node.children}
-            thing.open = open_features(thing.table, file) - stated
-        self.things[obj] = thing
+        self.hold(thing, obj, file)
+        self.take_values(thing)
         return thing
 
+    def hold(self, thing: Thing, obj: EObject, file: str) -> None:
+        """Makes an element that was read of a file that of a thing."""
+        model = self.models[file]
+        thing.obj, thing.file = obj, file
+        self.things[obj] = thing
+        if thing.identifier and fragment_of(obj, model.documents[0], model) == thing.identifier:
+            self._identifiers[thing] = thing.identifier
+
+    def take_values(self, thing: Thing) -> None:
+        """Gives a thing the values that the attributes of its element have."""
+        obj: Any = thing.obj
+        thing.values = {
+            name: values
+            for name, feature in attributes_of(thing.table)
+            if name in obj.__dict__ and (values := attribute_values(obj, feature))
+        }
+        thing.open = open_features(thing.table, thing.file)
+        node = self.models[thing.file].node_of(obj) if thing.open else None
+        if node is not None:
+            thing.open -= {child.tag for child in node.children}
+
+    def owned_by(self, thing: Thing) -> dict[str, list[EObject]]:
+        """Returns what the element of a thing owns of its own file, by the name of the feature."""
+        model = self.models[thing.file]
+        document = model.documents[0]
+        found = {}
+        for feature in thing.table.contained:
+            children = contents(thing.obj, feature)
+            # Others are roots of another file, which this one refers to.
+            own = [each for each in children if model.document_of(each) is document]
+            if own:
+                found[feature.name] = own
+        return found
+
+    def pair(self) -> None:
+        """Finds the things of elements that were read once more, with another file."""
+        for model in self.models.values():
+            for document in model.documents[1:]:
+                known = self.roots.get(file_of(document, self.folder))
+                if known is not None:
+                    self._pair(document, known, model)
+
     def _pair(self, document: Document, roots: list[Thing], model: Model) -> None:
-        """Finds the things of elements that were read once more."""
         pending = list(zip(document.roots, roots, strict=False))
         while pending:
             obj, thing = pending.pop()
@@ -228,22 +273,45 @@ class Forest:
                 own = [each for each in children if model.document_of(each) is document]
                 pending += zip(own, owned, strict=False)
 
-    def _refer(self, thing: Thing, model: Model) -> None:
-        for name, feature in thing.table.features.items():
-            if name not in thing.obj.__dict__:
+    def references_of(self, thing: Thing) -> dict[str, list[Thing | Ref]]:
+        """Returns what the element of a thing refers to, when all things are there."""
+        obj: Any = thing.obj
+        model = self.models[thing.file]
+        found = {}
+        for name, feature in references_of(thing.table):
+            if name not in obj.__dict__:
                 continue
-            if feature.kind is FeatureKind.CROSS_REFERENCE:
-                targets = contents(thing.obj, feature)
-            elif feature.kind is FeatureKind.CONTAINMENT:
+            targets = contents(obj, feature)
+            if feature.kind is FeatureKind.CONTAINMENT:
                 owned = {each.obj for each in thing.owned.get(name, ())}
-                targets = [each for each in contents(thing.obj, feature) if each not in owned]
-            else:
-                continue
+                targets = [each for each in targets if each not in owned]
             if targets:
-                thing.references[name] = [self._target(each, model) for each in targets]
+                found[name] = [self._target(each, model) for each in targets]
+        return found
 
     def _target(self, obj: EObject, model: Model) -> Thing | Ref:
-        return self.things.get(obj) or ref_of(obj, model, self.folder)
+        thing = self.things.get(obj)
+        if thing is not None:
+            return thing
+        # Many refer to the same elements of the library.
+        ref = self._foreign.get(obj)
+        if ref is None:
+            ref = self._foreign[obj] = ref_of(obj, model, self.folder)
+        return ref
+
+
+@cache
+def attributes_of(table: ClassTable) -> tuple[tuple[str, FeatureTable], ...]:
+    """Returns the attributes of a class with their names."""
+    features = table.features.items()
+    return tuple(each for each in features if each[1].kind is FeatureKind.ATTRIBUTE)
+
+
+@cache
+def references_of(table: ClassTable) -> tuple[tuple[str, FeatureTable], ...]:
+    """Returns the features of a class by which its elements refer to others or own them."""
+    kinds = (FeatureKind.CROSS_REFERENCE, FeatureKind.CONTAINMENT)
+    return tuple(each for each in table.features.items() if each[1].kind in kinds)
 
 
 def open_features(table: ClassTable, file: str) -> set[str]:

@@ -1,0 +1,89 @@
+"""What is kept from one edit to the next says what all would say that is read anew."""
+
+from __future__ import annotations
+
+import random
+import tempfile
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from random_commands import Commands
+
+from jausml.editing.commands import EditError
+from jausml.editing.forest import Forest
+from jausml.editing.project import Project
+from jausml.editing.reading import NOTATIONS
+from jausml.model import read_models
+from jausml.model.uris import LIBRARY_URI
+from jausml.validation.engine import check
+
+EXAMPLES = Path("models/examples")
+PROJECTS = {
+    "example": [Path("models/catvehicle/catvehicle.xmi")],
+    "two files": [EXAMPLES / "winch" / "winch.xmi", EXAMPLES / "winch" / "service.xmi"],
+    "text": [EXAMPLES / "waypoints" / "waypoints.ros2jaus"],
+}
+STEPS = 6
+
+
+def opened(folder, name):
+    for path in PROJECTS[name]:
+        text = path.read_text(encoding="utf-8").replace("../library/", LIBRARY_URI)
+        (Path(folder) / path.name).write_text(text, encoding="utf-8")
+    return Project(folder)
+
+
+@pytest.mark.parametrize("name", PROJECTS)
+@given(seed=st.integers(0, 2**32))
+@settings(max_examples=max(2, settings().max_examples // 25))
+def test_after_random_commands(name, seed):
+    chance = random.Random(seed)
+    with tempfile.TemporaryDirectory() as folder:
+        project = opened(folder, name)
+        files = [each.path for each in project.files]
+        for _ in range(STEPS):
+            try:
+                project.do([Commands(project, chance.choice(files), chance).any()], "any")
+            except EditError:
+                continue
+            assert_forest_is_that_of_what_was_read(project)
+            for file in files:
+                assert_verdict_is_that_of_all_anew(project, file)
+
+
+def assert_verdict_is_that_of_all_anew(project, file):
+    kept = project.model(file)
+    anew = read_models([project.root / file], project_root=project.root, notations=NOTATIONS)
+    assert kept.diagnostics == anew.diagnostics
+    assert check(kept).diagnostics == check(anew).diagnostics
+
+
+def assert_forest_is_that_of_what_was_read(project):
+    forest = project._forest
+    assert shape(forest) == shape(Forest.grown(forest.models, project.root))
+
+
+def shape(forest):
+    refs = forest.refs()
+
+    def shown(target):
+        return target if isinstance(target, str) else refs[target]
+
+    things = [
+        (
+            refs[each],
+            each.file,
+            each.obj,
+            each.table.name,
+            each.identifier,
+            list(each.values.items()),
+            [(name, [*map(shown, targets)]) for name, targets in each.references.items()],
+            [(name, [*map(shown, owned)]) for name, owned in each.owned.items()],
+            (each.owner and shown(each.owner), each.feature),
+            each.open,
+        )
+        for each in forest.everything()
+    ]
+    return things, {obj: shown(each) for obj, each in forest.things.items()}
