@@ -50,6 +50,8 @@ class Direction:
         Args:
             kinds: The classes, such as `bridge.FieldAssignment`.
         """
+        if not self.assignments:
+            return ()
         found = self._by_kind.get(kinds)
         if found is None:
             found = tuple(each for each in self.assignments if isinstance(each.assignment, kinds))

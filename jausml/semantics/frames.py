@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from jausml.semantics.attributes import NUMBER, UNSTATED, Attribute
@@ -159,12 +160,14 @@ def is_stated(frame: str) -> bool:
     return frame not in ("", UNSTATED)
 
 
-def _words(label: str) -> list[str]:
+@lru_cache(maxsize=1024)
+def _words(label: str) -> tuple[str, ...]:
     parts = re.findall("[A-Z]+(?![a-z])|[A-Z][a-z]*|[a-z]+|[0-9]+", label)
-    return [each.lower() for each in parts]
+    return tuple(each.lower() for each in parts)
 
 
-def _axis_name(words: list[str]) -> str:
+@lru_cache(maxsize=1024)
+def _axis_name(words: tuple[str, ...]) -> str:
     if not words or not _WITHOUT_SIGN.isdisjoint(words):
         return ""
     turning = [each for each in words if each in _ANGLES]
@@ -173,7 +176,7 @@ def _axis_name(words: list[str]) -> str:
     return words[-1] if words[-1] in ("x", "y", "z") else ""
 
 
-def _is_angle(attribute: Attribute, words: list[str]) -> bool:
+def _is_angle(attribute: Attribute, words: tuple[str, ...]) -> bool:
     known = attribute_measure(attribute)
     if known is not None:
         return known.unit.dimension == _RADIANS

@@ -21,6 +21,7 @@ from jausml.semantics.attributes import (
     nearest_name,
 )
 from jausml.semantics.layouts import attributes, class_name, is_group
+from jausml.semantics.memory import remembered
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -165,6 +166,7 @@ class JausPlace:
         return isinstance(self.field, (jaus.List, jaus.Array))
 
 
+@remembered
 def message_place(message: jaus.MessageDef) -> JausPlace:
     """Returns the place from which the paths of a JAUS message start."""
     frame = UNSTATED

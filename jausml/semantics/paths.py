@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Generic, TypeGuard, TypeVar
 
 from jausml.metamodel.classes import bridge, jaus
@@ -118,7 +118,7 @@ AssignmentT = TypeVar("AssignmentT", bound="bridge.Assignment")
 AssignmentT_co = TypeVar("AssignmentT_co", bound="bridge.Assignment", covariant=True)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Placed(Generic[AssignmentT_co]):
     """An assignment with the places where its paths start.
 
@@ -238,6 +238,7 @@ def target_paths(assignment: bridge.Assignment) -> list[str]:
     return _split(assignment.target)
 
 
+@lru_cache(maxsize=4096)
 def parse_path(path: str) -> tuple[str, ...]:
     """Returns the steps of a path, indices as steps of their own, to compare paths."""
     if path == ".":

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import jaus
 from jausml.semantics.layouts import signature
+from jausml.semantics.memory import remembered
 from jausml.semantics.standard_services import with_standard
 
 if TYPE_CHECKING:
@@ -75,6 +76,7 @@ def along_inheritance(services: Iterable[jaus.Service]) -> Iterator[tuple[jaus.S
             visits += [(heir, True) for heir in reversed(heirs[service])]
 
 
+@remembered
 def provided_services(component: jaus.Component) -> list[jaus.Service]:
     """Returns the services that a component provides, each once.
 
@@ -98,16 +100,19 @@ def searched_services(search: jaus.PeerSearch) -> list[jaus.Service]:
     return with_inherited(search.services)
 
 
+@remembered
 def inputs(provider: Provider) -> list[jaus.MessageDef]:
     """Returns the messages that the services of a provider take."""
     return [each for service in services_of(provider) for each in service.inputs]
 
 
+@remembered
 def outputs(provider: Provider) -> list[jaus.MessageDef]:
     """Returns the messages that the services of a provider send."""
     return [each for service in services_of(provider) for each in service.outputs]
 
 
+@remembered
 def services_of(provider: Provider) -> list[jaus.Service]:
     """Returns the services of a component, or of whatever a search finds."""
     if isinstance(provider, jaus.PeerSearch):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from jausml.metamodel.classes import jaus
 from jausml.model import library_root, read_models
 from jausml.semantics.core_services import CORE
+from jausml.semantics.memory import remembered
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -22,6 +23,7 @@ _OTHER_NAMES = {f"{CORE}Liveliness": f"{CORE}Liveness"}
 """URNs under which service sets know a core service too."""
 
 
+@remembered
 def with_standard(component: jaus.Component) -> list[jaus.Service]:
     """Returns the services that a component provides itself: named ones, then standard ones.
 

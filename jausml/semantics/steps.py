@@ -16,6 +16,7 @@ from jausml.semantics.conversions import (
 )
 from jausml.semantics.conversions.authored import Formula
 from jausml.semantics.expressions import expression_names
+from jausml.semantics.memory import remembered
 from jausml.semantics.quantities import value_of
 
 if TYPE_CHECKING:
@@ -87,6 +88,7 @@ class Step:
         return None if self.arguments is None else self.conversion.sign(*self.arguments)
 
 
+@remembered
 def steps_of(placed: Placed[bridge.FieldAssignment]) -> list[Step]:
     """Returns the conversions of an assignment, in order."""
     return [

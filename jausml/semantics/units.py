@@ -12,6 +12,7 @@ from jausml.semantics.attributes import NUMBER, NUMBERS, Attribute
 from jausml.semantics.conversions import UnitEffect, conversion_of
 from jausml.semantics.conversions.conversion import OWN
 from jausml.semantics.conversions.numbers import Linear, Scale
+from jausml.semantics.memory import remembered
 from jausml.semantics.paths import place
 
 if TYPE_CHECKING:
@@ -94,6 +95,7 @@ def result_step(placed: Placed[bridge.FieldAssignment]) -> tuple[float, float] |
     return None
 
 
+@remembered
 def result_measure(placed: Placed[bridge.FieldAssignment]) -> Measure | UnitFault | None:
     """Returns the unit in which the last conversion of an assignment yields its result.
 
@@ -117,6 +119,7 @@ def result_measure(placed: Placed[bridge.FieldAssignment]) -> Measure | UnitFaul
     return current
 
 
+@remembered
 def units_clash(placed: Placed[bridge.FieldAssignment]) -> bool:
     """Tells whether an assignment makes one thing of another: its axes and range mean nothing then.
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from jausml.model import Diagnostic, ReadResult, Related, read_models
 from jausml.model.collector import without_collector
+from jausml.semantics.memory import remembering
 from jausml.semantics.subject import Subject
 from jausml.validation.allowances import settled
 from jausml.validation.report import Report
@@ -77,7 +78,7 @@ def check(result: ReadResult, rules: Sequence[Rule] | None = None) -> Report:
     """
     findings = list(result.diagnostics)
     rules = all_rules() if rules is None else rules
-    with without_collector():
+    with without_collector(), remembering():
         subject = Subject(result.model, result.diagnostics)
         for rule in rules:
             findings += _run(rule, subject)
