@@ -22,8 +22,11 @@ if TYPE_CHECKING:
 
 _LOG = logging.getLogger(__name__)
 
-_REST = 30.0
-"""Seconds without a wish after which garbage is collected all the same."""
+_PAUSE, _REST = 5.0, 30.0
+"""Seconds without a wish after which garbage of verdicts is collected, and all garbage."""
+
+_MOST_UNTIDY = 8
+"""Verdicts after which garbage is collected all the same: models are large."""
 
 
 @dataclass(frozen=True)
@@ -130,15 +133,33 @@ class Checking(threading.Thread):
     def run(self) -> None:
         """Waits for wishes until it is closed.
 
-        Collects garbage too, when all is told: models are large, and whoever waits for a verdict
-        need not wait for that.
+        Collects garbage too, in pauses, so that nobody waits for that. What has outlived a rest is
+        looked at no more until the next one: most of it, such as the library, stays for ever.
         """
+        was_enabled = gc.isenabled()
         gc.disable()
+        try:
+            self._wait()
+        finally:
+            gc.unfreeze()
+            if was_enabled:
+                gc.enable()
+
+    def _wait(self) -> None:
+        gc.freeze()
+        untidy = 0
         while not self._is_closed:
-            if self._wanted.wait(_REST):
+            if self._wanted.wait(_PAUSE if untidy else _REST):
                 self._wanted.clear()
                 self._judge_all()
-            gc.collect()
+                untidy += 1
+                if untidy < _MOST_UNTIDY:
+                    continue
+            if untidy:
+                gc.collect()
+            else:
+                _collect_all()
+            untidy = 0
 
     def _judge_all(self) -> None:
         for file in self._files():
@@ -157,3 +178,10 @@ class Checking(threading.Thread):
         except Exception:
             # The next change is judged all the same.
             _LOG.exception("%s was not judged", file)
+
+
+def _collect_all() -> None:
+    """Collects all garbage, and has what is left counted as lasting."""
+    gc.unfreeze()
+    gc.collect()
+    gc.freeze()
