@@ -78,8 +78,8 @@ class Session:
         finally:
             end.set()
             self._checking.close()
+            await watched  # it may wait for its turn among the changes
             self._answering.close()
-            await watched
             await asyncio.to_thread(self._living.stop)
             await asyncio.to_thread(self._desk.trials.close)
 
