@@ -5,27 +5,34 @@ from __future__ import annotations
 import time
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, BinaryIO
 
 import click
 
 from jausml.cli.captures import skipped_lines
 from jausml.cli.common import EnvironmentFault, FiniteRange
 from jausml.cli.messages import open_catalogue
-from jausml.cli.network import ended_by_signals
 from jausml.cli.options import interface_option, multicast_group_option, port_option
-from jausml.cli.recordings import force_option, output_option, valid_model, written
+from jausml.cli.recordings import (
+    already_there,
+    force_option,
+    output_option,
+    stopped_by_signals,
+    valid_model,
+    written,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
+    from threading import Event
 
     from jausml.live.traffic.captures import Frame
     from jausml.live.traffic.frames import UdpReader
-    from jausml.live.traffic.interface import InterfaceCapture
     from jausml.recording.recorder import Recorder
     from jausml.recording.ros_topics import RosTopics
     from jausml.runtime.base.settings import TransportSettings
 
+_TURN = 0.1
 _FRAGMENT = 0x3FFF
 
 
@@ -57,14 +64,16 @@ def command(
 
     Exit status: 0 done, 1 problems in the model, 2 usage or environment, 3 internal error.
     """
+    from threading import Event
+
+    from jausml.live.traffic.frames import UdpReader
     from jausml.recording.errors import RecordingError
     from jausml.recording.mcap_writing import McapFile
     from jausml.recording.recorder import Recorder, topics_of
     from jausml.recording.ros_topics import RosTopics
     from jausml.runtime.base.settings import TransportSettings
 
-    if output is None:
-        raise click.UsageError("say with --output which file is written")
+    capture_path = _beside(output, force=force)
     try:
         settings = TransportSettings(
             interface=interface, port=port, multicast_group=multicast_group
@@ -73,10 +82,11 @@ def command(
         raise click.UsageError(str(error)) from error
     definitions = topics_of(valid_model(model)) if model is not None else {}
     catalogue = open_catalogue([model] if model is not None else [])
+    stop = Event()
     with ExitStack() as stack:
-        stack.enter_context(ended_by_signals())
-        capture = stack.enter_context(written(str(Path(output).with_suffix(".pcap")), force=force))
-        stream = stack.enter_context(written(output, force=force))
+        stack.enter_context(stopped_by_signals(stop))
+        capture = stack.enter_context(written(capture_path, force=force))
+        stream = stack.enter_context(written(str(output), force=force))
         try:
             file = stack.enter_context(McapFile(stream, has_jaus=True))
             recorder = Recorder(file, catalogue, definitions)
@@ -86,24 +96,52 @@ def command(
                 stack.callback(ros.stop)
         except RecordingError as error:
             raise EnvironmentFault(str(error)) from error
-        from jausml.live.traffic.frames import UdpReader
-        from jausml.live.traffic.writing import PcapWriter
-
-        reader, writer = UdpReader(port), PcapWriter(capture)
-        try:
-            for frame in _frames(settings, duration):
-                if frame is None:
-                    capture.flush()  # whoever looks into it now finds all
-                    continue
-                datagram = reader.read(frame)
-                if datagram is not None:
-                    recorder.take_datagram(datagram)
-                if datagram is not None or _is_fragment(frame.data):
-                    writer.write(frame)
-        except KeyboardInterrupt:
-            click.echo("interrupted", err=True)
+        reader = UdpReader(port)
+        _record(_until(_frames(settings), duration, stop), reader, recorder, capture)
         ros.stop()
         _tell(recorder, ros, reader, port)
+
+
+def _beside(output: str | None, *, force: bool) -> str:
+    """Returns where the capture stands, once it is sure that nothing would be overwritten."""
+    if output is None:
+        raise click.UsageError("say with --output which file is written")
+    found = str(Path(output).with_suffix(".pcap"))
+    if found == output:
+        raise click.UsageError("the capture stands beside FILE, which needs another ending: .mcap")
+    for path in (output, found):
+        if not force and Path(path).exists():
+            raise already_there(path)
+    return found
+
+
+def _record(
+    frames: Iterable[Frame | None], reader: UdpReader, recorder: Recorder, capture: BinaryIO
+) -> None:
+    """Writes what passes; where nothing does, whoever looks into the capture finds all."""
+    from jausml.live.traffic.writing import PcapWriter
+
+    writer = PcapWriter(capture)
+    for frame in frames:
+        if frame is None:
+            capture.flush()
+            continue
+        datagram = reader.read(frame)
+        if datagram is not None:
+            recorder.take_datagram(datagram)
+        if datagram is not None or _is_fragment(frame.data):
+            writer.write(frame)
+
+
+def _until(
+    frames: Iterator[Frame | None], duration: float | None, stop: Event
+) -> Iterator[Frame | None]:
+    end = float("inf") if duration is None else time.monotonic() + duration
+    for frame in frames:
+        yield frame
+        if stop.is_set() or time.monotonic() >= end:
+            break
+    frames.close()  # type: ignore[attr-defined]  # a generator, which says what was lost
 
 
 def _start(ros: RosTopics, *, is_wanted: bool) -> None:
@@ -123,34 +161,28 @@ def _is_fragment(packet: bytes) -> bool:
     return not is_first_version or bool(int.from_bytes(packet[6:8], "big") & _FRAGMENT)
 
 
-def _frames(settings: TransportSettings, duration: float | None) -> Iterator[Frame | None]:
+def _frames(settings: TransportSettings) -> Iterator[Frame | None]:
     """Yields what passes the interface, or the group where that cannot be seen; None in between."""
     from jausml.live.traffic.errors import TrafficError
     from jausml.live.traffic.interface import InterfaceCapture
 
-    end = float("inf") if duration is None else time.monotonic() + duration
     try:
         capture = InterfaceCapture(settings.interface)
     except TrafficError as error:
         click.echo(f"{error}; of JAUS the multicast group alone is recorded", err=True)
-        yield from _heard(settings, end)
+        yield from _heard(settings)
         return
     with capture:
         click.echo(f"recording what passes {settings.interface}", err=True)
-        yield from _captured(capture, end)
+        try:
+            yield from capture.frames()
+        finally:
+            lost = capture.lost()
+            if lost:
+                click.echo(f"{lost} frames were lost: the host was too busy", err=True)
 
 
-def _captured(capture: InterfaceCapture, end: float) -> Iterator[Frame | None]:
-    for frame in capture.frames():
-        yield frame
-        if time.monotonic() >= end:
-            break
-    lost = capture.lost()
-    if lost:
-        click.echo(f"{lost} frames were lost: the host was too busy", err=True)
-
-
-def _heard(settings: TransportSettings, end: float) -> Iterator[Frame]:
+def _heard(settings: TransportSettings) -> Iterator[Frame | None]:
     from jausml.live.traffic.errors import TrafficError
     from jausml.live.traffic.listening import MulticastListener
     from jausml.live.traffic.writing import frame_of
@@ -160,8 +192,9 @@ def _heard(settings: TransportSettings, end: float) -> Iterator[Frame]:
     except TrafficError as error:
         raise EnvironmentFault(str(error)) from error
     with listener:
-        duration = None if end == float("inf") else max(0.0, end - time.monotonic())
-        yield from map(frame_of, listener.datagrams(duration))
+        while True:
+            yield from map(frame_of, listener.datagrams(_TURN))
+            yield None
 
 
 def _tell(recorder: Recorder, ros: RosTopics, reader: UdpReader, port: int) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
@@ -12,6 +13,7 @@ from jausml.cli.common import PROBLEMS, EnvironmentFault, find_models, notations
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from threading import Event
 
     from jausml.model import Model
 
@@ -57,8 +59,30 @@ def written(path: str, *, force: bool) -> Iterator[BinaryIO]:
         with Path(path).open("wb" if force else "xb") as stream:
             yield stream
     except FileExistsError as error:
-        name = click.format_filename(path)
-        raise EnvironmentFault(f"{name} is there already; --force overwrites it") from error
+        raise already_there(path) from error
     except OSError as error:
         name = click.format_filename(path)
         raise EnvironmentFault(f"cannot write {name}: {error.strerror or error}") from error
+
+
+def already_there(path: str) -> EnvironmentFault:
+    """Returns the error of a file that would be overwritten."""
+    return EnvironmentFault(
+        f"{click.format_filename(path)} is there already; --force overwrites it"
+    )
+
+
+@contextmanager
+def stopped_by_signals(stop: Event) -> Iterator[None]:
+    """Has SIGINT and SIGTERM end a recording or a replay in good order, in the midst of nothing.
+
+    Args:
+        stop: What they set.
+    """
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    former = [signal.signal(number, lambda *_: stop.set()) for number in numbers]
+    try:
+        yield
+    finally:
+        for number, handler in zip(numbers, former, strict=True):
+            signal.signal(number, handler)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import signal
-from contextlib import contextmanager
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
@@ -14,11 +12,16 @@ from jausml.cli.captures import opened, skipped_lines
 from jausml.cli.common import PROBLEMS, EnvironmentFault, FiniteRange, bridge_options
 from jausml.cli.messages import open_catalogue, shown_path
 from jausml.cli.options import interface_option, multicast_group_option, port_option
-from jausml.cli.recordings import force_option, output_option, valid_model, written
+from jausml.cli.recordings import (
+    force_option,
+    output_option,
+    stopped_by_signals,
+    valid_model,
+    written,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
-    from threading import Event
 
     from jausml.live.traffic.captures import Frame
     from jausml.model import Model
@@ -103,7 +106,7 @@ def command(
     Exit status: 0 done, 1 problems in the model, in the recording or in what is in it (the rest is
     done), 2 usage or environment, 3 internal error.
     """
-    from jausml.generation import GenerationError
+    from jausml.generation import GenerationError, NoSystemError
     from jausml.recording.bags import is_bag
     from jausml.recording.errors import RecordingError
 
@@ -120,6 +123,9 @@ def command(
             read = valid_model(model, bridge_address)
             paths = (recording, model, str(output))
             is_done = _to_file(read, paths, port, force=force, jaus=with_jaus)
+    except NoSystemError as error:
+        hint = "--bridge-address ID makes a bridge of its maps"
+        raise EnvironmentFault(f"{error}; {hint}") from error
     except (RecordingError, GenerationError) as error:
         raise EnvironmentFault(str(error)) from error
     if not is_done:
@@ -138,8 +144,10 @@ def _to_wire(recording: str, model: Model, options: dict[str, Any]) -> bool:
     stop = Event()
     bag, allowed = Bag(recording), options["allow_commands"]
     transport = {name: options[name] for name in ("interface", "port", "multicast_group")}
+    found = bag.messages()
+    first = list(islice(found, 1))  # what cannot be read opens no bridge
     with (
-        _stopped_by_signals(stop),
+        stopped_by_signals(stop),
         WireReplay(model, transport, allow_commands=allowed) as replay,
     ):
         for each in replay.commands:
@@ -147,7 +155,7 @@ def _to_wire(recording: str, model: Model, options: dict[str, Any]) -> bool:
             click.echo(f"{each}: {what}", err=True)
         click.echo(f"on the network; the first message comes in {options['wait']:g} s", err=True)
         stop.wait(options["wait"])
-        messages = paced(bag.messages(), options["speed"], options["max_rate"], stop)
+        messages = paced(chain(first, found), options["speed"], options["max_rate"], stop)
         replay.run(islice(messages, options["count"]))
         stop.wait(options["hold"])
     for line in _wire_lines(replay):
@@ -155,18 +163,6 @@ def _to_wire(recording: str, model: Model, options: dict[str, Any]) -> bool:
     for encoding, number in sorted(bag.others.items()):
         click.echo(f"{number} messages in {encoding} are not of ROS", err=True)
     return not replay.refused
-
-
-@contextmanager
-def _stopped_by_signals(stop: Event) -> Iterator[None]:
-    """Has SIGINT and SIGTERM end a replay in good order: what it commands is stopped."""
-    numbers = (signal.SIGINT, signal.SIGTERM)
-    former = [signal.signal(number, lambda *_: stop.set()) for number in numbers]
-    try:
-        yield
-    finally:
-        for number, handler in zip(numbers, former, strict=True):
-            signal.signal(number, handler)
 
 
 def _wire_lines(replay: WireReplay) -> Iterator[str]:

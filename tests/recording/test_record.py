@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import shutil
 import signal
 import socket
 import subprocess
@@ -30,12 +32,14 @@ def wait_for(condition, what):
 class Recording:
     """The verb, which runs until it is told to end."""
 
-    def __init__(self, folder, port, *options):
+    def __init__(self, folder, port, *options, prefix=()):
         self.path, self.log = folder / "run.mcap", folder / "run.log"
         self.capture = self.path.with_suffix(".pcap")
         line = ["record", "--output", str(self.path), "--port", str(port), *options]
         with self.log.open("wb") as log:
-            self.process = subprocess.Popen([sys.executable, "-m", "jausml", *line], stderr=log)
+            self.process = subprocess.Popen(
+                [*prefix, sys.executable, "-m", "jausml", *line], stderr=log
+            )
 
     def begin(self):
         wait_for(lambda: "record" in self.log.read_text(), "begin")
@@ -100,3 +104,40 @@ def test_capture_beside_it_has_the_same_at_the_same_times(recording):
     assert [each.nanoseconds for each in datagrams] == times
     assert abs(times[0] - time.time_ns()) < 3600 * 10**9
     assert not any(reader.skipped.values())
+
+
+def test_nothing_is_overwritten_and_nothing_is_left_behind(tmp_path):
+    (tmp_path / "run.pcap").write_bytes(b"precious")
+    line = [sys.executable, "-m", "jausml", "record", "--output", str(tmp_path / "run.mcap")]
+    done = subprocess.run(line, capture_output=True, text=True, timeout=PATIENCE)
+    assert "run.pcap is there already; --force overwrites it" in done.stderr
+    assert done.returncode == 2
+    assert [each.name for each in tmp_path.iterdir()] == ["run.pcap"]
+
+
+def test_without_the_capability_the_group_is_heard(tmp_path):
+    if shutil.which("setpriv") is None or os.geteuid() != 0:
+        pytest.skip("no capability can be given away here: setpriv is missing, or root")
+    port = free_port()
+    made = Recording(tmp_path, port, prefix=("setpriv", "--bounding-set=-net_raw"))
+    try:
+        made.begin()
+        said = made.log.read_text()
+        assert "needs CAP_NET_RAW" in said
+        assert "the multicast group alone is recorded" in said
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as speaker:
+            loopback = socket.inet_aton("127.0.0.1")
+            speaker.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, loopback)
+
+            def is_heard():
+                # Who says it first may be too early for the listener.
+                speaker.sendto(datagram(event(pose(1.0, 2.0, 0.0))), ("239.255.0.1", port))
+                return made.capture.stat().st_size > 24
+
+            wait_for(is_heard, "message to the group")
+        assert made.end() == 0
+    finally:
+        made.close()
+    topics = {channel.topic for _, channel, _ in by_mcap(made.path)}
+    assert topics == {"/jaus/100.1.1/ReportLocalPose"}
+    assert UdpReader(port).read(made.frames()[0]) is not None

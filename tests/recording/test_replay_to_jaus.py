@@ -160,4 +160,13 @@ def test_wrong_types_and_broken_files_are_told(tmp_path):
     broken.write_bytes(Path(bag).read_bytes()[:100])
     result = CliRunner().invoke(main, ["replay", str(broken), *line])
     assert "broken.mcap cannot be read" in result.stderr
+    assert "on the network" not in result.stderr  # no bridge was opened for it
+    assert result.exit_code == 2
+
+
+def test_maps_alone_need_the_address_of_a_bridge(tmp_path):
+    bag = record(tmp_path / "run.mcap", "/odom", "nav_msgs/msg/Odometry", [])
+    maps = str(ROOT / "models" / "library" / "mappings" / "velocity_state_sensor.ros2jaus")
+    result = CliRunner().invoke(main, ["replay", bag, maps])
+    assert "--bridge-address ID makes a bridge of its maps" in result.stderr
     assert result.exit_code == 2
