@@ -11,14 +11,14 @@ from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING
 
-from jausml.editing.commands import Add, Child, Remove
-from jausml.metamodel.classes import bridge
+from jausml.editing.commands import Child
 from jausml.proposals.elements import AnswerError
 from jausml.semantics.attributes import LIST, NUMBER, NUMBERS
 from jausml.semantics.conversions import CONVERSIONS, UnitEffect, conversions_between
 from jausml.semantics.frames import axis_of
-from jausml.semantics.paths import is_many, outer_scope, parse_path, source_paths, target_paths
+from jausml.semantics.paths import is_many, outer_scope
 from jausml.semantics.units import attribute_measure
+from jausml.studio.answers.assignments import filling
 from jausml.studio.answers.members import Member, leaves, member
 from jausml.studio.answers.shapes import Option, Options
 from jausml.studio.answers.statements import OF_AUTHORS, innermost, statement, steps
@@ -27,7 +27,7 @@ from jausml.studio.answers.trial import Judged, judge
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from jausml.editing.commands import Command
+    from jausml.metamodel.classes import bridge
     from jausml.proposals.elements import Scope
     from jausml.semantics.conversions import Conversion
 
@@ -98,51 +98,12 @@ def assign(scope: Scope, used: bridge.AttributeMap, source: Member, target: Memb
             label=_label(each),
             why=_why(each, found.plain, source, target),
             preview=statement(each.assignment),
-            commands=_commands(scope, used, each.assignment, source, target, feature),
+            commands=filling(scope, used, each.assignment, source, target, feature),
             is_best=index == 0 and not set(steps(each.assignment)) & set(OF_AUTHORS),
         )
         for index, each in enumerate(_distinct(found.good)[:_MOST])
     ]
     return Options(tuple(options))
-
-
-def constant(scope: Scope, used: bridge.AttributeMap, target: Member, value: str) -> Options:
-    """Returns how a member becomes a constant, or why it cannot have the value."""
-    values = {"target": (target.inner,), "value": (value,)}
-    return _sourceless(scope, used, target, "bridge.ConstantAssignment", values, "constant")
-
-
-def clock(scope: Scope, used: bridge.AttributeMap, target: Member) -> Options:
-    """Returns how a member becomes the present time, or why it cannot."""
-    return _sourceless(
-        scope, used, target, "bridge.ClockAssignment", {"target": (target.inner,)}, "present time"
-    )
-
-
-def ignore(scope: Scope, used: bridge.AttributeMap, target: Member) -> Options:
-    """Returns how a member is left out on purpose."""
-    return _sourceless(
-        scope, used, target, "bridge.Ignore", {"target": (target.inner,)}, "leave out"
-    )
-
-
-def _sourceless(
-    scope: Scope,
-    used: bridge.AttributeMap,
-    target: Member,
-    kind: str,
-    values: Mapping[str, tuple[str, ...]],
-    label: str,
-) -> Options:
-    feature = _TO_JAUS if target.is_jaus else _TO_ROS
-    if target.outer:
-        return Options(refusal=f"'{target.path}' is of each element of '{target.outer}'")
-    child = Child(feature, kind, values)
-    [found] = judge(scope.model.metamodels, used, [child])
-    if not found.is_possible:
-        return Options(refusal=found.said)
-    commands = _commands(scope, used, child, None, target, feature)
-    return Options((Option(label, found.said or label, statement(child), commands, is_best=True),))
 
 
 @dataclass(frozen=True)
@@ -326,43 +287,6 @@ def _conversion(name: str) -> Child:
     if name in OF_AUTHORS:
         values["arguments"] = ("1",)
     return Child("conversions", "bridge.Conversion", values)
-
-
-def _commands(
-    scope: Scope,
-    used: bridge.AttributeMap,
-    child: Child,
-    source: Member | None,
-    target: Member,
-    feature: str,
-) -> tuple[Command, ...]:
-    """Returns what adds an assignment, in the place of what fills the same."""
-    owner: bridge.AttributeMap | bridge.ListAssignment = used
-    if source is not None and source.outer:
-        around = _list_of(used, source, target, feature)
-        if around is not None:
-            owner, child, feature = around, innermost(child), "assignments"
-    add = Add(scope.ref(owner), feature, child.kind, child.values, child.children)
-    filled = {parse_path(each) for each in child.values["target"][0].split(", ")}
-    gone = [
-        each
-        for each in getattr(owner, feature)
-        if any(parse_path(path) in filled for path in target_paths(each))
-    ]
-    # What is added stands behind what goes, whose places so stay until it goes.
-    return (add, *(Remove(scope.ref(each)) for each in reversed(gone)))
-
-
-def _list_of(
-    used: bridge.AttributeMap, source: Member, target: Member, feature: str
-) -> bridge.ListAssignment | None:
-    """Returns the assignment of the lists in which two members lie, if there is one."""
-    for each in getattr(used, feature):
-        if isinstance(each, bridge.ListAssignment):
-            ends = source_paths(each)[:1], target_paths(each)[:1]
-            if ends == ([source.outer], [target.outer]):
-                return each
-    return None
 
 
 def partners(scope: Scope, used: bridge.AttributeMap, source: Member) -> list[tuple[Member, str]]:

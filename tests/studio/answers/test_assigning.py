@@ -9,8 +9,9 @@ from jausml.editing.commands import Add, Remove
 from jausml.metamodel.classes import bridge
 from jausml.proposals.elements import AnswerError
 from jausml.semantics.conversions import CONVERSIONS
-from jausml.studio.answers.assigning import assign, clock, constant, ignore, partners
+from jausml.studio.answers.assigning import assign, partners
 from jausml.studio.answers.members import end_of, member
+from jausml.studio.answers.sourceless import clock, constant, ignore
 
 CHANGES_VALUES = {"deadband", "clamp", "limit"}
 

@@ -1,0 +1,61 @@
+"""Assignments as commands: each stands in the place of what fills the same member."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.editing.commands import Add, Remove
+from jausml.metamodel.classes import bridge
+from jausml.semantics.paths import parse_path, source_paths, target_paths
+from jausml.studio.answers.statements import innermost
+
+if TYPE_CHECKING:
+    from jausml.editing.commands import Child, Command
+    from jausml.proposals.elements import Scope
+    from jausml.studio.answers.members import Member
+
+
+def filling(
+    scope: Scope,
+    used: bridge.AttributeMap,
+    child: Child,
+    source: Member | None,
+    target: Member,
+    feature: str,
+) -> tuple[Command, ...]:
+    """Returns what adds an assignment, in the place of what fills the same.
+
+    Args:
+        scope: The model.
+        used: The map.
+        child: The assignment.
+        source: What fills, None without a source.
+        target: What is filled.
+        feature: The direction: `toRos` or `toJaus`.
+    """
+    owner: bridge.AttributeMap | bridge.ListAssignment = used
+    if source is not None and source.outer:
+        around = _list_of(used, source, target, feature)
+        if around is not None:
+            owner, child, feature = around, innermost(child), "assignments"
+    add = Add(scope.ref(owner), feature, child.kind, child.values, child.children)
+    filled = {parse_path(each) for each in child.values["target"][0].split(", ")}
+    gone = [
+        each
+        for each in getattr(owner, feature)
+        if any(parse_path(path) in filled for path in target_paths(each))
+    ]
+    # What is added stands behind what goes, whose places so stay until it goes.
+    return (add, *(Remove(scope.ref(each)) for each in reversed(gone)))
+
+
+def _list_of(
+    used: bridge.AttributeMap, source: Member, target: Member, feature: str
+) -> bridge.ListAssignment | None:
+    """Returns the assignment of the lists in which two members lie, if there is one."""
+    for each in getattr(used, feature):
+        if isinstance(each, bridge.ListAssignment):
+            ends = source_paths(each)[:1], target_paths(each)[:1]
+            if ends == ([source.outer], [target.outer]):
+                return each
+    return None
