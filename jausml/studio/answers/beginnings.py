@@ -9,8 +9,10 @@ from jausml.metamodel import FeatureKind
 from jausml.metamodel.classes import jaus, system
 from jausml.model.names import name_of
 from jausml.proposals.fresh import free_address, name_among, participant_name
+from jausml.semantics.core_services import CORE
 from jausml.semantics.inherited_machines import CORE_MACHINE
 from jausml.semantics.names import package_key
+from jausml.semantics.services import lineage
 from jausml.text.reading.declaring.messages import FIRST_CODE
 
 if TYPE_CHECKING:
@@ -30,10 +32,14 @@ _CAPITAL = {
     "jaus.Service": "Service",
     "jaus.MessageDef": "Message",
     "jaus.InternalEvent": "Event",
-    "jaus.StateMachine": CORE_MACHINE,
+    "jaus.StateMachine": "Machine",
     "jaus.State": "State",
 }
 """What new elements are called whose names have capitals in the standards."""
+
+
+_READY = "Receiving.Ready.Controlled.Available.Ready"
+"""The core state in which most machines of services have theirs (AS5710, Management)."""
 
 
 def usual_values(
@@ -48,7 +54,7 @@ def usual_values(
         kind: Its class.
     """
     table = model.metamodels.classes[kind]
-    siblings = list(getattr(owner, feature.name)) if feature.many else []
+    siblings = _siblings(owner, feature)
     values: dict[str, tuple[str, ...]] = {}
     if "name" in table.features and table.features["name"].kind is FeatureKind.ATTRIBUTE:
         values["name"] = (_first_name(owner, feature, table.name, kind, siblings),)
@@ -59,9 +65,16 @@ def usual_values(
         values["address"] = (free_address(model),)
     if kind == "jaus.MessageDef":
         values["code"] = (free_code(model),)
-    if kind == "jaus.State" and not siblings:
+    if kind == "jaus.State" and not siblings and values["name"] != (_READY,):
         values["initial"] = ("true",)
     return values
+
+
+def _siblings(owner: EObject, feature: FeatureTable) -> list[EObject]:
+    """Returns what an element owns among whose names a new one is to be found."""
+    if isinstance(owner, jaus.Service) and feature.name in ("inputs", "outputs"):
+        return [*owner.inputs, *owner.outputs]
+    return list(getattr(owner, feature.name)) if feature.many else []
 
 
 def _first_name(
@@ -72,8 +85,20 @@ def _first_name(
     if kind not in _CAPITAL:
         return name_among(word, siblings)
     used = {package_key(name_of(each)) for each in siblings if name_of(each)}
+    special = _of_the_core(owner, kind)
+    if special and package_key(special) not in used:
+        return special
     numbers = chain([""], count(2))
     return next(e for n in numbers if package_key(e := f"{_CAPITAL[kind]}{n}") not in used)
+
+
+def _of_the_core(owner: EObject, kind: str) -> str:
+    """Returns what a machine is called that extends that of the core, or its first state."""
+    if kind == "jaus.StateMachine" and isinstance(owner, jaus.Service):
+        is_core = any(str(each.urn).startswith(CORE) for each in lineage(owner))
+        return CORE_MACHINE if is_core else ""
+    is_extending = isinstance(owner, jaus.StateMachine) and owner.name == CORE_MACHINE
+    return _READY if kind == "jaus.State" and is_extending else ""
 
 
 def free_code(model: Model) -> str:

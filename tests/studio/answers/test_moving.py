@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from jausml.diagrams.views import graph_of
-from jausml.editing.commands import Rename
+from jausml.editing.commands import Add, Remove, Rename
 from jausml.editing.project import Project
 from jausml.metamodel.classes import jaus
 from jausml.model.uris import LIBRARY_URI
@@ -111,6 +111,27 @@ def test_the_form_of_a_transition_knows_its_states_and_events(desk):
     fields = {each.feature: each for each in form_of(desk.scope, transition).fields}
     assert "Locked" in [each.value for each in fields["target"].choices]
     assert {"EndStop", "Timedout"} <= {each.value for each in fields["event"].choices}
+
+
+def test_a_machine_that_is_made_by_clicks_alone_has_no_error(desk):
+    def add(owner, name):
+        children = {each.feature: each for each in form_of(desk.scope, owner).children}
+        [kind] = children[name].kinds
+        add = Add(desk.scope.ref(owner), name, kind.kind, kind.values)
+        desk.project.do([add], "add")
+
+    desk.project.do([Remove(desk.scope.ref(desk.the(jaus.StateMachine)))], "remove")
+    add(desk.the(jaus.Service), "inputs")
+    add(desk.the(jaus.Service), "outputs")
+    names = [each.name for each in desk.scope.model.instances(jaus.MessageDef, library=False)]
+    assert {"Message", "Message2"} <= set(names)
+    add(desk.the(jaus.Service), "machines")
+    assert desk.the(jaus.StateMachine).name == "ReceiveFSM"
+    add(desk.the(jaus.StateMachine), "states")
+    add(desk.the(jaus.State), "states")
+    add(desk.the(jaus.StateMachine).states[0], "states")
+    found = check(desk.project.model(FILE)).diagnostics
+    assert [each for each in found if each.severity.value == "error"] == []
 
 
 def test_transitions_are_called_by_what_triggers_them_and_where_they_lead(desk):
