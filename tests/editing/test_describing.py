@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from jausml.editing.commands import Create, EditError
+from jausml.editing.commands import Create, EditError, Move
 from jausml.editing.describing import free_name
 from jausml.editing.project import Project
 from jausml.metamodel.filling import contents
@@ -153,6 +153,13 @@ def test_what_has_no_place_is_refused(project):
     commands = project.describe([project.ref(node, model)])
     with pytest.raises(EditError, match="has no place in catvehicle"):
         project.paste(commands, "catvehicle.xmi#/", "paste")
+
+
+def test_a_text_keeps_its_elements_and_says_how_they_get_elsewhere(project):
+    model = project.model("catvehicle.ros2jaus").model
+    node = project.ref(own(project, "catvehicle.ros2jaus", "logger"), model)
+    with pytest.raises(EditError, match="logger is named in .* copy it into the other file"):
+        project.do([Move(node, "catvehicle.xmi#/", "nodes")], "move")
 
 
 def test_free_names():

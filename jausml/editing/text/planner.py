@@ -18,6 +18,7 @@ from jausml.editing.text.values import Values
 from jausml.metamodel import FeatureKind
 from jausml.metamodel.classes import bridge
 from jausml.metamodel.filling import contents, hang, set_value
+from jausml.model.names import name_of
 from jausml.model.xmi.writer import UnwritableError
 from jausml.semantics.ways import FEATURES, settle
 from jausml.text.tree import Assignment, Element, Entry, Ignored, Table, Vector
@@ -163,7 +164,9 @@ class _Plan:
     def _move(self, obj: EObject, command: Move) -> None:
         owner = self._context.find(command.owner)
         if owner is None or not self._context.is_own(owner):
-            raise EditError("an element moves within its file; copy it to get it to another one")
+            what = name_of(obj) or obj.eClass.name
+            told = f"{what} is named in {self._context.file} by where it stands in that text"
+            raise EditError(f"{told}: copy it into the other file, and remove it here")
         around: EObject | None = owner
         while around is not None:
             if around is obj:
