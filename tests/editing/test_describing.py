@@ -158,7 +158,7 @@ def test_what_has_no_place_is_refused(project):
 def test_a_text_keeps_its_elements_and_says_how_they_get_elsewhere(project):
     model = project.model("catvehicle.ros2jaus").model
     node = project.ref(own(project, "catvehicle.ros2jaus", "logger"), model)
-    with pytest.raises(EditError, match="logger is named in .* copy it into the other file"):
+    with pytest.raises(EditError, match=r"logger is named in .* copy it into the other file"):
         project.do([Move(node, "catvehicle.xmi#/", "nodes")], "move")
 
 
