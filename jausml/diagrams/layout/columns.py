@@ -1,7 +1,7 @@
-"""Layout in columns: each frame by itself, and frames beside each other; fast at any size.
+"""Layout in columns: each frame by itself, and frames beside each other, also within frames.
 
-An engine that looks for the best way of each line takes minutes for thousands of them. In a frame
-with one bridge there is little to look for: what is joined with an upper row stands above.
+In a frame with one bridge there is little to look for: what is joined with an upper row stands
+above. Graphviz packs no frames that stand in others, and so makes one tall column of them.
 """
 
 from __future__ import annotations
