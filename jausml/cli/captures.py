@@ -5,33 +5,33 @@ from __future__ import annotations
 import sys
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
-
-import click
+from typing import TYPE_CHECKING, BinaryIO, cast
 
 from jausml.cli.common import EnvironmentFault
+from jausml.cli.manners import step
 from jausml.cli.messages import STDIN, reason_of, shown_path
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
+    from jausml.cli.manners import Progress
     from jausml.live.traffic.frames import UdpReader
-
-_STEPS = 200
 
 
 class _Counted:
     """A stream that tells how much was read of it."""
 
-    def __init__(self, stream: BinaryIO, bar: Any) -> None:
+    def __init__(self, stream: BinaryIO, size: int, progress: Progress) -> None:
         self._stream = stream
-        self._bar = bar
+        self._size = size
+        self._progress = progress
+        self._read = 0
 
     def read(self, size: int = -1) -> bytes:
         """Returns what the stream gives."""
         data = self._stream.read(size)
-        self._bar.update(len(data))
+        self._read += len(data)
+        self._progress.at(self._read / self._size)
         return data
 
 
@@ -39,7 +39,7 @@ class _Counted:
 def opened(path: str) -> Iterator[BinaryIO]:
     """Opens a file to be read from its beginning to its end.
 
-    How far it is stands on stderr, if that is a terminal and no output runs on one.
+    How far it is stands on a terminal, if no output runs there (see `manners.step`).
 
     Args:
         path: The file; `-` is stdin.
@@ -56,13 +56,9 @@ def opened(path: str) -> Iterator[BinaryIO]:
             size = Path(path).stat().st_size
         except (OSError, ValueError) as error:
             raise EnvironmentFault(f"{shown_path(path)}: {reason_of(error)}") from error
-        if size and sys.stderr.isatty() and not sys.stdout.isatty():
-            steps, label = max(1, size // _STEPS), shown_path(path)
-            bar = stack.enter_context(
-                click.progressbar(length=size, label=label, file=sys.stderr, update_min_steps=steps)
-            )
-            stream = _Counted(stream, bar)  # type: ignore[assignment]  # reads as captures do
-        yield stream
+        progress = stack.enter_context(step(f"reading {shown_path(path)}", prints=True))
+        # It reads as captures do; of what has no size, such as a pipe, nobody knows the share.
+        yield cast("BinaryIO", _Counted(stream, size, progress)) if size else stream
 
 
 def skipped_lines(reader: UdpReader, port: int) -> Iterator[str]:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import os
-
 import pytest
 from click.testing import CliRunner
+from ports import free_domain
 
 pytest.importorskip("rclpy")
 
@@ -33,7 +32,7 @@ def vehicle(monkeypatch):
     from std_msgs.msg import String
 
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 53) % 90))
+    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
     context = Context()
     rclpy.init(context=context, args=[])
     node = rclpy.create_node("wheels", context=context, namespace="car")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import signal
 import subprocess
 import sys
@@ -11,7 +10,7 @@ import threading
 from pathlib import Path
 
 import pytest
-from ports import free_port
+from ports import free_domain, free_port
 
 pytest.importorskip("rclpy")
 
@@ -121,7 +120,7 @@ def recording(tmp_path_factory):
     log = folder / "record.log"
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 63) % 90))
+        environment.setenv("ROS_DOMAIN_ID", free_domain())
         packages = generate(tmp_path_factory.mktemp("workspace"), FLEET)
         ros = RosPeer()
         line = ["-m", "robot.main", "--jaus-port", str(port)]
