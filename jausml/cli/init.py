@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from jausml.projects.creating import Wish
 
 _EXAMPLE, _EMPTY, _TOPICS, _JSIDL = "example", "empty", "topics", "jsidl"
+_EXAMPLES = {_TOPICS: "odom:nav_msgs/Odometry", _JSIDL: "services/Winch.jsidl"}
+"""A SOURCE for each way to begin that needs some."""
 
 
 @click.command("init")
@@ -62,8 +64,8 @@ def command(
     from jausml.projects.creating import Wish, create, name_for
     from jausml.projects.errors import ProjectError
 
-    if bool(sources) is not (origin in (_TOPICS, _JSIDL)):
-        what = "needs SOURCEs" if not sources else "takes no SOURCE"
+    if bool(sources) is not (origin in _EXAMPLES):
+        what = f"needs SOURCEs, such as {_EXAMPLES[origin]}" if not sources else "takes no SOURCE"
         raise click.UsageError(f"--from {origin} {what}")
     try:
         wish = Wish(name or name_for(folder), notation == "text", origin == _EMPTY)

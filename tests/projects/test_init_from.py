@@ -35,7 +35,7 @@ def test_eclipse_opens_services_without_a_word(tmp_path, jausml):
 @pytest.mark.parametrize(
     ("options", "status", "told"),
     [
-        (("--from", "topics"), 2, "needs SOURCEs"),
+        (("--from", "topics"), 2, "needs SOURCEs, such as odom:nav_msgs/Odometry"),
         (("a:geometry_msgs/Twist",), 2, "takes no SOURCE"),
         (("--from", "topics", "a:std_msgs/String"), 2, "no ready map carries std_msgs/String"),
         (("--from", "jsidl", WINCH / "Winch.jsidl"), 1, "nothing written"),
