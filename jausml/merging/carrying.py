@@ -53,7 +53,7 @@ class Carrying:
         self.root = root
         self.files = dict(files)
         self.conflicts: list[Conflict] = []
-        forest = Forest({file: sides.ours.model}, root)
+        forest = Forest.grown({file: sides.ours.model}, root)
         fragments = forest.fragments()
         self.where: dict[EObject, Ref] = {
             obj: f"{file}#{fragments[thing]}" for obj, thing in forest.things.items()
