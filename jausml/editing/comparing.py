@@ -105,9 +105,12 @@ def _children(thing: Thing, read: Forest) -> list[tuple[Thing, EObject]]:
 def _compare_references(thing: Thing, read: Forest) -> None:
     meant = {name: each for name, each in thing.references.items() if each}
     thing.references = read.references_of(thing)
-    if meant != thing.references:
-        what = f"refers to {thing.references}, not {meant}"
-        raise _different(thing, what)
+    if meant == thing.references:
+        return
+    for name in (*meant, *thing.references):
+        wanted, found = meant.get(name, []), thing.references.get(name, [])
+        if wanted != found:
+            raise _different(thing, f"refers by {name} to {found}, not {wanted}")
 
 
 def _different(where: Thing | str, what: str) -> EditError:
