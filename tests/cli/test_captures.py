@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import struct
+import subprocess
 import sys
 
 from terminal import at_terminal
+
+DATAGRAM = bytes.fromhex("02 00 1000 01 0201c800 01016500 0220 0700")
 
 # Results go elsewhere; waits until a line is typed, as the test looks at what is shown.
 HALF = """
@@ -34,3 +38,15 @@ def test_nothing_is_shown_beside_results(tmp_path):
     with at_terminal(sys.executable, "-c", code, cwd=tmp_path) as terminal:
         terminal.type("\n")
         assert "day.pcap" not in terminal.read_all()
+
+
+def test_no_log_has_it(tmp_path):
+    udp = struct.pack(">HHHH", 3794, 3794, 8 + len(DATAGRAM), 0) + DATAGRAM
+    packet = struct.pack(">BBHHHBBH", 0x45, 0, 20 + len(udp), 1, 0, 16, 17, 0) + bytes(8) + udp
+    frame = struct.pack("<IIII", 1, 0, len(packet), len(packet)) + packet
+    path = tmp_path / "day.pcap"
+    path.write_bytes(struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 65535, 101) + 300 * frame)
+    command = [sys.executable, "-m", "jausml", "decode", "--format", "json", "--pcap", str(path)]
+    done = subprocess.run(command, capture_output=True, timeout=100)
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert len(done.stdout.splitlines()) == 300
