@@ -67,6 +67,11 @@ REMARKS: Mapping[str, str] = {
         " take half of that. Seconds are those of a slow day, as with the start."
     ),
     "validate": "seconds of a slow day, as with the start; on a better one it took 3.6.",
+    "large_edit": (
+        "about half of it are the rules, each of which looks at every connection of a file that"
+        " was edited; the rest is reading the edited file again, and seeing that it says what was"
+        " meant. Neither is limited to what an edit can have touched."
+    ),
 }
 """Why a target is missed, by its key; written by hand after a run."""
 
