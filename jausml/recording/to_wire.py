@@ -15,7 +15,6 @@ from jausml.workers.process import Worker, WorkerError
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from threading import Event
-    from types import TracebackType
 
     from typing_extensions import Self
 
@@ -92,12 +91,7 @@ class WireReplay:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def close(self) -> None:

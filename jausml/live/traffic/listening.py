@@ -14,7 +14,6 @@ from jausml.live.traffic.frames import Datagram
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from types import TracebackType
 
     from jausml.runtime.base.settings import TransportSettings
 
@@ -66,12 +65,7 @@ class MulticastListener:
         """Returns the listener, which is closed at the end of the block."""
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Leaves the group."""
         self._socket.close()
 
