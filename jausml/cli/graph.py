@@ -27,7 +27,7 @@ def topics_that_run(words: Sequence[str], seconds: float) -> list[TopicEnd]:
         EnvironmentFault: ROS cannot be used here, or nothing runs.
         UsageError: A topic that is named does not run.
     """
-    from jausml.live.systems.ros_diagnostics import RosFault
+    from jausml.live.ros import RosFault
     from jausml.live.systems.ros_graph import running_topics
 
     try:

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import importlib
-import os
 import time
-from threading import Thread
 from typing import TYPE_CHECKING, Any
 
+from jausml.live.ros import QuietNode, RosFault, message_class
 from jausml.recording.errors import RecordingError
-from jausml.semantics.names import is_identifier
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
@@ -43,10 +40,7 @@ class RosTopics:
         self.missing: dict[str, str] = {}
         self.wanted = None if wanted is None else frozenset(wanted)
         self._take = take
-        self._context: Any = None
-        self._node: Any = None
-        self._executor: Any = None
-        self._thread: Thread | None = None
+        self._quiet = QuietNode("record")
 
     def start(self) -> None:
         """Begins to look for publishers.
@@ -55,37 +49,14 @@ class RosTopics:
             RecordingError: rclpy is missing or does not work.
         """
         try:
-            import rclpy  # noqa: PLC0415 - it is on robots, not everywhere
-            from rclpy.context import Context  # noqa: PLC0415
-            from rclpy.executors import SingleThreadedExecutor  # noqa: PLC0415
-        except ImportError as error:
-            raise RecordingError(f"no ROS here: {error}") from error
-        try:
-            self._context = Context()
-            rclpy.init(context=self._context, args=[])
-            self._node = rclpy.create_node(
-                f"jausml_record_{os.getpid()}",
-                context=self._context,
-                start_parameter_services=False,
-                enable_rosout=False,
-            )
-            self._node.create_timer(_LOOK, self._look)
-            self._executor = SingleThreadedExecutor(context=self._context)
-            self._executor.add_node(self._node)
-        except (RuntimeError, OSError) as error:
-            raise RecordingError(f"ROS does not work here: {error}") from error
-        self._thread = Thread(target=self._spin, name="topics", daemon=True)
-        self._thread.start()
+            self._quiet.open(lambda node: node.create_timer(_LOOK, self._look))
+        except RosFault as error:
+            raise RecordingError(str(error)) from error
+        self._quiet.spin()
 
     def stop(self) -> None:
         """Leaves ROS."""
-        if self._thread is None:
-            return
-        self._executor.shutdown()
-        self._thread.join()
-        self._node.destroy_node()
-        self._context.try_shutdown()
-        self._thread = None
+        self._quiet.close()
 
     def _look(self) -> None:
         for topic, kind in self._published():
@@ -93,15 +64,17 @@ class RosTopics:
                 self._subscribe(topic, kind)
 
     def _published(self) -> Iterator[tuple[str, str]]:
-        for topic, kinds in self._node.get_topic_names_and_types():
+        for topic, kinds in self._quiet.node.get_topic_names_and_types():
             if (self.wanted is None or topic in self.wanted) and len(kinds) == 1:
                 yield topic, kinds[0]
 
     def _subscribe(self, topic: str, kind: str) -> None:
-        offered = [each.qos_profile for each in self._node.get_publishers_info_by_topic(topic)]
+        offered = [
+            each.qos_profile for each in self._quiet.node.get_publishers_info_by_topic(topic)
+        ]
         if not offered:
             return  # somebody waits for it, as we do
-        cls = _message_class(kind)
+        cls = message_class(kind)
         if cls is None:
             self.missing[topic] = kind
             return
@@ -110,17 +83,9 @@ class RosTopics:
         def note(data: bytes, told: Any) -> None:
             take(topic, kind, bytes(data), time.time_ns(), told["source_timestamp"])
 
-        self.heard[topic] = self._node.create_subscription(
+        self.heard[topic] = self._quiet.node.create_subscription(
             cls, topic, note, _asked(offered), raw=True
         )
-
-    def _spin(self) -> None:
-        from rclpy.executors import ExternalShutdownException  # noqa: PLC0415
-
-        try:
-            self._executor.spin()
-        except ExternalShutdownException:
-            return
 
 
 def _asked(offered: list[Any]) -> Any:
@@ -135,14 +100,3 @@ def _asked(offered: list[Any]) -> Any:
         reliability=ReliabilityPolicy.RELIABLE if is_reliable else ReliabilityPolicy.BEST_EFFORT,
         durability=(DurabilityPolicy.TRANSIENT_LOCAL if is_latched else DurabilityPolicy.VOLATILE),
     )
-
-
-def _message_class(name: str) -> Any:
-    """Returns the class of a message type, None when it is not installed."""
-    package, _, kind = name.partition("/msg/")
-    if not (is_identifier(package) and is_identifier(kind)):
-        return None
-    try:
-        return getattr(importlib.import_module(f"{package}.msg"), kind, None)
-    except ImportError:
-        return None

@@ -8,6 +8,7 @@ from threading import Lock
 from typing import TYPE_CHECKING
 
 from jausml.live.peers.network import component_address
+from jausml.live.ros import RosFault
 from jausml.live.systems.folding import (
     fold_answer,
     fold_model,
@@ -16,7 +17,7 @@ from jausml.live.systems.folding import (
     fold_time,
 )
 from jausml.live.systems.jaus_observer import JausObserver
-from jausml.live.systems.ros_diagnostics import RosDiagnostics, RosFault
+from jausml.live.systems.ros_diagnostics import RosDiagnostics
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

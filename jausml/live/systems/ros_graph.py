@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.systems.ros_diagnostics import RosFault
+from jausml.live.ros import QuietNode
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -60,27 +59,11 @@ def running_topics(seconds: float) -> list[GraphTopic]:
     Raises:
         RosFault: rclpy is missing or does not work.
     """
+    quiet = QuietNode("new").open()
     try:
-        import rclpy  # noqa: PLC0415 - it is on robots, not everywhere
-        from rclpy.context import Context  # noqa: PLC0415
-    except ImportError as error:
-        raise RosFault(f"no ROS here: {error}") from error
-    context = Context()
-    try:
-        rclpy.init(context=context, args=[])
-        node: Any = rclpy.create_node(
-            f"jausml_new_{os.getpid()}",
-            context=context,
-            start_parameter_services=False,
-            enable_rosout=False,
-        )
-    except (RuntimeError, OSError) as error:
-        raise RosFault(f"ROS does not work here: {error}") from error
-    try:
-        return _settled(node, seconds)
+        return _settled(quiet.node, seconds)
     finally:
-        node.destroy_node()
-        context.try_shutdown()
+        quiet.close()
 
 
 def _settled(node: Any, seconds: float) -> list[GraphTopic]:

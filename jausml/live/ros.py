@@ -1,0 +1,111 @@
+"""Nodes that look at ROS and leave no trace there. Needs rclpy."""
+
+from __future__ import annotations
+
+import importlib
+import os
+from threading import Thread
+from typing import TYPE_CHECKING, Any
+
+from jausml.semantics.names import is_identifier
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from typing_extensions import Self
+
+
+class RosFault(Exception):  # noqa: N818 - a state of the computer, not a fault of ours
+    """ROS cannot be used here."""
+
+
+class QuietNode:
+    """A node in a context of its own, without parameters, services or log."""
+
+    def __init__(self, purpose: str) -> None:
+        """Does nothing before `open`.
+
+        Args:
+            purpose: What it is for, as a part of its name.
+        """
+        self._name = f"jausml_{purpose}_{os.getpid()}"
+        self._context: Any = None
+        self._executor: Any = None
+        self._thread: Thread | None = None
+        self.node: Any = None
+
+    def open(self, prepare: Callable[[Any], object] | None = None) -> Self:
+        """Enters ROS.
+
+        Args:
+            prepare: Gives the node its subscriptions and timers.
+
+        Raises:
+            RosFault: rclpy, or what is needed beside it, is missing or does not work.
+        """
+        try:
+            import rclpy  # noqa: PLC0415 - it is on robots, not everywhere
+            from rclpy.context import Context  # noqa: PLC0415
+
+            self._context = Context()
+            rclpy.init(context=self._context, args=[])
+            self.node = rclpy.create_node(
+                self._name,
+                context=self._context,
+                start_parameter_services=False,
+                enable_rosout=False,
+            )
+            if prepare is not None:
+                prepare(self.node)
+        except ImportError as error:
+            self.close()
+            raise RosFault(f"no ROS here: {error}") from error
+        except (RuntimeError, OSError) as error:
+            self.close()
+            raise RosFault(f"ROS does not work here: {error}") from error
+        return self
+
+    def spin(self) -> None:
+        """Lets callbacks come, on a thread that ends with `close`."""
+        from rclpy.executors import SingleThreadedExecutor  # noqa: PLC0415
+
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self.node)
+        self._thread = Thread(target=self._spin, name=self._name, daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Leaves ROS."""
+        if self._thread is not None:
+            self._executor.shutdown()
+            self._thread.join()
+            self._thread = None
+        if self.node is not None:
+            self.node.destroy_node()
+            self.node = None
+        if self._context is not None:
+            self._context.try_shutdown()
+            self._context = None
+
+    def _spin(self) -> None:
+        from rclpy.executors import ExternalShutdownException  # noqa: PLC0415
+
+        try:
+            self._executor.spin()
+        except ExternalShutdownException:
+            return
+
+
+def message_class(name: str) -> Any:
+    """Returns the class of a message type, None when it is not installed.
+
+    Args:
+        name: Its name, such as `nav_msgs/msg/Odometry`.
+    """
+    package, _, kind = name.partition("/msg/")
+    if not (is_identifier(package) and is_identifier(kind)):
+        return None
+    try:
+        return getattr(importlib.import_module(f"{package}.msg"), kind, None)
+    except ImportError:
+        return None
