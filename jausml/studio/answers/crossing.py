@@ -49,11 +49,7 @@ def bridged(scope: Scope, at_jaus: Spot, at_ros: Spot, direction: str) -> Option
     component = at_jaus.owner
     if not isinstance(component, jaus.Component):
         return Options(refusal="only components speak JAUS")
-    wanted = [
-        each
-        for each in offers(component, direction)
-        if not at_jaus.message or name_of(each.message) == at_jaus.message
-    ]
+    wanted = _wanted(component, at_jaus.message, direction)
     if not wanted:
         return Options(refusal=_nothing(component, at_jaus.message, direction))
     options = [
@@ -124,11 +120,7 @@ def carried(scope: Scope, owner: bridge.Bridge, at_jaus: Spot, direction: str) -
     component = at_jaus.owner
     if not isinstance(component, jaus.Component):
         return Options(refusal="only components speak JAUS")
-    wanted = [
-        each
-        for each in offers(component, direction)
-        if not at_jaus.message or name_of(each.message) == at_jaus.message
-    ]
+    wanted = _wanted(component, at_jaus.message, direction)
     if not wanted:
         return Options(refusal=_nothing(component, at_jaus.message, direction))
     found = [
@@ -142,6 +134,12 @@ def carried(scope: Scope, owner: bridge.Bridge, at_jaus: Spot, direction: str) -
     what = at_jaus.message or f"a message of {name_of(component)}"
     refusal = f"no ready map has {what} that {name_of(owner)} does not carry already"
     return Options(tuple(options), "" if options else f"{refusal}; draw to a topic of a node")
+
+
+def _wanted(component: jaus.Component, message: str, direction: str) -> list[Offer]:
+    """Returns what a component offers for a direction; of one message where one is named."""
+    found = offers(component, direction)
+    return [each for each in found if not message or name_of(each.message) == message]
 
 
 def _carrying(
