@@ -69,28 +69,23 @@ class Bag:
             ) from error
         except OSError as error:
             raise RecordingError(f"{self._path}: {error.strerror or error}") from error
+        except Exception as error:  # the libraries raise anything on bytes that are no recording
+            reason = str(error) or type(error).__name__
+            raise RecordingError(f"{self._path} cannot be read: {reason}") from error
 
     def _mcap(self) -> Iterator[RosMessage]:
-        from mcap.exceptions import McapError  # noqa: PLC0415 - an extra
-        from mcap.reader import make_reader  # noqa: PLC0415
+        from mcap.reader import make_reader  # noqa: PLC0415 - an extra
 
         with Path(self._path).open("rb") as stream:
-            try:
-                for schema, channel, message in make_reader(stream).iter_messages():
-                    if schema is None or channel.message_encoding != _CDR:
-                        self.others[channel.message_encoding] += 1
-                        continue
-                    yield RosMessage(channel.topic, schema.name, message.log_time, message.data)
-            except McapError as error:
-                reason = str(error) or type(error).__name__
-                raise RecordingError(f"{self._path} cannot be read: {reason}") from error
+            for schema, channel, message in make_reader(stream).iter_messages():
+                if schema is None or channel.message_encoding != _CDR:
+                    self.others[channel.message_encoding] += 1
+                    continue
+                yield RosMessage(channel.topic, schema.name, message.log_time, message.data)
 
     def _bag(self) -> Iterator[RosMessage]:
-        from rosbags.rosbag2 import Reader, ReaderError  # noqa: PLC0415 - an extra
+        from rosbags.rosbag2 import Reader  # noqa: PLC0415 - an extra
 
-        try:
-            with Reader(self._path) as reader:
-                for connection, time, data in reader.messages():
-                    yield RosMessage(connection.topic, connection.msgtype, time, bytes(data))
-        except ReaderError as error:
-            raise RecordingError(f"{self._path} cannot be read: {error}") from error
+        with Reader(self._path) as reader:
+            for connection, time, data in reader.messages():
+                yield RosMessage(connection.topic, connection.msgtype, time, bytes(data))
