@@ -14,12 +14,12 @@ from jausml.generation.system import system_of
 from jausml.generators.bridge.views import bridge_views
 from jausml.generators.common.components import own_bridges
 from jausml.metamodel.classes import bridge, system
+from jausml.model.made import made_model
 from jausml.recording.definitions import full_name, modelled_definition
 from jausml.semantics.report_joins import joined_reports
 from jausml.semantics.services import code
 from jausml.semantics.topics import endpoints
 from jausml.semantics.ways import TO_ROS
-from jausml.workers.made_models import made_model
 from jausml.workers.making import Maker
 
 if TYPE_CHECKING:

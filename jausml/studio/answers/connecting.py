@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge, jaus, ros
 from jausml.model.names import name_of
+from jausml.proposals.options import Options
 from jausml.semantics.ways import TO_JAUS, TO_ROS
 from jausml.studio.answers.crossing import bridged, carried, further_peer, through
 from jausml.studio.answers.linking import asked, topics_between
-from jausml.studio.answers.shapes import Options
 from jausml.studio.answers.spots import all_spots
 
 if TYPE_CHECKING:

@@ -19,12 +19,12 @@ from jausml.proposals.bridging import (
     system_of,
 )
 from jausml.proposals.fresh import name_among
+from jausml.proposals.options import Option, Options
 from jausml.proposals.ready import fitting
 from jausml.semantics.ros_paths import ros_name
 from jausml.semantics.services import find_same
 from jausml.semantics.topics import resolve_topic
 from jausml.semantics.ways import EVENT, MESSAGE, TO_JAUS, TO_ROS
-from jausml.studio.answers.shapes import Option, Options
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

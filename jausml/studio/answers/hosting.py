@@ -8,8 +8,8 @@ from jausml.editing.commands import Add, Remove, Set
 from jausml.metamodel.classes import jaus, ros, system
 from jausml.model.names import name_of
 from jausml.proposals.elements import AnswerError
+from jausml.proposals.options import Option
 from jausml.semantics.hosts import host_of
-from jausml.studio.answers.shapes import Option
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

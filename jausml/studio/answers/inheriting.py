@@ -9,9 +9,9 @@ from jausml.metamodel.classes import jaus
 from jausml.model.names import name_of
 from jausml.model.refs import LIBRARY
 from jausml.proposals.elements import AnswerError
+from jausml.proposals.options import Option, Options
 from jausml.semantics.services import lineage, query_name
 from jausml.studio.answers.beginnings import free_code
-from jausml.studio.answers.shapes import Option, Options
 from jausml.studio.answers.spots import element_of
 from jausml.studio.answers.targets import everywhere
 

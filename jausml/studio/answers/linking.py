@@ -10,10 +10,10 @@ from jausml.model.names import name_of
 from jausml.model.words import snake_case
 from jausml.proposals.bridging import is_served, offers, profile_of
 from jausml.proposals.fresh import name_among
+from jausml.proposals.options import Option, Options
 from jausml.semantics.ros_paths import ros_name
 from jausml.semantics.topics import resolve_topic
 from jausml.semantics.ways import EVENT, TO_ROS
-from jausml.studio.answers.shapes import Option, Options
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

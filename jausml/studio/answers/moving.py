@@ -9,6 +9,7 @@ from jausml.metamodel.classes import jaus
 from jausml.model.names import name_of
 from jausml.model.refs import LIBRARY
 from jausml.proposals.elements import AnswerError
+from jausml.proposals.options import Option, Options
 from jausml.semantics.commands import is_command
 from jausml.semantics.inherited_machines import (
     CORE_EVENTS,
@@ -19,7 +20,7 @@ from jausml.semantics.inherited_machines import (
     machine_with,
 )
 from jausml.semantics.services import lineage
-from jausml.studio.answers.shapes import Choice, Option, Options
+from jausml.studio.answers.shapes import Choice
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from jausml.model.made import made_model
 from jausml.semantics.ways import TO_JAUS, TO_ROS
 from jausml.workers.code import bridge_code
-from jausml.workers.made_models import made_model
 from jausml.workers.making import Maker
 
 if TYPE_CHECKING:

@@ -10,15 +10,15 @@ from jausml.diagrams.views.context import Context
 from jausml.metamodel.classes import bridge, jaus, system
 from jausml.model import refs
 from jausml.proposals.elements import AnswerError, Scope, label_of
-from jausml.studio.answers.assigning import assign, partners
+from jausml.proposals.mapping.assigning import assign, partners
+from jausml.proposals.options import Options
 from jausml.studio.answers.connecting import connect, ends
+from jausml.studio.answers.ends import JAUS_END, ROS_END, end_of
 from jausml.studio.answers.forms import form
 from jausml.studio.answers.hosting import hosted
 from jausml.studio.answers.inheriting import cut, heritage, join
-from jausml.studio.answers.members import JAUS_END, ROS_END, end_of
 from jausml.studio.answers.moving import lead
 from jausml.studio.answers.palette import MOST, palette
-from jausml.studio.answers.shapes import Options
 from jausml.studio.answers.spots import element_of, spot
 from jausml.studio.methods import Method
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from jausml.proposals.elements import AnswerError
-from jausml.studio.answers.filling import fill_map
-from jausml.studio.answers.members import end_of
-from jausml.studio.answers.sourceless import clock, constant, ignore
+from jausml.proposals.mapping.filling import fill_map
+from jausml.proposals.mapping.sourceless import clock, constant, ignore
+from jausml.studio.answers.ends import end_of
 from jausml.studio.answers.trying import inputs
 from jausml.studio.asking.answering import Port, map_named, map_of, scope_of
 from jausml.studio.asking.showing import OfView

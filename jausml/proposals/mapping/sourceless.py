@@ -5,17 +5,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.editing.commands import Child
-from jausml.studio.answers.assignments import filling
-from jausml.studio.answers.shapes import Option, Options
-from jausml.studio.answers.statements import statement
-from jausml.studio.answers.trial import judge
+from jausml.proposals.mapping.assignments import filling
+from jausml.proposals.mapping.statements import statement
+from jausml.proposals.mapping.trial import judge
+from jausml.proposals.options import Option, Options
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from jausml.metamodel.classes import bridge
     from jausml.proposals.elements import Scope
-    from jausml.studio.answers.members import Member
+    from jausml.proposals.mapping.members import Member
 
 
 def constant(scope: Scope, used: bridge.AttributeMap, target: Member, value: str) -> Options:

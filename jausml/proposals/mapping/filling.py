@@ -12,20 +12,20 @@ from typing import TYPE_CHECKING
 from jausml.editing.commands import Add, Child
 from jausml.metamodel.classes import bridge
 from jausml.model.names import name_of
+from jausml.proposals.mapping.assigning import assign
+from jausml.proposals.mapping.corresponding import corresponding
+from jausml.proposals.mapping.members import leaves
+from jausml.proposals.mapping.statements import OF_AUTHORS, innermost, statement, steps
+from jausml.proposals.mapping.trial import judge, judge_together
 from jausml.semantics.attributes import LIST
 from jausml.semantics.paths import parse_path, target_paths
 from jausml.semantics.ways import TO_ROS
-from jausml.studio.answers.assigning import assign
-from jausml.studio.answers.corresponding import corresponding
-from jausml.studio.answers.members import leaves
-from jausml.studio.answers.statements import OF_AUTHORS, innermost, statement, steps
-from jausml.studio.answers.trial import judge, judge_together
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from jausml.proposals.elements import Scope
-    from jausml.studio.answers.members import Member
+    from jausml.proposals.mapping.members import Member
 
 _Steps = tuple[str, ...]
 

@@ -17,9 +17,9 @@ from jausml.semantics.units import attribute_measure
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
+    from jausml.proposals.mapping.members import Member
     from jausml.semantics.frames import Axis
     from jausml.semantics.units import Measure
-    from jausml.studio.answers.members import Member
 
 _ALIKE = 1.0
 """How much a likeness counts; what the paths have in common counts less."""

@@ -16,9 +16,9 @@ from jausml.editing.project import Project
 from jausml.metamodel.classes import bridge, jaus, ros
 from jausml.model.names import name_of
 from jausml.proposals.elements import Scope, library
+from jausml.proposals.mapping.filling import fill_map
 from jausml.semantics.paths import source_paths, target_paths
 from jausml.semantics.ros_paths import ros_name
-from jausml.studio.answers.filling import fill_map
 from jausml.validation.engine import check
 
 if TYPE_CHECKING:

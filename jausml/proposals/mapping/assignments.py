@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 from jausml.editing.commands import Add, Remove
 from jausml.metamodel.classes import bridge
+from jausml.proposals.mapping.statements import innermost
 from jausml.semantics.paths import parse_path, source_paths, target_paths
-from jausml.studio.answers.statements import innermost
 
 if TYPE_CHECKING:
     from jausml.editing.commands import Child, Command
     from jausml.proposals.elements import Scope
-    from jausml.studio.answers.members import Member
+    from jausml.proposals.mapping.members import Member
 
 
 def filling(

@@ -8,10 +8,10 @@ from answers_support import CAR, SHIPPED, scope_of
 from jausml.editing.commands import Add, Remove
 from jausml.metamodel.classes import bridge
 from jausml.proposals.elements import AnswerError
+from jausml.proposals.mapping.assigning import assign, partners
+from jausml.proposals.mapping.members import member
+from jausml.proposals.mapping.sourceless import clock, constant, ignore
 from jausml.semantics.conversions import CONVERSIONS
-from jausml.studio.answers.assigning import assign, partners
-from jausml.studio.answers.members import end_of, member
-from jausml.studio.answers.sourceless import clock, constant, ignore
 
 CHANGES_VALUES = {"deadband", "clamp", "limit"}
 
@@ -132,17 +132,6 @@ def test_constants_the_clock_and_nothing(velocity):
     assert previews(clock(scope, own, end("header.stamp"))) == ["clock -> header.stamp"]
     assert "takes no time" in clock(scope, own, end("child_frame_id")).refusal
     assert previews(ignore(scope, own, end("pose.pose"))) == ["ignore pose.pose"]
-
-
-def test_ids_of_the_map_view_name_members():
-    velocity = Map(CAR, "velocity_state")
-    identifier = velocity.scope.model.fragment(velocity.map)
-    found = end_of(velocity.scope, velocity.map, f"{identifier}!jaus", "Velocity_X")
-    assert found.is_jaus
-    found = end_of(velocity.scope, velocity.map, f"{identifier}!ros", "twist.twist")
-    assert not found.is_jaus
-    with pytest.raises(AnswerError, match="no end"):
-        end_of(velocity.scope, velocity.map, "bridge", "x")
 
 
 def test_partners_of_a_member_are_told(velocity):

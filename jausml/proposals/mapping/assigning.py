@@ -13,16 +13,16 @@ from typing import TYPE_CHECKING
 
 from jausml.editing.commands import Child
 from jausml.proposals.elements import AnswerError
+from jausml.proposals.mapping.assignments import filling
+from jausml.proposals.mapping.members import Member, leaves, member
+from jausml.proposals.mapping.statements import OF_AUTHORS, innermost, statement, steps
+from jausml.proposals.mapping.trial import Judged, judge
+from jausml.proposals.options import Option, Options
 from jausml.semantics.attributes import LIST, NUMBER, NUMBERS
 from jausml.semantics.conversions import CONVERSIONS, UnitEffect, conversions_between
 from jausml.semantics.frames import axis_of
 from jausml.semantics.paths import is_many, outer_scope
 from jausml.semantics.units import attribute_measure
-from jausml.studio.answers.assignments import filling
-from jausml.studio.answers.members import Member, leaves, member
-from jausml.studio.answers.shapes import Option, Options
-from jausml.studio.answers.statements import OF_AUTHORS, innermost, statement, steps
-from jausml.studio.answers.trial import Judged, judge
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

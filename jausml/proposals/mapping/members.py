@@ -1,11 +1,10 @@
-"""Members of the two sides of a map: what a row of the map view stands for."""
+"""Members of the two sides of a map: what an assignment can name."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.metamodel.classes import bridge
 from jausml.proposals.elements import AnswerError
 from jausml.semantics.jaus_paths import JausPlace
 from jausml.semantics.paths import is_many, outer_scope
@@ -14,12 +13,11 @@ from jausml.semantics.ros_paths import RosPlace
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.proposals.elements import Scope
+    from jausml.metamodel.classes import bridge
     from jausml.semantics.attributes import Attribute
     from jausml.semantics.paths import PathPlace
 
 _DEEPEST = 8
-JAUS_END, ROS_END = "!jaus", "!ros"
 
 
 @dataclass(frozen=True)
@@ -75,31 +73,6 @@ def _within(around: PathPlace, path: str) -> PathPlace | None:
     element = around.element()
     found = element.follow(path) if element is not None else None
     return found if isinstance(found, JausPlace | RosPlace) else None
-
-
-def end_of(scope: Scope, used: bridge.AttributeMap, node: str, port: str) -> Member:
-    """Returns the member that ids of the map view name.
-
-    Args:
-        scope: The model.
-        used: The map.
-        node: Id of a box: of an end, or of a join.
-        port: The path of a row.
-
-    Raises:
-        AnswerError: They stand for no member.
-    """
-    if not port:
-        raise AnswerError("draw from a member to a member")
-    if node.endswith(JAUS_END):
-        return member(used, port, is_jaus=True)
-    if node.endswith(ROS_END):
-        return member(used, port, is_jaus=False)
-    for join in (*used.joins, *used.reportJoins):
-        if scope.model.fragment(join) == node.rpartition("#")[2]:
-            is_jaus = isinstance(join, bridge.ReportJoin)
-            return member(used, f"{join.name}.{port}", is_jaus=is_jaus)
-    raise AnswerError("that box is no end of the map")
 
 
 def leaves(used: bridge.AttributeMap, *, is_jaus: bool) -> list[Member]:

@@ -11,7 +11,7 @@ from jausml.proposals.elements import Scope
 from jausml.text.notation import NOTATIONS
 from jausml.validation.engine import check
 
-MODELS = Path(__file__).resolve().parents[3] / "models"
+MODELS = Path(__file__).resolve().parents[2] / "models"
 CAR = "catvehicle/catvehicle.xmi"
 SHIPPED = sorted(
     each.relative_to(MODELS).as_posix()

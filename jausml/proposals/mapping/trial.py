@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.metamodel import FeatureKind
 from jausml.metamodel.filling import contents, link, new_object, point, set_value, set_values
+from jausml.model.made import made_model
 from jausml.model.values import convert
 from jausml.semantics.subject import Subject
 from jausml.validation.rules import all_rules
-from jausml.workers.made_models import made_model
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence

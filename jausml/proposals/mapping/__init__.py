@@ -1,0 +1,1 @@
+"""Assignments of maps: what corresponds, how one becomes the other, and whether it may."""
