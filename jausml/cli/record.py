@@ -5,34 +5,39 @@ from __future__ import annotations
 import time
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING
 
 import click
 
 from jausml.cli.captures import skipped_lines
 from jausml.cli.common import EnvironmentFault, FiniteRange
+from jausml.cli.manners import remark
 from jausml.cli.messages import open_catalogue
 from jausml.cli.options import interface_option, multicast_group_option, port_option
 from jausml.cli.recordings import (
     already_there,
     force_option,
     output_option,
+    shown_time,
     stopped_by_signals,
     valid_model,
-    written,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterator
     from threading import Event
 
     from jausml.live.traffic.captures import Frame
     from jausml.live.traffic.frames import UdpReader
+    from jausml.live.traffic.interface import InterfaceCapture
+    from jausml.live.traffic.listening import MulticastListener
+    from jausml.recording.parts import Limits, Parts
     from jausml.recording.recorder import Recorder
     from jausml.recording.ros_topics import RosTopics
     from jausml.runtime.base.settings import TransportSettings
 
 _TURN = 0.1
+_MEGA = 10**6
 _FRAGMENT = 0x3FFF
 
 
@@ -41,19 +46,83 @@ _FRAGMENT = 0x3FFF
 @output_option
 @force_option
 @click.option("--all-topics", is_flag=True, help="Record all topics of ROS, not those of MODEL.")
+@click.option(
+    "--topic",
+    "topics",
+    multiple=True,
+    metavar="PATTERN",
+    help="Record these topics of ROS alone, of MODEL or, without it, of all; * stands for "
+    "anything; may be repeated.",
+)
+@click.option(
+    "--exclude",
+    "excluded",
+    multiple=True,
+    metavar="PATTERN",
+    help="Leave these topics of ROS out; may be repeated.",
+)
+@click.option(
+    "--component",
+    "components",
+    multiple=True,
+    metavar="ID",
+    help="Record what this JAUS component sends and is sent alone, such as 100.1.10 or 100.*; "
+    "may be repeated.",
+)
 @interface_option()
 @port_option()
 @multicast_group_option()
 @click.option("--duration", type=FiniteRange(0), metavar="S", help="End after so many seconds.")
+@click.option(
+    "--flush-every",
+    type=FiniteRange(0.05, 3600),
+    default=1.0,
+    show_default=True,
+    metavar="S",
+    help="Give the disk what has come each S seconds: loss of power takes no more than that.",
+)
+@click.option(
+    "--max-size",
+    type=FiniteRange(0, min_open=True),
+    metavar="MB",
+    help="Go on in new files, FILE with a number, when both have so many megabytes.",
+)
+@click.option(
+    "--max-duration",
+    type=FiniteRange(0, min_open=True),
+    metavar="S",
+    help="Go on in new files, FILE with a number, after so many seconds.",
+)
+@click.option(
+    "--max-files",
+    type=click.IntRange(1),
+    metavar="N",
+    help="Of these keep the newest N pairs, those of former recordings included.",
+)
+@click.option(
+    "--compression",
+    type=click.Choice(["zstd", "lz4", "none"]),
+    default="zstd",
+    show_default=True,
+    help="How the MCAP file is compressed.",
+)
 def command(
     model: str | None,
     output: str | None,
     force: bool,
     all_topics: bool,
+    topics: tuple[str, ...],
+    excluded: tuple[str, ...],
+    components: tuple[str, ...],
     interface: str,
     port: int,
     multicast_group: str,
     duration: float | None,
+    flush_every: float,
+    max_size: float | None,
+    max_duration: float | None,
+    max_files: int | None,
+    compression: str,
 ) -> None:
     """Record both sides of a running system until Ctrl-C.
 
@@ -62,18 +131,24 @@ def command(
     alone, as there is where ROS is missing. Nothing is sent; to see what others are sent needs
     CAP_NET_RAW, as tcpdump does: without it the multicast group alone is heard.
 
-    Exit status: 0 done, 1 problems in the model, 2 usage or environment, 3 internal error.
+    What was flushed can be read whatever happens: `jausml replay` reads files that were cut off,
+    and makes them whole.
+
+    Exit status: 0 done, 1 problems in the model, 2 usage or environment, a full disk among them,
+    3 internal error.
     """
     from threading import Event
 
     from jausml.live.traffic.frames import UdpReader
-    from jausml.recording.errors import RecordingError
-    from jausml.recording.mcap_writing import McapFile
+    from jausml.recording.parts import Limits
     from jausml.recording.recorder import Recorder, topics_of
     from jausml.recording.ros_topics import RosTopics
+    from jausml.recording.selection import Selection
     from jausml.runtime.base.settings import TransportSettings
 
-    capture_path = _beside(output, force=force)
+    size = None if max_size is None else int(max_size * _MEGA)
+    limits = Limits(size, max_duration, max_files)
+    path = _output(output, limits, force=force)
     try:
         settings = TransportSettings(
             interface=interface, port=port, multicast_group=multicast_group
@@ -82,77 +157,91 @@ def command(
         raise click.UsageError(str(error)) from error
     definitions = topics_of(valid_model(model)) if model is not None else {}
     catalogue = open_catalogue([model] if model is not None else [])
+    selection = Selection(topics, excluded, components)
+    is_any = all_topics or (model is None and bool(topics))
     stop = Event()
     with ExitStack() as stack:
         stack.enter_context(stopped_by_signals(stop))
-        capture = stack.enter_context(written(capture_path, force=force))
-        stream = stack.enter_context(written(str(output), force=force))
-        try:
-            file = stack.enter_context(McapFile(stream, has_jaus=True))
-            recorder = Recorder(file, catalogue, definitions)
-            ros = RosTopics(None if all_topics else definitions, recorder.take_topic)
-            if definitions or all_topics:
-                _start(ros, is_wanted=all_topics)
-                stack.callback(ros.stop)
-        except RecordingError as error:
-            raise EnvironmentFault(str(error)) from error
+        frames, what = _opened(settings, stack)
+        ros = RosTopics(None if is_any else definitions, selection)
+        speaks_ros = bool(definitions or is_any) and _entered(ros, stack, is_wanted=is_any)
+        parts = _parts(path, limits, compression, force=force)
+        recorder = Recorder(parts, catalogue, definitions, selection)
+        stack.enter_context(recorder.kept(flush_every))
+        if speaks_ros:
+            ros.begin(recorder.take_topic)
+            stack.callback(ros.stop)
+        click.echo(what, err=True)
         reader = UdpReader(port)
-        _record(_until(_frames(settings), duration, stop), reader, recorder, capture)
-        ros.stop()
-        _tell(recorder, ros, reader, port)
+        for frame in _until(frames, duration, stop, recorder):
+            _take(frame, reader, recorder)
+    _tell(recorder, ros, reader, port)
+    _tell_files(parts, recorder)
 
 
-def _beside(output: str | None, *, force: bool) -> str:
-    """Returns where the capture stands, once it is sure that nothing would be overwritten."""
+def _output(output: str | None, limits: Limits, *, force: bool) -> Path:
+    """Returns where the MCAP file stands, once it is sure that nothing would be overwritten."""
     if output is None:
         raise click.UsageError("say with --output which file is written")
-    found = str(Path(output).with_suffix(".pcap"))
-    if found == output:
+    if limits.files is not None and not limits.splits:
+        raise click.UsageError("--max-files needs --max-size or --max-duration")
+    path = Path(output)
+    capture = path.with_suffix(".pcap")
+    if capture == path:
         raise click.UsageError("the capture stands beside FILE, which needs another ending: .mcap")
-    for path in (output, found):
-        if not force and Path(path).exists():
-            raise already_there(path)
-    return found
+    for each in (path, capture):
+        if not (force or limits.splits) and each.exists():
+            raise already_there(str(each))
+    return path
 
 
-def _record(
-    frames: Iterable[Frame | None], reader: UdpReader, recorder: Recorder, capture: BinaryIO
-) -> None:
-    """Writes what passes; where nothing does, whoever looks into the capture finds all."""
-    from jausml.live.traffic.writing import PcapWriter
+def _parts(path: Path, limits: Limits, compression: str, *, force: bool) -> Parts:
+    """Returns the files, which are made."""
+    from jausml.recording.errors import RecordingError
+    from jausml.recording.parts import Parts
 
-    writer = PcapWriter(capture)
-    for frame in frames:
-        if frame is None:
-            capture.flush()
-            continue
-        datagram = reader.read(frame)
-        if datagram is not None:
-            recorder.take_datagram(datagram)
-        if datagram is not None or _is_fragment(frame.data):
-            writer.write(frame)
+    try:
+        return Parts(path, limits, compression, overwrites=force)
+    except RecordingError as error:
+        raise EnvironmentFault(str(error)) from error
+    except OSError as error:
+        raise _cannot_write(path, error) from error
+
+
+def _cannot_write(path: Path, error: OSError) -> EnvironmentFault:
+    name = click.format_filename(path)
+    return EnvironmentFault(f"cannot write {name}: {error.strerror or error}")
+
+
+def _take(frame: Frame | None, reader: UdpReader, recorder: Recorder) -> None:
+    datagram = None if frame is None else reader.read(frame)
+    if frame is not None and (datagram is not None or _is_fragment(frame.data)):
+        recorder.take_frame(frame, datagram)
 
 
 def _until(
-    frames: Iterator[Frame | None], duration: float | None, stop: Event
+    frames: Iterator[Frame | None], duration: float | None, stop: Event, recorder: Recorder
 ) -> Iterator[Frame | None]:
     end = float("inf") if duration is None else time.monotonic() + duration
     for frame in frames:
         yield frame
-        if stop.is_set() or time.monotonic() >= end:
+        if stop.is_set() or recorder.fault is not None or time.monotonic() >= end:
             break
-    frames.close()  # type: ignore[attr-defined]  # a generator, which says what was lost
 
 
-def _start(ros: RosTopics, *, is_wanted: bool) -> None:
+def _entered(ros: RosTopics, stack: ExitStack, *, is_wanted: bool) -> bool:
+    """Enters ROS; returns whether that is possible here."""
     from jausml.recording.errors import RecordingError
 
     try:
-        ros.start()
+        ros.open()
     except RecordingError as error:
         if is_wanted:
-            raise
+            raise EnvironmentFault(str(error)) from error
         click.echo(f"JAUS alone is recorded: {error}", err=True)
+        return False
+    stack.callback(ros.stop)
+    return True
 
 
 def _is_fragment(packet: bytes) -> bool:
@@ -161,46 +250,47 @@ def _is_fragment(packet: bytes) -> bool:
     return not is_first_version or bool(int.from_bytes(packet[6:8], "big") & _FRAGMENT)
 
 
-def _frames(settings: TransportSettings) -> Iterator[Frame | None]:
-    """Yields what passes the interface, or the group where that cannot be seen; None in between."""
+def _opened(settings: TransportSettings, stack: ExitStack) -> tuple[Iterator[Frame | None], str]:
+    """Returns what passes the interface, None where nothing does, and what is said of it.
+
+    Where that cannot be seen, it is what the group is sent.
+    """
     from jausml.live.traffic.errors import TrafficError
     from jausml.live.traffic.interface import InterfaceCapture
-
-    try:
-        capture = InterfaceCapture(settings.interface)
-    except TrafficError as error:
-        click.echo(f"{error}; of JAUS the multicast group alone is recorded", err=True)
-        yield from _heard(settings)
-        return
-    with capture:
-        click.echo(f"recording what passes {settings.interface}", err=True)
-        try:
-            yield from capture.frames()
-        finally:
-            lost = capture.lost()
-            if lost:
-                click.echo(f"{lost} frames were lost: the host was too busy", err=True)
-
-
-def _heard(settings: TransportSettings) -> Iterator[Frame | None]:
-    from jausml.live.traffic.errors import TrafficError
     from jausml.live.traffic.listening import MulticastListener
-    from jausml.live.traffic.writing import frame_of
 
     try:
-        listener = MulticastListener(settings)
+        capture = stack.enter_context(InterfaceCapture(settings.interface))
+    except TrafficError as error:
+        what = f"{error}; of JAUS the multicast group alone is recorded"
+    else:
+        stack.callback(_tell_lost, capture)
+        return capture.frames(), f"recording what passes {settings.interface}"
+    try:
+        return _heard(stack.enter_context(MulticastListener(settings))), what
     except TrafficError as error:
         raise EnvironmentFault(str(error)) from error
-    with listener:
-        while True:
-            yield from map(frame_of, listener.datagrams(_TURN))
-            yield None
+
+
+def _tell_lost(capture: InterfaceCapture) -> None:
+    lost = capture.lost()
+    if lost:
+        click.echo(f"{lost} frames were lost: the host was too busy", err=True)
+
+
+def _heard(listener: MulticastListener) -> Iterator[Frame | None]:
+    from jausml.live.traffic.writing import frame_of
+
+    while True:
+        yield from map(frame_of, listener.datagrams(_TURN))
+        yield None
 
 
 def _tell(recorder: Recorder, ros: RosTopics, reader: UdpReader, port: int) -> None:
     click.echo(f"{recorder.captured.count} JAUS messages", err=True)
     for topic, number in sorted(recorder.topics.items()):
-        click.echo(f"  {number} on {topic}", err=True)
+        lost = f", {ros.lost[topic]} were lost before" if ros.lost[topic] else ""
+        click.echo(f"  {number} on {topic}{lost}", err=True)
     for topic in sorted(set(ros.wanted or ()) - set(recorder.topics) - set(ros.missing)):
         click.echo(f"  none on {topic}", err=True)
     for topic, kind in sorted(ros.missing.items()):
@@ -213,3 +303,18 @@ def _tell(recorder: Recorder, ros: RosTopics, reader: UdpReader, port: int) -> N
         click.echo(line, err=True)
     for reason, number in sorted(recorder.captured.skipped.items()):
         click.echo(f"skipped {number}: {reason}", err=True)
+
+
+def _tell_files(parts: Parts, recorder: Recorder) -> None:
+    """Tells which files there are, or why nothing more could be written.
+
+    Raises:
+        EnvironmentFault: Nothing more could be written.
+    """
+    if recorder.fault is None:
+        names = ", ".join(click.format_filename(each) for each in parts.paths)
+        remark(f"written: {names}, captures beside")
+        return
+    until = "nothing" if recorder.reached is None else f"all until {shown_time(recorder.reached)}"
+    fault = _cannot_write(parts.current.path, recorder.fault)
+    raise EnvironmentFault(f"{fault}; {until} is in the files; {recorder.lost} were lost since")

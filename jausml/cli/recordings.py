@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 from contextlib import contextmanager
+from datetime import datetime, timezone
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
@@ -70,6 +71,15 @@ def already_there(path: str) -> EnvironmentFault:
     return EnvironmentFault(
         f"{click.format_filename(path)} is there already; --force overwrites it"
     )
+
+
+def shown_time(seconds: float) -> str:
+    """Returns a time as people read it, of the world and to the millisecond.
+
+    Args:
+        seconds: Since 1970.
+    """
+    return datetime.fromtimestamp(seconds, tz=timezone.utc).isoformat(" ", "milliseconds")
 
 
 @contextmanager

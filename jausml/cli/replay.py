@@ -10,11 +10,13 @@ import click
 
 from jausml.cli.captures import opened, skipped_lines
 from jausml.cli.common import PROBLEMS, EnvironmentFault, FiniteRange, bridge_options
+from jausml.cli.manners import warn
 from jausml.cli.messages import open_catalogue, shown_path
 from jausml.cli.options import interface_option, multicast_group_option, port_option
 from jausml.cli.recordings import (
     force_option,
     output_option,
+    shown_time,
     stopped_by_signals,
     valid_model,
     written,
@@ -29,16 +31,23 @@ if TYPE_CHECKING:
     from jausml.recording.to_wire import WireReplay
     from jausml.recording.translating import Translator
 
+_NANO = 10**9
+
 
 @click.command("replay")
 @click.argument("recording", metavar="RECORDING")
-@click.argument("model", metavar="MODEL")
+@click.argument("model", metavar="[MODEL]", required=False)
 @output_option
 @force_option
 @click.option(
     "--with-jaus",
     is_flag=True,
     help="Have the JAUS messages in FILE too, as JSON; ros2 bag does not play such a file.",
+)
+@click.option(
+    "--ros-only",
+    is_flag=True,
+    help="Without MODEL: leave out of FILE what is not of ROS; ros2 bag plays such a file.",
 )
 @interface_option()
 @port_option()
@@ -83,10 +92,11 @@ if TYPE_CHECKING:
 @bridge_options
 def command(
     recording: str,
-    model: str,
+    model: str | None,
     output: str | None,
     force: bool,
     with_jaus: bool,
+    ros_only: bool,
     bridge_address: str | None,
     **options: Any,
 ) -> None:
@@ -103,6 +113,9 @@ def command(
     They report to whoever asks. Commands are left out without --allow-commands: a recorded command
     moves a vehicle as the first one did, whatever stands around it now.
 
+    Without MODEL an MCAP file is written into FILE again. So one that was cut off becomes whole; it
+    is read as far as it goes, wherever it is replayed.
+
     Exit status: 0 done, 1 problems in the model, in the recording or in what is in it (the rest is
     done), 2 usage or environment, 3 internal error.
     """
@@ -110,9 +123,14 @@ def command(
     from jausml.recording.bags import is_bag
     from jausml.recording.errors import RecordingError
 
+    if model is None:
+        _again(recording, output, force=force, ros_only=ros_only)
+        return
     to_wire = is_bag(recording)
     if to_wire and (output is not None or with_jaus):
         raise click.UsageError(f"{shown_path(recording)} goes to JAUS, not to a file")
+    if ros_only:
+        raise click.UsageError("--ros-only is for an MCAP file without MODEL")
     if not to_wire and output is None:
         raise click.UsageError("say with --output which file is written")
     try:
@@ -130,6 +148,38 @@ def command(
         raise EnvironmentFault(str(error)) from error
     if not is_done:
         raise click.exceptions.Exit(PROBLEMS)
+
+
+def _again(recording: str, output: str | None, *, force: bool, ros_only: bool) -> None:
+    """Writes an MCAP file again, as far as it goes."""
+    from jausml.recording.bags import MCAP
+    from jausml.recording.copying import copied
+    from jausml.recording.errors import RecordingError
+    from jausml.recording.mcap_reading import McapRecording
+
+    if not recording.endswith(MCAP) or output is None:
+        raise click.UsageError("Missing argument '[MODEL]': an MCAP file with --output needs none")
+    source = McapRecording(recording)
+    try:
+        found = source.messages()
+        first = list(islice(found, 1))  # what cannot be read makes no file
+        with written(output, force=force) as stream:
+            count = copied(chain(first, found), stream, ros_only=ros_only)
+    except ImportError as error:
+        raise EnvironmentFault(f"{error.name} is missing: pip install 'jausml[record]'") from error
+    except RecordingError as error:
+        raise EnvironmentFault(str(error)) from error
+    click.echo(f"{count} messages", err=True)
+    if _told_cut(recording, source.fault, source.reached):
+        raise click.exceptions.Exit(PROBLEMS)
+
+
+def _told_cut(path: str, fault: str, reached: int | None) -> bool:
+    """Tells how far a recording goes that does not go to its end; returns whether it is so."""
+    if fault and reached is not None:
+        until = shown_time(reached / _NANO)
+        warn(f"{shown_path(path)} was cut off: it was read until {until} ({fault})")
+    return bool(fault)
 
 
 def _to_wire(recording: str, model: Model, options: dict[str, Any]) -> bool:
@@ -162,7 +212,8 @@ def _to_wire(recording: str, model: Model, options: dict[str, Any]) -> bool:
         click.echo(line, err=True)
     for encoding, number in sorted(bag.others.items()):
         click.echo(f"{number} messages in {encoding} are not of ROS", err=True)
-    return not replay.refused
+    is_cut = _told_cut(recording, bag.fault, bag.reached)
+    return not (replay.refused or is_cut)
 
 
 def _wire_lines(replay: WireReplay) -> Iterator[str]:
@@ -193,7 +244,7 @@ def _to_file(
         written(output, force=force) as stream,
         McapFile(stream, has_jaus=jaus) as file,
     ):
-        writer = JausWriter(file, catalogue) if catalogue is not None else None
+        writer = JausWriter(catalogue) if catalogue is not None else None
         replay = CaptureReplay(translator, file, writer)
         is_whole = _replayed(replay, recording, port)
         is_complete = _told(replay, translator, writer, model)

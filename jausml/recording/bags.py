@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jausml.recording.errors import RecordingError
+from jausml.recording.mcap_reading import McapRecording
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -43,6 +44,8 @@ class Bag:
 
     Attributes:
         others: How many messages are not of ROS, by the encoding that they have.
+        fault: Why reading ended before the end, once all was read; empty for a whole recording.
+        reached: Time of the latest message so far, in nanoseconds since 1970; None for none.
     """
 
     def __init__(self, path: str) -> None:
@@ -52,10 +55,12 @@ class Bag:
             path: An MCAP file, or a bag of rosbag2: its folder, or the file of its storage.
         """
         self.others: Counter[str] = Counter()
+        self.fault = ""
+        self.reached: int | None = None
         self._path = path
 
     def messages(self) -> Iterator[RosMessage]:
-        """Yields the messages of ROS in the order of their times.
+        """Yields the messages of ROS in the order of their times, of a file that was cut off all.
 
         Raises:
             RecordingError: The recording cannot be read, or a library is missing.
@@ -67,6 +72,8 @@ class Bag:
             raise RecordingError(
                 f"{error.name} is missing: pip install 'jausml[record]'"
             ) from error
+        except RecordingError:
+            raise
         except OSError as error:
             raise RecordingError(f"{self._path}: {error.strerror or error}") from error
         except Exception as error:  # the libraries raise anything on bytes that are no recording
@@ -74,14 +81,14 @@ class Bag:
             raise RecordingError(f"{self._path} cannot be read: {reason}") from error
 
     def _mcap(self) -> Iterator[RosMessage]:
-        from mcap.reader import make_reader  # noqa: PLC0415 - an extra
-
-        with Path(self._path).open("rb") as stream:
-            for schema, channel, message in make_reader(stream).iter_messages():
-                if schema is None or channel.message_encoding != _CDR:
-                    self.others[channel.message_encoding] += 1
-                    continue
-                yield RosMessage(channel.topic, schema.name, message.log_time, message.data)
+        recording = McapRecording(self._path)
+        for schema, channel, message in recording.messages():
+            self.reached = recording.reached
+            if schema is None or channel.message_encoding != _CDR:
+                self.others[channel.message_encoding] += 1
+                continue
+            yield RosMessage(channel.topic, schema.name, message.log_time, message.data)
+        self.fault = recording.fault
 
     def _bag(self) -> Iterator[RosMessage]:
         from rosbags.rosbag2 import Reader  # noqa: PLC0415 - an extra

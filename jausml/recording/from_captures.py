@@ -25,27 +25,26 @@ class JausWriter:
         undecoded: How many could not be decoded, by reason.
     """
 
-    def __init__(self, file: McapFile, catalogue: Catalogue) -> None:
+    def __init__(self, catalogue: Catalogue) -> None:
         """Writes nothing yet.
 
         Args:
-            file: Where they go.
             catalogue: What messages there are.
         """
         self.undecoded: Counter[str] = Counter()
-        self._file = file
         self._catalogue = catalogue
 
-    def write(self, message: JausMessage, packet: Packet) -> None:
+    def write(self, file: McapFile, message: JausMessage, packet: Packet) -> None:
         """Writes a message.
 
         Args:
+            file: Where it goes.
             message: The message.
             packet: The packet that completed it, of which the header is.
         """
         try:
             found = self._catalogue.decode(message.payload)
-            channel = self._file.jaus_channel(message.source, found.entry)
+            channel = file.jaus_channel(message.source, found.entry)
         except MessageError as error:
             self.undecoded[str(error)] += 1
             return
@@ -56,7 +55,7 @@ class JausWriter:
             "payload": message.payload.hex(),
             "fields": found.entry.shortened(found.fields),
         }
-        self._file.write_json(channel, message.time, value)
+        file.write_json(channel, message.time, value)
 
 
 class CaptureReplay:
@@ -104,5 +103,5 @@ class CaptureReplay:
     def _messages(self, datagrams: Iterable[Datagram]) -> Iterator[JausMessage]:
         for message, packet in self.captured.read(datagrams):
             if self._jaus is not None:
-                self._jaus.write(message, packet)
+                self._jaus.write(self._file, message, packet)
             yield message

@@ -17,6 +17,26 @@ if TYPE_CHECKING:
 ROS_PROFILE = "ros2"
 """Profile of files in which all channels are of ROS (MCAP, well-known profiles)."""
 
+COMPRESSIONS = ("zstd", "lz4", "none")
+"""How chunks may be compressed, the usual one first."""
+
+
+def need_library() -> None:
+    """Does nothing where MCAP files can be written.
+
+    Raises:
+        RecordingError: The library is missing.
+    """
+    try:
+        import mcap.writer  # noqa: F401, PLC0415 - an extra: jausml[record]
+    except ImportError as error:
+        raise RecordingError(f"{error.name} is missing: pip install 'jausml[record]'") from error
+
+
+def library_name() -> str:
+    """Returns what stands in the header of a file for who wrote it."""
+    return f"jausml {__version__}"
+
 
 class McapFile:
     """An MCAP file that is being written; it has its index once it is closed.
@@ -25,25 +45,25 @@ class McapFile:
         count: Messages that were written.
     """
 
-    def __init__(self, stream: BinaryIO, *, has_jaus: bool) -> None:
+    def __init__(
+        self, stream: BinaryIO, *, has_jaus: bool, compression: str = COMPRESSIONS[0]
+    ) -> None:
         """Begins a file.
 
         Args:
             stream: Where it goes.
             has_jaus: Whether it may hold JAUS messages; one that does not has the profile of ROS.
+            compression: One of `COMPRESSIONS`.
 
         Raises:
             RecordingError: The library `mcap` is missing.
         """
-        try:
-            from mcap.writer import Writer  # noqa: PLC0415 - an extra: jausml[record]
-        except ImportError as error:
-            raise RecordingError(
-                f"{error.name} is missing: pip install 'jausml[record]'"
-            ) from error
+        need_library()
+        from mcap.writer import CompressionType, Writer  # noqa: PLC0415 - an extra
+
         self.count = 0
-        self._writer = Writer(stream)
-        self._writer.start("" if has_jaus else ROS_PROFILE, f"jausml {__version__}")
+        self._writer = Writer(stream, compression=CompressionType[compression.upper()])
+        self._writer.start("" if has_jaus else ROS_PROFILE, library_name())
         self._schemas: dict[tuple[str, str], int] = {}
         self._channels: dict[tuple[str, int], int] = {}
 
@@ -56,6 +76,10 @@ class McapFile:
     def close(self) -> None:
         """Ends the file; without that, tools read it slowly or not at all."""
         self._writer.finish()  # type: ignore[no-untyped-call]
+
+    def flush(self) -> None:
+        """Ends a chunk, so that all that was written can be read whatever happens next."""
+        self._writer.flush()  # type: ignore[no-untyped-call]
 
     def ros_channel(self, topic: str, type_name: str, definition: str) -> int:
         """Returns the channel of a topic.

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import time
 from collections import Counter
-from threading import Lock
-from typing import TYPE_CHECKING
+from contextlib import contextmanager
+from threading import Event, Lock, Thread
+from typing import TYPE_CHECKING, Any
 
 from jausml.interfaces import Installation
 from jausml.metamodel.classes import system
@@ -14,10 +16,14 @@ from jausml.recording.from_captures import JausWriter
 from jausml.semantics.topics import endpoints
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
     from jausml.live.messages import Catalogue
+    from jausml.live.traffic.captures import Frame
     from jausml.live.traffic.frames import Datagram
     from jausml.model import Model
-    from jausml.recording.mcap_writing import McapFile
+    from jausml.recording.parts import Parts
+    from jausml.recording.selection import Selection
 
 
 def topics_of(model: Model) -> dict[str, str]:
@@ -34,38 +40,76 @@ def topics_of(model: Model) -> dict[str, str]:
 
 
 class Recorder:
-    """What comes from both sides, each on its thread.
+    """What comes from both sides, each on its thread, and a third that gives it to the disk.
 
     Attributes:
         captured: What was found on the side of JAUS.
         topics: How many messages each topic of ROS got.
         jaus: What writes the messages of JAUS.
         undefined: Topics whose type nobody defines here.
+        fault: Why files cannot be written any more; None while they can.
+        lost: How many frames and messages came after that.
+        reached: When the disk had all that had come, by the clock; None for never.
     """
 
-    def __init__(self, file: McapFile, catalogue: Catalogue, definitions: dict[str, str]) -> None:
+    def __init__(
+        self,
+        parts: Parts,
+        catalogue: Catalogue,
+        definitions: dict[str, str],
+        selection: Selection,
+    ) -> None:
         """Has recorded nothing yet.
 
         Args:
-            file: Where all goes.
+            parts: Where all goes.
             catalogue: What messages of JAUS there are.
             definitions: Definitions of the types of topics, for those that are not installed.
+            selection: What is recorded.
         """
         self.captured = CapturedMessages()
         self.topics: Counter[str] = Counter()
-        self.jaus = JausWriter(file, catalogue)
+        self.jaus = JausWriter(catalogue)
         self.undefined: set[str] = set()
-        self._file = file
+        self.fault: OSError | None = None
+        self.lost = 0
+        self.reached: float | None = None
+        self._parts = parts
+        self._selection = selection
         self._definitions = definitions
         self._installation = Installation()
-        self._channels: dict[str, int | None] = {}
+        self._known: dict[tuple[str, str], str] = {}
         self._lock = Lock()
 
-    def take_datagram(self, datagram: Datagram) -> None:
-        """Writes what a datagram says."""
-        with self._lock:
-            for message, packet in self.captured.read([datagram]):
-                self.jaus.write(message, packet)
+    @contextmanager
+    def kept(self, period: float) -> Iterator[None]:
+        """Gives the disk what has come, again and again, and ends the files.
+
+        Args:
+            period: Seconds from one time to the next.
+        """
+        ended = Event()
+        keeper = Thread(target=self._keep, args=(period, ended), daemon=True)
+        keeper.start()
+        try:
+            yield
+        finally:
+            ended.set()
+            keeper.join()
+            self._write(self._parts.current.close)
+            if self.fault is not None:
+                self._parts.current.give_up()
+
+    def take_frame(self, frame: Frame, datagram: Datagram | None) -> None:
+        """Writes a frame, and what it says.
+
+        Args:
+            frame: The frame, of raw IP.
+            datagram: The datagram that it completes; None for a part of one.
+        """
+        if datagram is not None and not self._selection.wants(datagram):
+            return
+        self._write(self._write_frame, frame, datagram)
 
     def take_topic(self, topic: str, kind: str, data: bytes, heard: int, published: int) -> None:
         """Writes a message of ROS.
@@ -77,17 +121,51 @@ class Recorder:
             heard: When it came, in nanoseconds since 1970.
             published: When it was sent, by the clock of who did.
         """
-        with self._lock:
-            if topic not in self._channels:
-                self._channels[topic] = self._channel(topic, kind)
-            channel = self._channels[topic]
-            if channel is not None:
-                self._file.write(channel, heard, data, published or heard)
-                self.topics[topic] += 1
+        self._write(self._write_topic, topic, kind, data, heard, published or heard)
 
-    def _channel(self, topic: str, kind: str) -> int | None:
-        found = installed_definition(kind, self._installation) or self._definitions.get(topic, "")
-        if not found:
-            self.undefined.add(topic)
-            return None
-        return self._file.ros_channel(topic, kind, found)
+    def _write_frame(self, frame: Frame, datagram: Datagram | None) -> None:
+        self._parts.current.capture.write(frame)
+        if datagram is not None:
+            for message, packet in self.captured.read([datagram]):
+                self.jaus.write(self._parts.current.file, message, packet)
+
+    def _write_topic(self, topic: str, kind: str, data: bytes, heard: int, published: int) -> None:
+        definition = self._definition(topic, kind)
+        if definition:
+            file = self._parts.current.file
+            file.write(file.ros_channel(topic, kind, definition), heard, data, published)
+            self.topics[topic] += 1
+
+    def _write(self, do: Callable[..., None], *arguments: Any) -> None:
+        """Does something with the files, alone; what they do not take any more is counted."""
+        with self._lock:
+            if self.fault is not None:
+                self.lost += 1
+                return
+            try:
+                do(*arguments)
+            except OSError as error:
+                self.fault = error
+                self.lost += 1
+
+    def _keep(self, period: float, ended: Event) -> None:
+        while not ended.wait(period) and self.fault is None:
+            now = time.time()
+            self._write(self._parts.current.flush)
+            try:
+                self._parts.current.sync()  # that may take long, and nobody has to wait for it
+            except OSError as error:
+                self.fault = error
+            else:
+                self.reached = now
+                self._write(self._parts.turn)
+
+    def _definition(self, topic: str, kind: str) -> str:
+        """Returns the definition of the type of a topic, empty where nobody has one."""
+        key = (topic, kind)
+        if key not in self._known:
+            found = installed_definition(kind, self._installation)
+            self._known[key] = found or self._definitions.get(topic, "")
+            if not self._known[key]:
+                self.undefined.add(topic)
+        return self._known[key]

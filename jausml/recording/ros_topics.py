@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.ros import QuietNode, RosFault, message_class
@@ -10,6 +11,8 @@ from jausml.recording.errors import RecordingError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
+
+    from jausml.recording.selection import Selection
 
     Take = Callable[[str, str, bytes, int, int], None]
     """Takes topic, type, message, and when it was heard and published, in nanoseconds."""
@@ -20,6 +23,10 @@ _LOOK = 0.1
 _DEPTH = 1000
 
 
+def _drop(*_: object) -> None:
+    """Nobody takes messages yet."""
+
+
 class RosTopics:
     """A node that subscribes to what is published, with the quality of service that is offered.
 
@@ -27,31 +34,43 @@ class RosTopics:
         wanted: Full names of the topics that are wanted, None for all.
         heard: Topics that were subscribed to.
         missing: Types that are not installed, by topic.
+        lost: How many messages of each topic did not come, as their numbers tell.
     """
 
-    def __init__(self, wanted: Collection[str] | None, take: Take) -> None:
-        """Does nothing before `start`.
+    def __init__(self, wanted: Collection[str] | None, selection: Selection) -> None:
+        """Does nothing before `open`.
 
         Args:
             wanted: Full names of topics, None for all.
-            take: Takes each message, on another thread.
+            selection: Which of these are recorded.
         """
+        self.lost: Counter[str] = Counter()
         self.heard: dict[str, Any] = {}
         self.missing: dict[str, str] = {}
-        self.wanted = None if wanted is None else frozenset(wanted)
-        self._take = take
+        self.wanted = None if wanted is None else frozenset(filter(selection.wants_topic, wanted))
+        self._selection = selection
+        self._take: Take = _drop
         self._quiet = QuietNode("record")
 
-    def start(self) -> None:
-        """Begins to look for publishers.
+    def open(self) -> None:
+        """Enters ROS.
 
         Raises:
             RecordingError: rclpy is missing or does not work.
         """
         try:
-            self._quiet.open(lambda node: node.create_timer(_LOOK, self._look))
+            self._quiet.open()
         except RosFault as error:
             raise RecordingError(str(error)) from error
+
+    def begin(self, take: Take) -> None:
+        """Begins to look for publishers.
+
+        Args:
+            take: Takes each message, on another thread.
+        """
+        self._take = take
+        self._quiet.node.create_timer(_LOOK, self._look)
         self._quiet.spin()
 
     def stop(self) -> None:
@@ -65,8 +84,13 @@ class RosTopics:
 
     def _published(self) -> Iterator[tuple[str, str]]:
         for topic, kinds in self._quiet.node.get_topic_names_and_types():
-            if (self.wanted is None or topic in self.wanted) and len(kinds) == 1:
+            if self._wants(topic) and len(kinds) == 1:
                 yield topic, kinds[0]
+
+    def _wants(self, topic: str) -> bool:
+        if self.wanted is not None:
+            return topic in self.wanted
+        return self._selection.wants_topic(topic)
 
     def _subscribe(self, topic: str, kind: str) -> None:
         offered = [
@@ -78,14 +102,26 @@ class RosTopics:
         if cls is None:
             self.missing[topic] = kind
             return
-        take = self._take
+        self.heard[topic] = self._quiet.node.create_subscription(
+            cls, topic, self._noting(topic, kind), _asked(offered), raw=True
+        )
+
+    def _noting(self, topic: str, kind: str) -> Callable[[bytes, Any], None]:
+        """Returns what takes the messages of a topic, and counts those that did not come."""
+        expected = None
 
         def note(data: bytes, told: Any) -> None:
-            take(topic, kind, bytes(data), time.time_ns(), told["source_timestamp"])
+            nonlocal expected
+            number = told.get("publication_sequence_number")
+            if number is not None:
+                # Nothing tells whose a message is: a gap is one where a single one publishes.
+                is_gap = expected is not None and number > expected
+                if is_gap and self._quiet.node.count_publishers(topic) == 1:
+                    self.lost[topic] += number - expected
+                expected = number + 1
+            self._take(topic, kind, bytes(data), time.time_ns(), told["source_timestamp"])
 
-        self.heard[topic] = self._quiet.node.create_subscription(
-            cls, topic, note, _asked(offered), raw=True
-        )
+        return note
 
 
 def _asked(offered: list[Any]) -> Any:

@@ -12,11 +12,13 @@ import sys
 import time
 
 import pytest
+from isolation import small_folder
 from ports import free_port
 from recordings import by_mcap, datagram, event, pose, velocity
 
 from jausml.live.traffic.captures import read_frames
 from jausml.live.traffic.frames import UdpReader
+from jausml.recording.mcap_reading import McapRecording
 
 pytestmark = [pytest.mark.live, pytest.mark.ports]
 PATIENCE = 60.0
@@ -27,6 +29,13 @@ def wait_for(condition, what):
     while not condition():
         assert time.monotonic() < end, f"no {what} within {PATIENCE} s"
         time.sleep(0.05)
+
+
+def says(number, port):
+    """Sends so many messages to a receiver on loopback."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as speaker:
+        for each in range(number):
+            speaker.sendto(datagram(velocity(2.0, 0.5, 0.25), number=each), ("127.0.0.1", port))
 
 
 class Recording:
@@ -43,6 +52,12 @@ class Recording:
 
     def begin(self):
         wait_for(lambda: "record" in self.log.read_text(), "begin")
+
+    def begin_with_frames(self):
+        """Waits for the beginning of a recording that sees frames of others."""
+        self.begin()
+        if "multicast" in self.log.read_text():
+            pytest.skip("no capture here: CAP_NET_RAW is missing")
 
     def frames(self):
         with self.capture.open("rb") as stream:
@@ -63,9 +78,7 @@ def recording(tmp_path_factory):
     port = free_port()
     made = Recording(tmp_path_factory.mktemp("recording"), port)
     try:
-        made.begin()
-        if "multicast" in made.log.read_text():
-            pytest.skip("no capture here: CAP_NET_RAW is missing")
+        made.begin_with_frames()
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as speaker:
             speaker.sendto(b"no JAUS" * 10, ("127.0.0.1", port + 1))
             for number in range(3):
@@ -141,3 +154,84 @@ def test_without_the_capability_the_group_is_heard(tmp_path):
     topics = {channel.topic for _, channel, _ in by_mcap(made.path)}
     assert topics == {"/jaus/100.1.1/ReportLocalPose"}
     assert UdpReader(port).read(made.frames()[0]) is not None
+
+
+def test_a_kill_takes_nothing_that_was_flushed(tmp_path):
+    port = free_port()
+    made = Recording(tmp_path, port, "--flush-every", "0.1")
+    try:
+        made.begin_with_frames()
+        size = made.path.stat().st_size
+        says(3, port)
+        wait_for(lambda: made.path.stat().st_size > size, "messages in the file")
+        made.process.kill()
+        assert made.process.wait(timeout=PATIENCE) == -signal.SIGKILL
+    finally:
+        made.close()
+    cut = McapRecording(str(made.path))
+    found = [channel.topic for _, channel, _ in cut.messages()]
+    assert found
+    assert set(found) == {"/jaus/100.1.1/ReportVelocityState"}
+    assert "in the midst of a record" in cut.fault
+    assert len(made.frames()) >= len(found)
+
+
+def test_a_full_disk_is_told_and_leaves_what_it_took(tmp_path):
+    folder = tmp_path / "disk"
+    reason = small_folder(folder, 1 << 16)
+    if reason:
+        pytest.skip(f"no small file system can be mounted ({reason})")
+    port = free_port()
+    made = Recording(folder, port, "--flush-every", "0.05", "--compression", "none")
+    try:
+        made.begin_with_frames()
+
+        def is_over():
+            says(20, port)
+            return made.process.poll() is not None
+
+        wait_for(is_over, "end")
+        said = made.log.read_text()
+        assert made.process.returncode == 2, said
+        assert "run.mcap: No space left on device; all until 20" in said
+        assert "were lost since" in said
+        assert "Traceback" not in said
+        found = [message.log_time for _, _, message in McapRecording(str(made.path)).messages()]
+        assert found == [each.nanoseconds for each in made.frames()]
+        assert len(found) > 20
+    finally:
+        made.close()
+
+
+def test_a_row_of_files_of_the_components_that_are_named(tmp_path):
+    port = free_port()
+    options = ("--flush-every", "0.05", "--max-duration", "0.2", "--max-files", "3")
+    made = Recording(tmp_path, port, *options, "--component", "101.*")
+
+    def row():
+        return sorted(int(each.stem.removeprefix("run_")) for each in tmp_path.glob("run_*.mcap"))
+
+    def has_gone_on():
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as speaker:
+            for source in ((100, 1, 1), (101, 1, 2)):
+                speaker.sendto(
+                    datagram(velocity(1.0, 0.0, 0.0), source=source), ("127.0.0.1", port)
+                )
+        return max(row(), default=0) >= 5
+
+    try:
+        made.begin_with_frames()
+        wait_for(has_gone_on, "files")
+        assert made.end() == 0
+    finally:
+        made.close()
+    numbers = row()
+    assert numbers == list(range(numbers[0], numbers[0] + 3))
+    files = [tmp_path / f"run_{number}.mcap" for number in numbers]
+    assert {each.with_suffix(".pcap") for each in files} == set(tmp_path.glob("*.pcap"))
+    assert all(each.name in made.log.read_text() for each in files)
+    found = [each for file in files for each in by_mcap(file)]
+    times = [message.log_time for _, _, message in found]
+    assert times
+    assert times == sorted(times)
+    assert {channel.topic for _, channel, _ in found} == {"/jaus/101.1.2/ReportVelocityState"}

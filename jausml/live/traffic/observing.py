@@ -204,6 +204,16 @@ class Observer:
         return replace(seen, message=message, is_fragment=is_fragment)
 
 
+def ends_of(datagram: Datagram) -> set[str]:
+    """Returns the JAUS ids of who sends, and who is sent, the messages that can be read.
+
+    Args:
+        datagram: The datagram of the messages.
+    """
+    packets = parse_datagram(datagram.data, _Reasons())
+    return {str(end) for each in packets for end in (each.source, each.destination)}
+
+
 def _data_sizes(data: bytes) -> Iterator[int]:
     """Yields the data sizes of the messages of a datagram, as far as they lead."""
     offset = 1

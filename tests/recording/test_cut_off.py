@@ -1,0 +1,116 @@
+"""MCAP files that were cut off at any byte: what was flushed is read, and becomes whole again."""
+
+from __future__ import annotations
+
+import io
+from functools import cache
+
+import pytest
+from click.testing import CliRunner
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from recordings import by_mcap, by_rosbags
+
+from jausml.cli import main
+from jausml.recording.bags import Bag
+from jausml.recording.errors import RecordingError
+from jausml.recording.mcap_reading import McapRecording
+from jausml.recording.mcap_writing import COMPRESSIONS, McapFile
+
+EACH, FLUSHES = 3, 4
+SECOND = 10**9
+BEGIN = 1_700_000_000 * SECOND
+
+
+@cache
+def recording(compression="zstd"):
+    """Returns a file, and how long it was after each time that it was flushed."""
+    stream, sizes = io.BytesIO(), []
+    file = McapFile(stream, has_jaus=False, compression=compression)
+    for flush in range(FLUSHES):
+        for number in range(EACH):
+            channel = file.ros_channel(f"/on_{flush % 2}", "std_msgs/msg/Bool", "bool data")
+            file.write(channel, BEGIN + (flush * EACH + number) * SECOND, b"\0\1\0\0\1")
+        file.flush()
+        sizes.append(stream.tell())
+    file.close()
+    return stream.getvalue(), tuple(sizes)
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.integers(0, len(recording()[0]) - 1), st.sampled_from(COMPRESSIONS))
+def test_what_was_flushed_is_read(tmp_path, length, compression):
+    data, sizes = recording(compression)
+    path = tmp_path / "cut.mcap"
+    path.write_bytes(data[:length])
+    # The indexes of a chunk stand behind it: the chunk is there before they are.
+    flushed = EACH * sum(size <= length for size in sizes)
+    cut = McapRecording(str(path))
+    try:
+        found = [message.log_time for _, _, message in cut.messages()]
+    except RecordingError:
+        assert flushed == 0
+        return
+    assert found == [BEGIN + number * SECOND for number in range(len(found))]
+    assert flushed <= len(found) <= flushed + EACH
+    assert cut.reached == found[-1]
+    assert cut.fault or length >= len(data)
+
+
+def test_zeros_at_the_end_are_not_read_as_messages(tmp_path):
+    # So files look of which the system knew the length, and the disk not all of the bytes.
+    data, sizes = recording()
+    path = tmp_path / "cut.mcap"
+    path.write_bytes(data[: sizes[1]] + bytes(4096))
+    cut = McapRecording(str(path))
+    assert len(list(cut.messages())) == 2 * EACH
+    assert cut.fault
+
+
+def test_a_damaged_chunk_ends_it(tmp_path):
+    data, sizes = recording("none")
+    path = tmp_path / "cut.mcap"
+    damaged = bytearray(data)
+    damaged[sizes[0] + 100] ^= 0xFF
+    path.write_bytes(damaged[:-100])
+    cut = McapRecording(str(path))
+    assert len(list(cut.messages())) == EACH
+    assert "crc" in cut.fault
+
+
+@pytest.fixture
+def cut(tmp_path):
+    """A file that ends in its third chunk."""
+    data, sizes = recording()
+    path = tmp_path / "cut.mcap"
+    path.write_bytes(data[: sizes[1] + 20])
+    return path
+
+
+def test_bags_tell_how_far_they_go(cut):
+    bag = Bag(str(cut))
+    assert len(list(bag.messages())) == 2 * EACH
+    assert bag.reached == BEGIN + 5 * SECOND
+    assert "in the midst of a record" in bag.fault
+
+
+def test_it_is_made_whole_for_all_who_read_such_files(cut, tmp_path):
+    whole = tmp_path / "whole.mcap"
+    line = ["replay", str(cut), "--ros-only", "--output", str(whole)]
+    result = CliRunner().invoke(main, line)
+    assert "cut.mcap was cut off: it was read until 2023-11-14 22:13:25.000+00:00" in result.stderr
+    assert result.exit_code == 1
+    expected = [BEGIN + number * SECOND for number in range(2 * EACH)]
+    assert [each.time for each in by_rosbags(whole)] == expected
+    assert [message.log_time for _, _, message in by_mcap(whole)] == expected
+    again = CliRunner().invoke(main, [*line[:1], str(whole), "-o", str(tmp_path / "again.mcap")])
+    assert (again.exit_code, again.stderr) == (0, "6 messages\n")
+
+
+def test_what_cannot_be_read_makes_no_file(tmp_path):
+    path, whole = tmp_path / "cut.mcap", tmp_path / "whole.mcap"
+    path.write_bytes(recording()[0][:40])
+    result = CliRunner().invoke(main, ["replay", str(path), "-o", str(whole)])
+    assert "cut.mcap cannot be read" in result.stderr
+    assert result.exit_code == 2
+    assert not whole.exists()
