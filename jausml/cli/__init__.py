@@ -1,7 +1,7 @@
 """The command line: one module for each verb, loaded when the verb is used.
 
 Exit status of all verbs: 0 done and no errors, 1 problems of the models or of generated files,
-2 usage or environment, 3 internal error.
+2 usage or environment, 3 internal error, 141 nobody reads the output any more.
 """
 
 from __future__ import annotations
@@ -10,17 +10,22 @@ import atexit
 import errno
 import gc
 import os
+import signal
 import sys
 import traceback
+from contextlib import contextmanager
 from importlib import import_module
 from keyword import iskeyword
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from jausml import __version__
 from jausml.cli.choices import COMPLETION
 from jausml.cli.manners import Manners, colour_allowed
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 VERBS = {
     "init": "Make a project of models.",
@@ -72,6 +77,8 @@ LASTING = {
 
 ENVIRONMENT_FAULT = 2
 INTERNAL_ERROR = 3
+READER_GONE = 128 + signal.SIGPIPE
+"""As shells tell of a program that ended so: no problem of the models."""
 
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
@@ -131,29 +138,48 @@ class Verbs(click.Group):
                 stream.reconfigure(errors="backslashreplace")
         return super().main(*args, **kwargs)
 
+    def make_context(self, *args: Any, **kwargs: Any) -> click.Context:
+        """Reads the command line, which may print the version or help."""
+        with _written_out():
+            return super().make_context(*args, **kwargs)
+
     def invoke(self, ctx: click.Context) -> Any:
         """Runs a verb; whatever it does not expect is an internal error."""
         try:
-            try:
+            with _written_out():
                 return super().invoke(ctx)
-            finally:
-                sys.stdout.flush()
         except (click.exceptions.Exit, click.ClickException, click.Abort):
             raise
         except Exception as error:
-            if isinstance(error, OSError) and error.errno == errno.EPIPE:
-                raise  # the reader of our output has gone, which click knows
-            if isinstance(error, OSError) and error.errno in _NO_ROOM and error.filename is None:
-                # What is left in the buffer goes nowhere, lest it fails again at the end.
-                os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-                click.echo(f"Error: cannot write the output: {error.strerror}", err=True)
-                ctx.exit(ENVIRONMENT_FAULT)
             if ctx.params["debug"]:
                 traceback.print_exc()
             hint = "" if ctx.params["debug"] else " (jausml --debug shows where)"
             what = f"{type(error).__name__}: {error}"
             click.echo(f"jausml: internal error: {what}{hint}", err=True)
             ctx.exit(INTERNAL_ERROR)
+
+
+@contextmanager
+def _written_out() -> Iterator[None]:
+    """Sees to it that what is printed reaches its reader, and ends the program where it cannot.
+
+    Raises:
+        click.exceptions.Exit: The reader has gone, or there is no room.
+    """
+    try:
+        try:
+            yield
+        finally:
+            sys.stdout.flush()
+    except OSError as error:
+        if error.filename is not None or error.errno not in (errno.EPIPE, *_NO_ROOM):
+            raise
+        # What is left in the buffer goes nowhere, lest it fails again at the end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if error.errno == errno.EPIPE:
+            raise click.exceptions.Exit(READER_GONE) from error
+        click.echo(f"Error: cannot write the output: {error.strerror}", err=True)
+        raise click.exceptions.Exit(ENVIRONMENT_FAULT) from error
 
 
 @click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"]})
@@ -167,6 +193,9 @@ def main(context: click.Context, quiet: bool, verbose: bool, debug: bool) -> Non
 
     Results go to stdout, all else to stderr. Terminals are coloured unless NO_COLOR is set, and
     show how far a step is that takes longer than a second.
+
+    Exit status: 0 done, 1 problems in what was looked at, 2 usage or environment, 3 internal
+    error, 141 the reader of the output has gone.
     """
     if quiet and verbose:
         raise click.UsageError("--quiet and --verbose exclude each other")
@@ -181,6 +210,7 @@ def program() -> None:
     Models are cycles of objects that live as long as a short process: to look for garbage among
     them takes as long as the work.
     """
+    _open_closed_streams()
     if COMPLETION in os.environ:
         from jausml.cli.completion import offer_files
 
@@ -190,3 +220,16 @@ def program() -> None:
         # Else the collector looks at all of them at the end.
         atexit.register(gc.freeze)
     main(prog_name="jausml")
+
+
+def _open_closed_streams() -> None:
+    """Opens nothing in the place of standard streams that were closed, as some services do it.
+
+    Else the first file or socket that is opened would take their numbers, and be written to.
+    """
+    for number, name, mode in ((0, "stdin", "r"), (1, "stdout", "w"), (2, "stderr", "w")):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest number that is free: this one
+            setattr(sys, name, open(number, mode, encoding="utf-8"))  # noqa: PTH123, SIM115

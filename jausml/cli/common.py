@@ -141,7 +141,8 @@ def notations_for(
 def find_models(paths: Iterable[str]) -> list[str]:
     """Returns model files: files as they are, and the *.xmi and *.ros2jaus files below folders.
 
-    Hidden folders are left out.
+    Hidden folders are left out, and the shipped library with its copies in projects, unless a
+    folder holds nothing else.
 
     Args:
         paths: Files and folders.
@@ -149,7 +150,17 @@ def find_models(paths: Iterable[str]) -> list[str]:
     Raises:
         EnvironmentFault: A path does not exist or cannot be read, or a folder holds no model.
     """
-    return find_files(paths, SUFFIXES)
+    return [file for path in paths for file in _own_models(_files_at(path, SUFFIXES))]
+
+
+def _own_models(files: Sequence[str]) -> Sequence[str]:
+    """Returns the files that are no copies of the shipped library; all where all are copies."""
+    if len(files) == 1:
+        return files
+    from jausml.model.uris import shipped_as
+
+    own = [each for each in files if shipped_as(Path(os.path.realpath(each))) is None]
+    return own or files
 
 
 def one_model(path: str) -> list[str]:

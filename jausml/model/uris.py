@@ -18,7 +18,7 @@ from jausml.model.values import suggest
 from jausml.model.xmi.eclipse import enclosing_project, projects_around, projects_in
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Container, Iterable, Mapping
 
     from jausml.model.documents import Document
 
@@ -132,11 +132,19 @@ class UriResolver:
         self._known: set[Path] = set()
         self._around: dict[Path, dict[str, Path]] = {}
 
-    def given(self, path: str) -> FileTarget:
-        """Returns the target for a file that the user named; hrefs may then lead to it."""
+    def given(self, path: str, contents: Container[Path] = ()) -> FileTarget:
+        """Returns the target for a file that the user named; hrefs may then lead to it.
+
+        Args:
+            path: The file.
+            contents: Files that an editor holds, by real path: what is stored says nothing of them.
+        """
         real = Path(os.path.realpath(path))
         self._known.add(real)
-        return FileTarget(real, path, real.is_relative_to(self._library))
+        if real.is_relative_to(self._library):
+            return FileTarget(real, path, is_library=True)
+        shipped = shipped_as(real) if real not in contents else None
+        return FileTarget(shipped or real, path, is_library=shipped is not None)
 
     def resolve(self, uri: str, base: Document) -> FileTarget | UriFault:
         """Resolves the URI of an href.

@@ -182,3 +182,21 @@ def test_formats_for_build_servers(jausml, name, start):
     assert result.exit_code == 1
     assert result.stdout.startswith(start)
     assert "bad.xmi" in result.stdout
+
+
+def test_the_copies_of_the_library_in_a_project_are_not_judged(jausml, tmp_path):
+    assert jausml("init", tmp_path / "rover", "--from", "empty").exit_code == 0
+    result = jausml("validate", "--strict", tmp_path / "rover")
+    assert (result.exit_code, result.stderr) == (0, "no problems in 1 file\n")
+
+
+def test_copies_of_the_library_that_are_named_are_judged_as_the_library(jausml, tmp_path):
+    assert jausml("init", tmp_path / "rover", "--from", "empty").exit_code == 0
+    copy = tmp_path / "rover" / "library" / "jaus" / "iop.xmi"
+    result = jausml("validate", copy)
+    assert result.exit_code == 0
+    assert "iop.xmi:416:67: warning: JML323" in result.stdout
+    copy.write_bytes(copy.read_bytes() + b"\n")
+    changed = jausml("validate", tmp_path / "rover")
+    assert changed.exit_code == 1
+    assert "iop.xmi:416:67: error: JML323" in changed.stdout

@@ -127,7 +127,7 @@ class _Reading:
         self._names = NameFinder(self._model, self._open_library)
 
     def run(self, names: Sequence[str]) -> tuple[Model, list[Diagnostic]]:
-        targets = [self._uris.given(name) for name in names]
+        targets = [self._uris.given(name, self._contents) for name in names]
         if any(each.is_library for each in targets):
             self._shelf = None  # what is checked itself is not what others refer to
         if self._shelf is not None:
