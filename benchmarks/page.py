@@ -43,20 +43,26 @@ _REST = (
 _INTRODUCTION = """\
 # What it costs
 
-Made by `make bench` from `benchmarks/results.json`; do not edit. Measured with CPython {python} on
-{processors} processors. **Trust ratios more than times**: what is compared took turns in one run,
-in an order that was shuffled for each block of it; the span of a ratio is that of the blocks.
+This page shows how much time, memory and code a generated bridge needs, so that you can estimate
+whether jausml is fast enough for your system. `make bench` writes it from
+`benchmarks/results.json`; do not edit it. The figures are from CPython {python} on {processors}
+processors.
 
-- **floor**: a Python program that forwards the same bytes between the same two sockets and no more:
-  `recv`, then `Publisher.publish(bytes)`; a wait set with one subscription, raw take, then
-  `sendto`; one process for each direction.
+Four bridges are compared:
+
+- **floor**: a Python program that only forwards the same bytes between the same two sockets. One
+  process for each direction runs `recv` and `Publisher.publish(bytes)`, or a wait set with one
+  subscription, a raw take and `sendto`.
 - **generated**: the bridge that `jausml generate` writes.
-- **typed**: the same bridge with each translation overridden on the message classes of ROS.
-- **generic**: a bridge that interprets the same model at run time, `benchmarks/generic_bridge.py`:
-  typed messages, the executor of rclpy, attribute paths by reflection.
+- **typed**: the same bridge, with each translation overridden to use the message classes of ROS.
+- **generic**: a bridge that interprets the same model at run time (`benchmarks/generic_bridge.py`),
+  with typed messages, the executor of rclpy, and attribute paths by reflection.
 
-The messages and maps are those of `benchmarks/measured.ros2jaus`. "Up" is from JAUS to ROS, "down"
-from ROS to JAUS.
+**Trust ratios more than times.** The bridges took turns within one run, which was divided into
+blocks with a shuffled order. The span of a ratio shows how much it varied over the blocks.
+
+"Up" means from JAUS to ROS, "down" from ROS to JAUS. The messages and maps are in
+`benchmarks/measured.ros2jaus`.
 """
 
 
@@ -96,14 +102,14 @@ def files(data: Mapping[str, Any]) -> dict[str, str]:
 
 def _scale(name: str) -> Iterator[str]:
     if name != "full":
-        yield f"**This was no full run but a {name} one**: few cases and few samples.\n"
+        yield f"**This was a {name} run, not a full one**: it has few cases and few samples.\n"
 
 
 def _busy(machine: Mapping[str, Any]) -> Iterator[str]:
     if machine.get("load", 0) > _QUIET_LOAD:
         yield (
-            f"**Other work was done meanwhile**: the load of the computer was {machine['load']:g} "
-            "at the start. Times are too long, tails far too long, ratios still a guide.\n"
+            f"**The computer was busy with other work**: its load was {machine['load']:g} at the "
+            "start. Times are too long and tails far too long; ratios are still a guide.\n"
         )
 
 
@@ -124,13 +130,12 @@ def _targets(sections: Mapping[str, Any]) -> Iterator[str]:
             why = REMARKS.get(target.key, "no explanation yet.")
             remarks.append(f"- **{target.text[0].upper()}{target.text[1:]}**: {why}")
     yield (
-        f"The worst of all that a target is about is judged: medians at {JUDGED_RATE} messages a "
-        f"second, 99th"
-        f" percentiles at {TAIL_RATE}.\n"
+        f"Each target is judged by the worst of its cases: medians at {JUDGED_RATE} messages a "
+        f"second, 99th percentiles at {TAIL_RATE}.\n"
     )
     yield table(("target", "aim", "worst measured", ""), rows)
     if remarks:
-        yield "What is missed, and why:\n"
+        yield "Why targets are missed:\n"
         yield "\n".join(remarks) + "\n"
 
 
@@ -139,9 +144,10 @@ def _latency(sections: Mapping[str, Any], plots: Mapping[str, str]) -> Iterator[
         return
     yield "## Latency\n"
     yield (
-        "One message at a time, from this end to that. Ratios of medians to the floor, in "
-        "brackets the span over the blocks. Where a star stands, messages are fewer and slower: "
-        "the variant cannot keep the rate, or would leave others no time to.\n"
+        "The time of a single message from one end to the other. The columns of the bridges show "
+        "the ratio of their median to that of the floor, with the span over the blocks in "
+        "brackets. A star marks bridges that got fewer messages at a lower rate, because they "
+        "cannot keep up with the rate, or would leave the others no time.\n"
     )
     yield _figure("latency", plots)
     for way in WAYS:
@@ -166,8 +172,8 @@ def _events(sections: Mapping[str, Any]) -> Iterator[str]:
     if "events" not in sections:
         return
     yield (
-        "The same for a point as a report, which goes as an event at every change: a bridge that "
-        "asked for the event takes it, and one that was asked for it sends it.\n"
+        "The same for a point in a report that is sent as an event at every change. From JAUS to "
+        "ROS, the bridge has asked for the event; from ROS to JAUS, it provides the event.\n"
     )
     rows = [
         (
@@ -189,9 +195,8 @@ def _connections(sections: Mapping[str, Any]) -> Iterator[str]:
         return
     yield "## With many connections\n"
     yield (
-        f"Stamped points at {JUDGED_RATE} a second through a bridge with further connections that "
-        f"carry nothing at the"
-        " moment.\n"
+        f"Stamped points at {JUDGED_RATE} a second through a bridge whose other connections are "
+        "idle.\n"
     )
     rows = [
         (
@@ -221,9 +226,9 @@ def _throughput(sections: Mapping[str, Any], plots: Mapping[str, str]) -> Iterat
         return
     yield "## Throughput and processor time\n"
     yield (
-        "Stamped points, in steps until more than a thousandth is lost. Below the greatest step "
-        "without loss stands the"
-        " processor time of the bridge for each message, all its threads and the kernel included.\n"
+        "Stamped points, at a rate that rises in steps until more than a thousandth is lost. The "
+        "first table shows the highest rate without loss. The second one shows the processor time "
+        "of the bridge for each message, including all its threads and the kernel.\n"
     )
     yield _figure("throughput", plots)
     rows = [
@@ -258,7 +263,10 @@ def _step(found: Mapping[str, Any] | None) -> str:
 def _load(sections: Mapping[str, Any]) -> Iterator[str]:
     if "load" in sections:
         yield "## Under load\n"
-        yield "Single points one way, while 2,000 a second pass the other way through the bridge.\n"
+        yield (
+            "Single points in one direction, while 2,000 a second pass through the bridge in the "
+            "other direction.\n"
+        )
         yield table(
             (
                 "",
@@ -276,9 +284,9 @@ def _load(sections: Mapping[str, Any]) -> Iterator[str]:
             f"{each} {100 * share:.0f} %" for each, share in found["carried"].items()
         )
         yield (
-            "Single twists while grids of 40 kB, 1 MB a second, pass down through the same "
-            "bridge, against the same"
-            f" without grids. Grids that came through: {carried}.\n"
+            "Single twists, while grids of 40 kB pass down through the same bridge at 1 MB a "
+            "second, compared with single twists without grids. Share of the grids that arrived: "
+            f"{carried}.\n"
         )
         yield table(
             ("", "variant", "median, us", "99 %, us", "median against alone", "99 % against alone"),
@@ -301,9 +309,10 @@ def _translations(sections: Mapping[str, Any], plots: Mapping[str, str]) -> Iter
         return
     yield "## Translations\n"
     yield (
-        "From bytes to bytes in one process and warm, microseconds of processor time: flat code, "
-        "the readable method on"
-        " light classes, the same on the message classes of ROS, and interpreted.\n"
+        "Microseconds of processor time from bytes to bytes, in one process with warm caches. "
+        "*flat* is the generated function from bytes to bytes, *light* the readable method on "
+        "light classes, *typed* the same method on the message classes of ROS, and *generic* the "
+        "interpreter.\n"
     )
     yield _figure("translations", plots)
     rows = []
@@ -334,10 +343,11 @@ def _footprint(sections: Mapping[str, Any]) -> Iterator[str]:
     if "footprint" in sections:
         yield "## Start, memory, code\n"
         yield (
-            "From the start of the process, imports included, until a bridge answers on JAUS, when "
-            "its topics are there too, and until the first message is through to a subscriber on "
-            "ROS: that DDS finds it takes between some milliseconds and three seconds, whatever "
-            "the program is. Medians; processor time is that until then.\n"
+            "Medians from the start of the process, including imports. *answers* is the time until "
+            "a bridge answers on JAUS; its topics exist by then. *first message* is the time until "
+            "a message reaches a subscriber on ROS. DDS needs between some milliseconds and three "
+            "seconds to find that subscriber, whatever the program is. The processor time is what "
+            "was used until then.\n"
         )
         rows = []
         for count, variants in counted(sections["footprint"]):
@@ -351,7 +361,7 @@ def _footprint(sections: Mapping[str, Any]) -> Iterator[str]:
         ]
         yield table(("connections", "lines of generated code", "kB each connection"), rows)
     if "hosts" in sections:
-        yield "JAUS components of one process, until the last one answers:\n"
+        yield "Several JAUS components in one process, until the last one answers:\n"
         rows = [(count, *_rest(found)) for count, found in counted(sections["hosts"])]
         yield table(("components", *_REST), rows)
 

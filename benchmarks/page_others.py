@@ -16,8 +16,8 @@ def partition(sections: Mapping[str, Any]) -> Iterator[str]:
     if "partition" not in sections:
         return
     yield (
-        "Single twists while grids of 40 kB, 5 MB a second, pass down: through the same bridge, "
-        "or through one of their own, as `jausml partition` parts them.\n"
+        "Single twists, while grids of 40 kB pass down at 5 MB a second, either through the same "
+        "bridge or through a separate one, as `jausml partition` splits them.\n"
     )
     rows = [
         (WAY_NAMES[way], name, found.get("median"), found.get("tail"))
@@ -34,14 +34,16 @@ def components(sections: Mapping[str, Any]) -> Iterator[str]:
         return
     yield "## Between two JAUS components\n"
     yield (
-        "Round trips between two processes: a raw datagram, for which each side blocks in `recv`, "
-        "or waits with `epoll` as a loop does; a message that the handler of the other component "
-        "sends back; a query that the runtime answers. The loop's thread begins them, as handlers "
-        "and timers do, or another thread of the process.\n"
+        "Round trips between two processes:\n\n"
+        "- *datagrams*: a raw datagram; each side blocks in `recv`, or waits with `epoll` as a "
+        "loop does;\n"
+        "- *messages*: a message that the handler of the other component sends back. It starts on "
+        "the thread of the loop, like handlers and timers, or on another thread of the process;\n"
+        "- *queries*: a query that the runtime answers.\n"
     )
     yield _round_trips(found)
     if "one_processor" in sections:
-        yield "The same where all processes share one processor, so that none wakes another:\n"
+        yield "The same with all processes on one processor, so that none wakes another:\n"
         yield _round_trips(sections["one_processor"])
 
 
@@ -67,9 +69,9 @@ def codecs(sections: Mapping[str, Any]) -> Iterator[str]:
         ("message", "bytes", "encode, a second", "decode, a second", "generated lines"), rows
     )
     yield (
-        f"Bare `struct.pack` of six numbers does {found['bare']:,.0f} a second there: the rest "
-        f"buys range checks, optional"
-        " fields and typed objects. Lines are those of the message's class, docstrings included.\n"
+        f"A bare `struct.pack` of six numbers reaches {found['bare']:,.0f} a second. The codecs "
+        "spend the remaining time on range checks, optional fields and typed objects. The lines "
+        "are those of the class of the message, including docstrings.\n"
     )
 
 
@@ -97,11 +99,11 @@ def toolchain(sections: Mapping[str, Any]) -> Iterator[str]:
     yield table(("whole process", "s", "against an empty Python"), rows)
     editor = found["editor"]
     completing = editor.get("completion_ms")
-    with_them = f", with its completions {completing:g} ms" if completing is not None else ""
+    with_them = f", or {completing:g} ms with completions" if completing is not None else ""
     yield (
-        f"In the editor, in a text of a thousand lines, a letter takes {editor['letter_ms']:g} ms "
-        f"of a processor while typing goes on{with_them}, "
-        f"and the check when it pauses {editor['pause_ms']:g} ms more.\n"
+        "In the editor, with a text of a thousand lines, each typed letter takes "
+        f"{editor['letter_ms']:g} ms of processor time{with_them}. The check when typing pauses "
+        f"takes {editor['pause_ms']:g} ms more.\n"
     )
 
 
@@ -112,8 +114,8 @@ def studio(sections: Mapping[str, Any]) -> Iterator[str]:
         return
     yield "## The studio\n"
     yield (
-        "From an edit by a page until the verdict of all rules on it is there. The models are the "
-        "example system, and bridges of connections with a map each.\n"
+        "The time from an edit in the page until all rules have checked it. The models are the "
+        "example system, and bridges whose connections have a map each.\n"
     )
     rows = [
         (name, each["elements"], each["median"], each["worst"], each["processor"])
@@ -133,10 +135,10 @@ def soak(found: Mapping[str, Any] | None) -> Iterator[str]:
     first, last = found["looks"][0], found["looks"][-1]
     yield "## Soak\n"
     yield (
-        f"Points at {found['rate']:g} a second each way for {found['minutes']:g} minutes "
+        f"Points at {found['rate']:g} a second in each direction for {found['minutes']:g} minutes "
         f"(`make soak`), on {found['machine']['processors']} processors whose load was "
-        f"{found['machine']['load']:g} at the end. A line through all samples but the first "
-        f"quarter rises by {found['grown_mib']:g} MiB.\n"
+        f"{found['machine']['load']:g} at the end. A line fitted to the memory samples after the "
+        f"first quarter rises by {found['grown_mib']:g} MiB.\n"
     )
     rows = [(name, each["sent"], each["received"], each["lost"]) for name, each in _ways(found)]
     yield table(("", "sent", "received", "counted as lost"), rows)

@@ -22,55 +22,59 @@ Finding = tuple[str, float]
 
 REMARKS: Mapping[str, str] = {
     "small": (
-        "from ROS to JAUS points and twists are at the floor. From JAUS to ROS five Python"
-        " functions stand between the socket and the publisher (turn of the loop, datagram,"
-        " dispatch, connection, translation), each some microseconds after a pause; an"
-        " odometry has two texts and a quaternion besides."
+        "from ROS to JAUS, points and twists are as fast as the floor. From JAUS to ROS, five"
+        " Python functions stand between the socket and the publisher (turn of the loop,"
+        " datagram, dispatch, connection, translation), and each takes some microseconds after a"
+        " pause. An odometry also has two texts and a quaternion."
     ),
     "connections": (
-        "as above: the way up costs the same with 1 and with 300, where the figures scatter"
-        " by a tenth; the way down is at the floor with any number."
+        "as above: the way up costs the same with 1 and with 300 connections, within a scatter"
+        " of a tenth; the way down is as fast as the floor with any number."
     ),
     "large": (
-        "a message of 60 kB has fifteen packets, more than a node manager of Junior takes in one"
-        " go (ten): it waits for acknowledgements, which the floor does without. A path of 100"
-        " poses takes 46 us up and 84 us down with warm caches, about half of it for quaternions,"
-        " which are computed one by one so that all forms give the same bytes. A scan is"
-        " translated in 3 and 6 us, but the first calls of numpy after a pause cost several times"
-        " that. The packets of a grid are read, compared with those before and put together,"
-        " where the floor waits for the last one."
+        "a message of 60 kB has fifteen packets, more than a node manager of Junior takes at"
+        " once (ten), so the bridge waits for acknowledgements; the floor does not. A path of 100"
+        " poses takes 46 us up and 84 us down with warm caches. About half of that is for"
+        " quaternions, which are computed one by one so that all forms give the same bytes. A"
+        " scan takes 3 us up and 6 us down, but the first calls of numpy after a pause cost"
+        " several times that. The bridge reads and compares all packets of a grid and puts them"
+        " together, where the floor only waits for the last one."
     ),
     "tail": (
-        "it is the message of fifteen packets again, whose acknowledgements are round trips of"
-        " their own. Of small messages the worst is 1.3, of scans 1.2, of paths 1.8."
+        "the worst case is again the message of fifteen packets, whose acknowledgements are"
+        " round trips of their own. The worst of the small messages is 1.3, of the scans 1.2,"
+        " and of the paths 1.8."
     ),
     "both": (
-        "loads go in steps: at 15,000 a second each way, which the floor carries, 2.9 % are lost;"
-        " the step before, 10,000, passes whole."
+        "the load rises in steps. At 15,000 a second in each direction, which the floor carries,"
+        " 2.9 % are lost; the step before, 10,000, passes completely."
     ),
     "start": (
-        "each connection has eight parameters, so ROS is told of 2,416, one by one, which takes"
-        " about a fifth; the rest are the imports, the classes of 300 messages, and the endpoints"
-        " of DDS. An empty Python took half as long again in this run as on a day on which 0.42 s"
-        " were measured."
+        "each connection has eight parameters, so the bridge declares 2,416 of them to ROS, one"
+        " by one, which takes about a fifth of the time. The rest goes to imports, the classes of"
+        " 300 messages, and the endpoints of DDS. In this run an empty Python took half as long"
+        " again as on a day on which 0.42 s were measured."
     ),
     "round_trip": (
-        "what waits with `epoll` and does nothing else is at 1.1 to 1.2. Each side reads, checks,"
-        " dispatches, decodes, encodes and numbers a message in Python: 7 us beyond the waiting"
-        " while caches are warm, and three to four times that after a pause or after another"
-        " process had the processor, as so much code is fetched anew. There are three system"
-        " calls for a message (`epoll_wait`, `recvfrom`, `sendto`), where the datagram has two."
+        "a program that waits with `epoll` and does nothing else reaches 1.1 to 1.2. Each side"
+        " reads, checks, dispatches, decodes, encodes and numbers a message in Python. That takes"
+        " 7 us beyond the waiting while caches are warm, and three to four times as long after a"
+        " pause or after another process had the processor, since so much code has to be fetched"
+        " again. A message needs three system calls (`epoll_wait`, `recvfrom`, `sendto`), a"
+        " datagram two."
     ),
     "generate": (
-        "3000 maps are validated, translated, checked and laid out one by one, and maps that are"
-        " like others but for their names are translated once; 3000 connections that share a map"
-        " take half of that. Seconds are those of a slow day, as with the start."
+        "3000 maps are validated, translated, checked and laid out one by one; maps that differ"
+        " only in names are translated once. 3000 connections that share a map take half of that."
+        " The seconds are those of a slow day, as with the start."
     ),
-    "validate": "seconds of a slow day, as with the start; on a better one it took 3.6.",
+    "validate": (
+        "the seconds are those of a slow day, as with the start; on a better one it took 3.6 s."
+    ),
     "large_edit": (
-        "about half of it are the rules, each of which looks at every connection of a file that"
-        " was edited; the rest is reading the edited file again, and seeing that it says what was"
-        " meant. Neither is limited to what an edit can have touched."
+        "the rules take about half of the time, since each of them looks at every connection of"
+        " the edited file. The rest goes to reading the file again, and to checking that its"
+        " meaning is the intended one. Neither is limited to the parts that an edit can affect."
     ),
 }
 """Why a target is missed, by its key; written by hand after a run."""
@@ -215,16 +219,26 @@ def _verdict(*names: str) -> Callable[[Sections], Iterator[Finding]]:
 TARGETS = (
     Target(
         "small",
-        "latency of small messages against the floor, median",
+        "latency of small messages, median against that of the floor",
         1.15,
         " x",
         _medians(SMALL),
     ),
     Target("connections", "the same with up to 300 connections each way", 1.15, " x", _connections),
     Target(
-        "large", "scans, grids and paths against the floor, median", 1.25, " x", _medians(LARGE)
+        "large",
+        "latency of scans, grids and paths, median against that of the floor",
+        1.25,
+        " x",
+        _medians(LARGE),
     ),
-    Target("tail", "99th percentile against that of the floor", 1.5, " x", _tails),
+    Target(
+        "tail",
+        "latency of all messages, 99th percentile against that of the floor",
+        1.5,
+        " x",
+        _tails,
+    ),
     Target(
         "throughput",
         "messages a second without loss, one way",
@@ -235,7 +249,7 @@ TARGETS = (
     ),
     Target(
         "both",
-        "both ways at once, of what the floor carries",
+        "messages a second in both directions at once, against the floor",
         1.0,
         " x",
         _both_ways_share,
@@ -243,7 +257,7 @@ TARGETS = (
     ),
     Target(
         "translation",
-        "processor time of a translation, times less than interpreted",
+        "processor time of a translation, times less than the interpreter's",
         10,
         " x",
         _less_than_generic,
@@ -251,7 +265,7 @@ TARGETS = (
     ),
     Target(
         "grids",
-        "99th percentile beside 1 MB/s of grids, against without",
+        "99th percentile beside 1 MB/s of grids, against that without grids",
         1.5,
         " x",
         _beside_grids,
@@ -267,10 +281,16 @@ TARGETS = (
     Target("generate", "`jausml generate` of 3000 connections", 10, " s", _generate),
     Target("validate", "`jausml validate` of 100,000 elements", 4, " s", _validate),
     Target("verbs", "start of verbs that need no model", 0.1, " s", _verbs),
-    Target("letter", "a letter in the editor, 1,000 lines, processor time", 50, " ms", _letter),
+    Target(
+        "letter",
+        "processor time of a letter in the editor, text of 1,000 lines",
+        50,
+        " ms",
+        _letter,
+    ),
     Target(
         "edit",
-        "from an edit in the studio to the verdict, the example system",
+        "time from an edit in the studio to its verdict, example system",
         200,
         " ms",
         _verdict("the example"),
