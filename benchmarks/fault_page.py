@@ -28,31 +28,33 @@ CONNECTIONS = {
     "estimate": "event at each change, ROS to JAUS",
 }
 _INTRODUCTION = """\
-# What happens when something fails
+# Faults and their effects
 
-Made by `make faults` from `benchmarks/faults.json`; do not edit. Measured with CPython {python}
-on {processors} processors with other work beside, whose load was {load:g} in the last
-run; each line is of one run, so that times are examples and no promises.
+Look up how a bridge reacts when something fails, and how long it takes to recover. `make faults`
+writes this page from `benchmarks/faults.json`; do not edit it. The figures are from CPython
+{python} on {processors} processors that also had other work; their load was {load:g} in the last
+run. Each line is from a single run, so the times are examples and not guarantees.
 
-One generated bridge (`tests/cases/bridge_loop`) stands between a JAUS vehicle, a JAUS operator and
-a ROS node, each a process of its own. Twenty messages a second flow by each connection, and each
-value says when it was sent. Then something fails, for some seconds, and is over. Nobody touches
-the bridge.
+The system has one generated bridge (`tests/cases/bridge_loop`) between a JAUS vehicle, a JAUS
+operator and a ROS node. Each of them is a separate process. Every connection carries twenty
+messages a second, and each value carries the time at which it was sent. Then something fails for
+some seconds, and recovers. Nobody touches the bridge.
 
-JAUS goes over UDP, and in faults whose names say so over TCP, or through a node manager (a stand-in
-that speaks the local protocol of Junior's). A TCP connection that is held is one whose cable is
-pulled out: nothing passes, and all that was sent passes afterwards.
+JAUS goes over UDP, unless the name of the fault says TCP or node manager (a stand-in with the local
+protocol of Junior's). "Held" means a TCP connection whose cable is pulled out and put back: nothing
+passes meanwhile, and everything that was sent passes afterwards.
 
-Of each fault `tests/faults` demands:
+`tests/faults` requires for each fault:
 
-- afterwards what is sent then arrives by every connection;
-- while it lasts, the stop stands on the other side of what is lost;
-- no command older than {stale:g} s is obeyed, not even of those that waited somewhere;
-- nothing that was not foreseen is in any log, and all programs end with 0 when they are asked to.
+- after it, new messages arrive by every connection;
+- while it lasts, the stop is in effect on the other side of the lost part;
+- no command older than {stale:g} s is obeyed, even if it was waiting somewhere;
+- no log contains anything unexpected, and all programs exit with status 0 when asked to end.
 
-"stop" is the time from the fault to the stop on the other side, "back" that from its end, or from
-the start of the new process, to the first message that was sent after it. Where a process starts
-anew, that contains the start of Python, and the time in which DDS finds topics.
+"stop" is the time from the fault until the stop takes effect on the other side. "back" is the time
+from the end of the fault, or from the start of the new process, until the first message arrives
+that was sent after it. If a process is restarted, this includes the start of Python, and the time
+that DDS needs to find topics.
 """
 
 
@@ -77,7 +79,7 @@ def page(data: Mapping[str, Any]) -> str:
         "## The connections\n",
         table(("connection", "kind"), CONNECTIONS.items()),
         "## Faults\n",
-        "Seconds.\n",
+        "All times are in seconds.\n",
         table(head, rows),
         *_floods(data.get("floods", {})),
     ]
@@ -90,12 +92,12 @@ def _floods(floods: Mapping[str, Any]) -> Iterator[str]:
     yield "## Floods\n"
     yield (
         "One process sends as many datagrams as it can, at most 50,000 a second, to the port of "
-        "the bridge. The share that arrives is that of the connection that suffers most, against "
-        "the same time without a flood; the times are the ages of all that arrived. Each "
-        "line is of that of three runs in which most arrived: the processors have other work, that "
-        "of the sender of the flood at least. The bridge with `allowedHosts` needs a quarter of a "
-        "processor for 50,000 datagrams a second that it refuses; where it seems to lose more than "
-        "without, it did not get that.\n"
+        "the bridge. The share that arrives is that of the connection that suffers most, compared "
+        "with the same time without a flood. The times are the ages of all messages that arrived. "
+        "Each line shows the best of three runs, since the processors have other work, at least "
+        "that of sending the flood. With `allowedHosts` the bridge needs a quarter of a processor "
+        "to refuse 50,000 datagrams a second. Where it seems to lose more with it than without, it "
+        "did not get that share of a processor.\n"
     )
     rows = [
         (
@@ -115,12 +117,13 @@ def _floods(floods: Mapping[str, Any]) -> Iterator[str]:
     yield table(head, rows)
     yield from _wild(floods)
     yield (
-        "A bridge takes what comes to its one socket in turn, and the kernel drops what there is "
-        "no room for, of whomever: a network that may be flooded needs a filter before the "
-        "bridge. `reports` come in the name of the vehicle, from elsewhere. With AS5669A they take "
-        "its traffic over, unless the bridge says `fixedSources` or `allowedHosts` "
-        "([how to secure](../how-to/secure.md)); what is refused by these costs less than what is "
-        "taken.\n"
+        "A bridge reads its one socket in the order of arrival, and the kernel drops datagrams "
+        "of any sender when the socket is full. A network that may be flooded therefore needs a "
+        "filter in front of the bridge.\n\n"
+        "`reports` are sent from elsewhere with the id of the vehicle. According to AS5669A they "
+        "take over its traffic, unless the bridge sets `fixedSources` or `allowedHosts` "
+        "([Secure a bridge](../how-to/secure.md)). Refused datagrams cost less than accepted "
+        "ones.\n"
     )
 
 
@@ -129,9 +132,9 @@ def _wild(floods: Mapping[str, Any]) -> Iterator[str]:
     if passed:
         told = ", ".join(f"{each} a second with `{name}`" for name, each in sorted(passed.items()))
         yield (
-            "`commands of the operator` are what it may say, 200 times as often as usual; the "
-            f"share is that of all others. Of its own arrived {told}: without a cap a ROS node "
-            "takes what it can, and its queue drops the rest.\n"
+            "`commands of the operator` are permitted commands, sent 200 times as often as usual; "
+            f"the share is that of all other messages. Of these commands, {told} arrived. Without "
+            "a cap, a ROS node takes as many as it can, and its queue drops the rest.\n"
         )
 
 
