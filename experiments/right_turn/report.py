@@ -24,43 +24,46 @@ _QUIET_SHARE = 0.5
 _INTRODUCTION = """\
 # The right turn, by JAUS alone and through the bridge
 
-Made by `make experiment` from `experiments/results.json`; do not edit. Measured with CPython
-{python} on {processors} processors.
+This page shows whether a car drives the same turn through a generated bridge as without one, and
+how much delay and loss it tolerates. `make experiment` writes the page from
+`experiments/results.json`; do not edit it. The figures are from CPython {python} on {processors}
+processors.
 
 The paper that proposed bridges made from models (Morley, Warren, Rabb, Whitsitt, Bunting and
 Sprinkle, *Generating a ROS/JAUS Bridge for an Autonomous Ground Vehicle*, 2013) let a car drive a
-right-hand turn twice: by JAUS components alone, and by ROS controllers behind a bridge. It judged
-the two by looking at them, saw the second one steer "more wildly", and suspected the delay of its
-bridge. Here the turn is driven again, with numbers:
+right-hand turn twice: with JAUS components alone, and with ROS controllers behind a bridge. The
+authors compared the two drives by eye. They saw the second one steer "more wildly", and suspected
+the delay of their bridge. Here the turn is repeated with two systems, and measured:
 
 - **J**: vehicle, operator and controllers are JAUS components.
-- **R**: the same vehicle and operator; the controllers are ROS 2 nodes, and everything between them
-  and the vehicle passes one generated bridge.
+- **R**: vehicle and operator are the same; the controllers are ROS 2 nodes, and all messages
+  between them and the vehicle pass through one generated bridge.
 
-Vehicle and controllers are the same code in both. Where it says *real time*, the systems are what
-`jausml generate` writes, as processes with sockets and rclpy, on one computer. In *virtual time*
-the same generated code runs on one simulated clock and a network that delays and loses what it is
-told to ([how](how-to/virtual-time.md)); equal seeds give equal drives there, to the last bit.
+Both systems use the same code for vehicle and controllers. In *real time*, `jausml generate` wrote
+the systems, and they run as processes with sockets and rclpy on one computer. In *virtual time*,
+the same generated code runs on one simulated clock, with a network whose delays and losses can be
+set ([Test in virtual time](how-to/virtual-time.md)). There, equal seeds give equal drives, to the
+last bit.
 """
 
 _NOT_REPRODUCED = """\
 ## What could not be reproduced
 
 - **The vehicle and its data.** The logs of the original drives are not public, nor is the car's
-  JAUS code. Vehicle and actuators are simulated, from what is public of the CAT Vehicle.
-- **The safe curve.** The paper draws a line between safe and unsafe pairs of speed and tyre angle
-  and gives no numbers. Here it is a bound on the lateral acceleration, as such a limit is usually
-  meant; its value is an assumption.
-- **The prescribed path.** Its shape is told, not its numbers. Straight, arc and straight have
-  lengths of our own, so that the limiter must act.
-- **The controllers.** The paper says what they do and not how. The steering law is the public one
-  of the same vehicle's simulator, at the front axle; the speed law is ours.
-- **The positioning of the car.** The jump of the measured path in the paper's figure, where the
-  receiver found its position, comes of equipment that is not simulated.
-- **The cause of the wilder steering.** We can show what a delay does, and that a bridge that polls
-  has it. Whether that was the cause in the original car nobody can tell from outside.
+  JAUS code. Vehicle and actuators are simulated from public data on the CAT Vehicle.
+- **The safe curve.** The paper draws a line between safe and unsafe pairs of speed and tyre angle,
+  but gives no numbers. Here the line is a limit of the lateral acceleration, which is the usual
+  meaning of such a curve. Its value is an assumption.
+- **The prescribed path.** The paper describes its shape, but not its size. We chose the lengths of
+  the straights and the radius of the arc so that the limiter must act.
+- **The controllers.** The paper says what they do, but not how. The steering law is the public one
+  from the simulator of the same vehicle, at the front axle. The speed law is ours.
+- **The positioning of the car.** In the paper's figure, the measured path jumps where the receiver
+  found its position. This comes from equipment that is not simulated.
+- **The cause of the wilder steering.** We can show what a delay does, and that a polling bridge has
+  such a delay. Whether it was the cause in the original car cannot be told from outside.
 
-So shape and claims are reproduced, not points.
+In short, the shape of the drives and the claims are reproduced, but not single data points.
 """
 
 
@@ -131,13 +134,13 @@ def _incomplete(data: Mapping[str, Any]) -> Iterator[str]:
     if data["load"] is not None and data["load"] > quiet:
         yield (
             f"**Other work was done meanwhile**: the load of the computer was {data['load']:g} "
-            "before the drives in real time. They are disturbed, J as well as R, and delays are "
-            "too long; what is said of real time has to be measured again where it is quiet.\n"
+            "before the drives in real time. It disturbed both J and R, and the delays are too "
+            "long. Measure the results in real time again on a quiet computer.\n"
         )
     if data["quick"]:
-        yield "**This was a quick look**: few drives, and few cases of the sweep.\n"
+        yield "**This was a quick look**: it has few drives, and few cases of the sweep.\n"
     if data["failed"]:
-        yield "**Stages that failed**, so that their part is missing or old:\n"
+        yield "**Some stages failed**, so their parts are missing or out of date:\n"
         yield "\n".join(f"- {name}: {why}" for name, why in sorted(data["failed"].items())) + "\n"
 
 
@@ -148,8 +151,8 @@ def _claims(data: Mapping[str, Any]) -> Iterator[str]:
         [(claim["text"], answer(claim)) for claim in data["claims"]],
     )
     yield (
-        "`make experiment` fails when one of these does not hold. A claim that something must "
-        "*fail* is there because an experiment that cannot fail proves nothing.\n"
+        "`make experiment` fails when one of these claims does not hold. Some of them require that "
+        "something is *refused*, because an experiment that cannot fail proves nothing.\n"
     )
 
 
@@ -163,9 +166,9 @@ def _all_systems(data: Mapping[str, Any]) -> Iterator[str]:
         rows.append((name, found["clock"], arrived, *map(number, cells)))
     yield markdown_table(head, rows)
     yield (
-        "Means. P5 is a bridge that polls five times a second, and so on. What has 100 ms more on "
-        "each way, and the car that understeers, which the controllers do not know, are there to "
-        "be refused.\n"
+        "All figures are means. P5 is a bridge that polls five times a second, and so on. The "
+        "systems with an additional delay of 100 ms in each direction, and those with a car that "
+        "understeers without the controllers knowing, are included because they must be refused.\n"
     )
 
 
@@ -173,34 +176,36 @@ def _drives(data: Mapping[str, Any], figures: str) -> Iterator[str]:
     yield "## The turn\n"
     yield figure("turn", figures, "Paths and speeds over tyre angles of both systems", data)
     yield (
-        "Left the prescribed path and the driven one; right speed over tyre angle with the "
-        "boundary of the safe region and the limiter of the speed controller. Thin grey lines are "
-        "all drives, the coloured one is the first. Both rows have the same axes.\n"
+        "On the left, the prescribed path and the driven one. On the right, the speed over the "
+        "tyre angle, with the boundary of the safe region and the limiter of the speed controller. "
+        "Thin grey lines show all drives, the coloured line the first one. Both rows have the same "
+        "axes.\n"
     )
     head, *rows = table_of_drives(data)
     yield markdown_table(head, rows)
     yield figure("gaps", figures, "Differences of drives over time", data)
     yield (
-        "How far two drives are apart at equal times since the first motion: R from J, beside J "
-        "from another J, which is what the experiment itself cannot repeat. Lines are medians of "
-        "all pairs, the shade holds all of them.\n"
+        "How far two drives are apart at equal times since the first motion. R is compared with J, "
+        "and J with another J, which shows how well the experiment itself can be repeated. The "
+        "lines are medians of all pairs; the shaded areas contain all of them.\n"
     )
 
 
 def _verdicts(data: Mapping[str, Any]) -> Iterator[str]:
     if not data["verdicts"]:
         return
-    yield "## Are they the same?\n"
+    yield "## Are the two systems equivalent?\n"
     yield (
-        "That no difference was found would prove little: too few drives never find one. So the "
-        "test is one of *equivalence*: the whole confidence interval of a difference must lie "
-        "within the bound. All bounds follow from one delay that is tolerated, and from what "
-        "plant, laws and codec make of it (`experiments/right_turn/judging.py` derives them). An "
-        "*excess* is how much farther apart R and J are than one J from another.\n"
+        "Finding no difference would prove little, because with too few drives no difference can "
+        "be found. The test is therefore one of *equivalence*: the whole confidence interval of a "
+        "difference must lie within a bound. All bounds follow from one tolerated delay and its "
+        "effects in the plant, the control laws and the codec "
+        "(`experiments/right_turn/judging.py` derives them). An *excess* is how much farther apart "
+        "R and J are than two drives of J.\n"
     )
     for verdict in data["verdicts"]:
         yield f"### {verdict['title']}\n"
-        expected = "" if verdict["must_pass"] else "This one must fail. "
+        expected = "" if verdict["must_pass"] else "This comparison must fail. "
         yield f"{verdict['about']} {expected}{verdict['pairs']} pairs: {_outcome(verdict)}.\n"
         rows = [
             (
@@ -226,7 +231,11 @@ def _kept(row: Mapping[str, Any]) -> str:
 def _outcome(verdict: Mapping[str, Any]) -> str:
     if verdict["passes"]:
         return "shown to be equivalent"
-    return "shown to be different" if verdict["differs"] else "neither the same nor different"
+    return (
+        "shown to be different"
+        if verdict["differs"]
+        else "shown to be neither equivalent nor different"
+    )
 
 
 def _interval(row: Mapping[str, Any]) -> str:
@@ -245,8 +254,8 @@ def _latency(data: Mapping[str, Any], figures: str) -> Iterator[str]:
     yield "## Delay\n"
     yield figure("latency", figures, "Distribution of the delay on each way", data)
     yield (
-        "In real time, all drives together. The triangle marks the 99th percentile. *Report to "
-        "its answer* is the whole way, controller included.\n"
+        "The delays of all drives in real time. The triangle marks the 99th percentile. *Report to "
+        "its answer* is the whole loop, including the controller.\n"
     )
     rows = []
     for system, found in data["systems"].items():
@@ -263,15 +272,15 @@ def _steering(data: Mapping[str, Any], figures: str) -> Iterator[str]:
     yield "## Steering\n"
     yield figure("steering", figures, "Tyre angle, steering activity, and that of each drive", data)
     yield (
-        "The paper's word was *wildly*. The measure of it is the sum of all changes of the tyre "
-        "angle over a drive.\n"
+        "The paper called the steering *wild*. Here it is measured as the sum of all changes of "
+        "the tyre angle during a drive.\n"
     )
 
 
 def _parameters(data: Mapping[str, Any]) -> Iterator[str]:
     yield "## Parameters\n"
     yield (
-        "Each is defined, with its source, in `catvehicle/parameters.py` of the example. "
+        "`catvehicle/parameters.py` of the example defines each parameter with its source. "
         "**Assumption** marks a number that nobody has published.\n"
     )
     rows = [

@@ -12,11 +12,11 @@ if TYPE_CHECKING:
 
 
 def controls(data: Mapping[str, Any]) -> Iterator[str]:
-    """Yields what must be told from J."""
+    """Yields the systems that the test must distinguish from J."""
     found = data["summaries"].get("wall", {}).get("controls")
     if not found:
         return
-    yield "### What must be told from J\n"
+    yield "### What the test must distinguish from J\n"
     rows = [
         (
             each["about"],
@@ -35,9 +35,10 @@ def closeness(data: Mapping[str, Any]) -> Iterator[str]:
         return
     yield "### What becomes of the paper's claim\n"
     yield (
-        'The paper calls the two drives "sufficiently bi-similar". Here that is a pair of numbers: '
-        "drives are bi-similar up to (τ, ε) when each state of one has a state of the other within "
-        "τ seconds and ε, both ways. The smallest ε of all pairs of J and R, in real time:\n"
+        'The paper calls the two drives "sufficiently bi-similar". Here a pair of numbers '
+        "expresses this. Two drives are bi-similar up to (τ, ε) if for each state of either drive, "
+        "the other one has a state within τ seconds and a distance of ε. The table shows the "
+        "smallest ε of all pairs of J and R in real time:\n"
     )
     rows = [
         (f"{row['shift']:g}", row["position"], row["speed"], row["angle"])
@@ -72,21 +73,21 @@ _BOUNDS = {
 """Words of the bounds of the sweep."""
 
 _GROUPS = {
-    ("nominal", "null"): "nothing added; J with another seed is what cannot be told apart",
-    ("control",): "what must be refused",
-    ("way", "J"): "one way delayed, and J with the delay on both",
-    ("fault",): "jitter, order, repetition, bursts of losses",
+    ("nominal", "null"): "without faults; J with another seed shows the natural variation",
+    ("control",): "systems that must be refused",
+    ("way", "J"): "a delay in one direction, and J with the delay in both",
+    ("fault",): "jitter, reordering, duplicates, bursts of losses",
     ("rate",): "other rates of the reports",
 }
 """Groups of cells of the sweep that have a table."""
 
 _REMARKS = {
     ("fault",): (
-        "Where packets overtake each other, R bears less than J. Its speed and its tyre angle are "
-        "two streams of SetWrenchEffort from one bridge to one vehicle, and a vehicle that obeys "
-        "no command older than the last one of its sender drops the one that was overtaken "
-        "(`component.out_of_order`). J sends both in one message. A ROS topic that holds both, "
-        "or a join of the two, would do the same for R.\n"
+        "When packets overtake each other, R tolerates less than J. R sends speed and tyre angle "
+        "as two streams of SetWrenchEffort from one bridge to one vehicle. The vehicle ignores "
+        "commands that are older than the last one of the same sender, so it drops the overtaken "
+        "ones (`component.out_of_order`). J sends both values in one message. R could do the same "
+        "with one ROS topic for both values, or with a join of the two topics.\n"
     ),
 }
 """What is to be said below the table of a group."""
@@ -96,18 +97,18 @@ def _sweep(data: Mapping[str, Any], figures: str) -> Iterator[str]:
     found = data["summaries"].get("sweep")
     if not found:
         return
-    yield "## What it bears\n"
+    yield "## How much delay and loss it tolerates\n"
     yield (
-        "In virtual time the ways between vehicle and bridge delay and lose what they are told "
-        "to. Each cell is driven with several seeds, which set the phases between the processes, "
-        "and compared with J that meets nothing; the worst drive counts. A cell is accepted when "
+        "In virtual time, the links between vehicle and bridge have a set delay and loss. Each "
+        "cell is driven with several seeds, which set the phases between the processes, and "
+        "compared with J without faults. The worst drive counts. A cell is accepted when "
         "every bound is kept.\n"
     )
     yield figure("map", figures, "Least safety margin over delay and loss", data)
     yield (
-        "The number in a cell is the least margin to the boundary of the safe region, in speed; "
-        "below zero the vehicle was outside. Delay is added on each way, so the loop has it "
-        "twice.\n"
+        "The number in a cell is the smallest margin to the boundary of the safe region, in m/s; a "
+        "negative number means that the vehicle left the region. The delay is added in each "
+        "direction, so it occurs twice in the loop.\n"
     )
     names = [name for name in found["bounds"] if name in _BOUNDS]
     head = ("cell", "system", *(_BOUNDS[name] for name in names), "margin, m/s", "accepted")
@@ -121,12 +122,14 @@ def _sweep(data: Mapping[str, Any], figures: str) -> Iterator[str]:
             if group in _REMARKS:
                 yield _REMARKS[group]
     if found["limits"]:
-        yield "Where it breaks, found by bisection:\n"
+        yield "The limits, found by bisection:\n"
         rows = [
             (each["way"], each["criterion"], each["holds"], each["breaks"], each["unit"])
             for each in found["limits"]
         ]
-        yield markdown_table(("way", "criterion", "still holds at", "breaks at", ""), rows)
+        yield markdown_table(
+            ("delay or loss", "criterion", "still met at", "no longer met at", ""), rows
+        )
 
 
 def _cell(cell: Mapping[str, Any], names: Sequence[str]) -> tuple[object, ...]:
@@ -149,12 +152,14 @@ def _polling(data: Mapping[str, Any], figures: str) -> Iterator[str]:
         return
     yield "## A bridge that polls\n"
     yield (
-        "The text of the paper has a bridge that runs at a frequency given when it is started. "
-        "This is such a bridge, as far as the text tells it: the same models and translations, "
-        "but what arrives on either side waits for the next poll, and only the newest is carried. "
-        "It is driven in virtual time beside the generated one, which passes messages as they "
-        "come. A vehicle that stops when it hears nothing for 0.2 s hardly moves behind slow "
-        "polls, so there it is driven with more patience too, to see the delay alone.\n"
+        "The paper describes a bridge that runs at a frequency which is given at the start. This "
+        "section rebuilds it as far as the text describes it. It has the same models and "
+        "translations, but a message that arrives on either side waits for the next poll, and only "
+        "the newest one is carried. It is compared in virtual time with the generated bridge, "
+        "which passes messages at once.\n\n"
+        "The vehicle stops when it gets no command for 0.2 s, so it hardly moves behind a bridge "
+        "that polls slowly. To show the effect of the delay alone, these bridges are also driven "
+        "with a longer time before the stop (*patience*).\n"
     )
     yield figure("polling", figures, "Path, steering and delay of bridges that poll", data)
     head = (
@@ -211,11 +216,11 @@ def _waypoints(data: Mapping[str, Any], figures: str) -> Iterator[str]:
     found = data["summaries"].get("waypoints")
     if not found:
         return
-    yield "## A robot along waypoints\n"
+    yield "## A robot that drives along waypoints\n"
     yield (
-        "Another robot and other services: an operator unit gives a list of waypoints to a robot "
-        "with differential drive, whose controller is a ROS node behind ready maps. Each waypoint "
-        f"must be passed within {number(found['tolerance_m'])} m.\n"
+        "This experiment uses another robot and other services. An operator unit gives a list of "
+        "waypoints to a robot with differential drive, whose controller is a ROS node behind ready "
+        f"maps. The robot must pass each waypoint within {number(found['tolerance_m'])} m.\n"
     )
     yield figure("waypoints", figures, "Path along waypoints, and the active element", data)
     rows = [
@@ -229,7 +234,14 @@ def _waypoints(data: Mapping[str, Any], figures: str) -> Iterator[str]:
         )
         for name, run in found["runs"].items()
     ]
-    head = ("drive", "waypoints", "duration, s", "stopped after, s", "moved then, m", "as it must")
+    head = (
+        "drive",
+        "waypoints",
+        "duration, s",
+        "stopped after, s",
+        "moved after the stop, m",
+        "as required",
+    )
     yield markdown_table(head, rows)
 
 
@@ -237,17 +249,18 @@ def _simulator(data: Mapping[str, Any], figures: str) -> Iterator[str]:
     found = data["summaries"].get("simulator")
     if not found:
         return
-    yield "## Beside a simulator\n"
+    yield "## With a simulator\n"
     yield (
-        "The plant is a process of its own that speaks ROS topics in its own time, as Gazebo does "
-        "([how](how-to/simulators.md)), and a JAUS unit behind the bridge asks for "
-        f"{found['rate']:g} reports a second. They follow the time of the simulation:\n"
+        "The plant is a separate process with ROS topics and its own time, as in Gazebo "
+        "([Connect a simulator to a bridge](how-to/simulators.md)). A JAUS unit behind the bridge "
+        f"asks for {found['rate']:g} reports a second. The reports follow the time of the "
+        "simulation:\n"
     )
     yield figure("simulator", figures, "Rate of JAUS events over the pace of the simulation", data)
     rows = [
         (
             name.replace("_", " "),
-            "the simulation" if run["follows_clock"] else "the wall",
+            "simulated" if run["follows_clock"] else "real",
             number(segment["pace"]),
             number(segment["real_rate"]),
             number(segment["simulated_rate"]),
@@ -261,7 +274,7 @@ def _simulator(data: Mapping[str, Any], figures: str) -> Iterator[str]:
         "clock of the bridge",
         "pace",
         "reports a second",
-        "a simulated second",
+        "reports a simulated second",
         "follows",
     )
     yield markdown_table(head, rows)

@@ -285,7 +285,10 @@ def claims(
         {"text": text, "holds": bool(holds)}
         for text, holds in (
             ("cut off in mid-turn, the vehicle stops within its bound", all(cuts)),
-            (f"after {AWAY:g} s without, the vehicle is commanded soon again", all(others)),
+            (
+                f"after {AWAY:g} s without commands, the vehicle is soon commanded again",
+                all(others),
+            ),
             (f"cut off for {AWAY:g} s, each drive arrives", all(while_away)),
             (
                 "packets of the vehicle do not grow with the nodes",

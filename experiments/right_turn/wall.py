@@ -64,7 +64,10 @@ def run(folder: Path, plan: Plan, tell: Callable[[str], None]) -> list[Run]:
         good = [each for each in runs if each.system == JAUS_ALONE.name]
         summary["controls"] = found = _controls(alone, good, folder / "logs")
         summary["claims"] = [
-            {"text": f"positive control: {each['about']}, is told from J", "holds": each["differs"]}
+            {
+                "text": f"positive control: {each['about']} is distinguished from J",
+                "holds": each["differs"],
+            }
             for each in found.values()
         ]
     (folder / "summary.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
@@ -72,7 +75,7 @@ def run(folder: Path, plan: Plan, tell: Callable[[str], None]) -> list[Run]:
 
 
 def _controls(alone: Workspace, good: Sequence[Run], logs: Path) -> dict[str, dict[str, Any]]:
-    """Drives what must be told from J, and judges it."""
+    """Drives what must be distinguished from J, and judges it."""
     names = [name for name in CONTROLS for _ in range(CONTROL_DRIVES)]
     drives = [
         Drive(alone, f"{name}_{place}", Setting(place, *CONTROLS[name][1:]))

@@ -177,9 +177,9 @@ def _claims_of_drive(result: Result) -> dict[str, bool]:
     passed = [each.nearest is not None and each.nearest <= TOLERANCE for each in result.passages]
     return {
         f"each waypoint is passed within {TOLERANCE:g} m while it is active": all(passed),
-        "the active elements are told in order": result.active
+        "the active elements are reported in order": result.active
         == [*range(1, len(result.waypoints) + 1), 0],
-        "the end is told as done": result.done is True,
+        "the end is reported as done": result.done is True,
     }
 
 
@@ -190,9 +190,9 @@ def _claims_of_emergency(result: Result) -> dict[str, bool]:
         f"an emergency stops the robot within {STOP_TIME:g} s": stop is not None
         and stop <= STOP_TIME,
         "and it stays where it stopped": drift is not None and drift <= DRIFT,
-        "the list is left on the way": 0 < reached < len(result.waypoints)
+        "the list ends before its last waypoint": 0 < reached < len(result.waypoints)
         and result.active == [*range(1, reached + 1), 0],
-        "its end is told as not done": result.done is False,
+        "its end is reported as not done": result.done is False,
     }
 
 
