@@ -287,12 +287,15 @@ def _heard(listener: MulticastListener) -> Iterator[Frame | None]:
 
 
 def _tell(recorder: Recorder, ros: RosTopics, reader: UdpReader, port: int) -> None:
+    from jausml.recording.recorder import CALLS
+
     click.echo(f"{recorder.captured.count} JAUS messages", err=True)
     for topic, number in sorted(recorder.topics.items()):
         lost = f", {ros.lost[topic]} were lost before" if ros.lost[topic] else ""
         click.echo(f"  {number} on {topic}{lost}", err=True)
     for topic in sorted(set(ros.wanted or ()) - set(recorder.topics) - set(ros.missing)):
-        click.echo(f"  none on {topic}", err=True)
+        why = ": its node does not publish its calls" if topic.endswith(CALLS) else ""
+        click.echo(f"  none on {topic}{why}", err=True)
     for topic, kind in sorted(ros.missing.items()):
         click.echo(f"  {topic} is not recorded: {kind} is not installed", err=True)
     for topic in sorted(recorder.undefined):

@@ -15,6 +15,14 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 
+_PUBLISHED: dict[str, dict[str, tuple[str, ...]]] = {
+    "msg": {"": ()},
+    "srv": {"Event": ("Event",)},
+    "action": {"FeedbackMessage": ("Impl", "FeedbackMessage")},
+}
+"""What of an interface is published: how its type name ends, and where the class is in rclpy."""
+
+
 class RosFault(Exception):  # noqa: N818 - a state of the computer, not a fault of ours
     """ROS cannot be used here."""
 
@@ -97,15 +105,21 @@ class QuietNode:
 
 
 def message_class(name: str) -> Any:
-    """Returns the class of a message type, None when it is not installed.
+    """Returns the class of the messages on a topic, None when it is not installed.
 
     Args:
-        name: Its name, such as `nav_msgs/msg/Odometry`.
+        name: Name of their type, such as `nav_msgs/msg/Odometry`; what services and actions publish
+            too: `std_srvs/srv/SetBool_Event`, `nav2_msgs/action/Wait_FeedbackMessage`.
     """
-    package, _, kind = name.partition("/msg/")
-    if not (is_identifier(package) and is_identifier(kind)):
+    package, _, rest = name.partition("/")
+    kind, _, own = rest.partition("/")
+    base, _, role = own.partition("_")
+    if not (is_identifier(package) and is_identifier(base)) or role not in _PUBLISHED.get(kind, ()):
         return None
     try:
-        return getattr(importlib.import_module(f"{package}.msg"), kind, None)
+        found = getattr(importlib.import_module(f"{package}.{kind}"), base, None)
     except ImportError:
         return None
+    for attribute in _PUBLISHED[kind][role]:
+        found = getattr(found, attribute, None)
+    return found

@@ -9,11 +9,11 @@ from threading import Event, Lock, Thread
 from typing import TYPE_CHECKING, Any
 
 from jausml.interfaces import Installation
-from jausml.metamodel.classes import system
+from jausml.metamodel.classes import bridge, system
 from jausml.recording.captured import CapturedMessages
 from jausml.recording.definitions import installed_definition, modelled_definition
 from jausml.recording.from_captures import JausWriter
-from jausml.semantics.topics import endpoints
+from jausml.semantics.topics import endpoints, resolve_topic
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -25,9 +25,17 @@ if TYPE_CHECKING:
     from jausml.recording.parts import Parts
     from jausml.recording.selection import Selection
 
+CALLS = "/_service_event"
+"""What follows the name of a service in the topic of its calls, where it is introspected."""
+
+_ACTION = ("/_action/feedback", "/_action/status")
+
 
 def topics_of(model: Model) -> dict[str, str]:
     """Returns the topics of a model, each with the definition of its type.
+
+    So are those on which services and actions are seen, whose types are known where they are
+    installed alone, and have no definition here.
 
     Args:
         model: The model.
@@ -36,7 +44,23 @@ def topics_of(model: Model) -> dict[str, str]:
     for whole in (root for root in model.documents[0].roots if isinstance(root, system.System)):
         for end in endpoints([*whole.bridges, *whole.nodes]):
             found[end.topic] = modelled_definition(end.type)
+        for owner in whole.bridges:
+            found.update((each, "") for each in _seen_calls(owner))
     return found
+
+
+def _seen_calls(owner: bridge.Bridge) -> Iterator[str]:
+    """Yields the topics on which others see what services and actions of a bridge do."""
+    for call in owner.serviceConnections:
+        if call.service is not None:
+            yield _full(owner, call.service) + CALLS
+    for action in owner.actionConnections:
+        if action.action is not None:
+            yield from (_full(owner, action.action) + each for each in _ACTION)
+
+
+def _full(owner: bridge.Bridge, name: str) -> str:
+    return resolve_topic(name, owner.namespace or "", owner.name or "")
 
 
 class Recorder:
