@@ -30,35 +30,35 @@ if TYPE_CHECKING:
 VERBS = {
     "init": "Make a project of models.",
     "new": "Add an element to a model: a bridge, a component, a node.",
-    "upgrade": "Bring the models of a project to the present metamodels.",
+    "upgrade": "Bring the models of a project to the current metamodels.",
     "validate": "Check models.",
     "generate": "Generate a workspace from the system in a model.",
     "run": "Start the processes of a generated workspace.",
-    "report": "Tell what load and which worst-case times a system has.",
+    "report": "Report the load and the worst-case times of a system.",
     "diagram": "Draw a system, a map, a service or a state machine.",
     "studio": "Show and edit models in the browser.",
-    "partition": "Propose how to split bridges over several.",
-    "diff": "Tell what changed from one state of models to another.",
-    "merge": "Merge what two sides made of a model.",
+    "partition": "Propose how to split a bridge into several.",
+    "diff": "Show what changed from one state of models to another.",
+    "merge": "Merge the changes of two sides to a model.",
     "convert": "Write a model as ros2jaus text, or text as XMI.",
     "format": "Lay out ros2jaus text.",
-    "import": "Make models of foreign descriptions.",
-    "list": "List the JAUS services, messages and maps that are known.",
+    "import": "Make models from JSIDL and from ROS interfaces.",
+    "list": "List the JAUS services, messages and maps.",
     "show": "Show one message, service or map.",
     "decode": "Show JAUS messages: from hex, from captures, or live.",
     "encode": "Turn messages in JSON into hex.",
     "record": "Record both sides of a running system.",
     "replay": "Replay recordings through the maps of a model.",
-    "ocu": "Operate running JAUS components of any make.",
-    "ping": "Ask the component again and again, and time its answers.",
+    "ocu": "Operate running JAUS components from any vendor.",
+    "ping": "Ask a component repeatedly, and time its answers.",
     "latency": "Measure the reports of a running system.",
     "top": "Watch a running system.",
     "conformance": "Check the conformance of a running component.",
-    "doctor": "Tell what this machine lacks, and how to mend it.",
+    "doctor": "Show what this machine lacks, and how to fix it.",
     "rules": "List the rules.",
     "explain": "Explain a rule.",
-    "language-server": "Serve editors of ros2jaus text.",
-    "completion": "Print the script by which a shell completes commands.",
+    "language-server": "Serve editors that show ros2jaus text.",
+    "completion": "Print the script that lets a shell complete commands.",
 }
 """The verbs in the order of use, with what `--help` says of them before their module is loaded."""
 
@@ -132,7 +132,14 @@ class Verbs(click.Group):
         return [*verbs, *click.Command.shell_complete(self, ctx, incomplete)]
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
-        """Runs the command line; characters that a terminal cannot show are escaped."""
+        """Generate ROS 2 <-> JAUS bridges and JAUS components from models.
+
+        Results go to stdout, everything else to stderr. On terminals, output is coloured unless
+        NO_COLOR is set, and a step that takes more than a second shows its progress.
+
+        Exit status: 0 done, 1 problems in the input, 2 usage or environment, 3 internal error, 141
+        the reader of the output has gone.
+        """
         for stream in (sys.stdout, sys.stderr):
             if hasattr(stream, "reconfigure"):
                 stream.reconfigure(errors="backslashreplace")
@@ -184,18 +191,18 @@ def _written_out() -> Iterator[None]:
 
 @click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="jausml")
-@click.option("-q", "--quiet", is_flag=True, help="Tell results and problems alone.")
-@click.option("-v", "--verbose", is_flag=True, help="Tell what is done, and how long it takes.")
+@click.option("-q", "--quiet", is_flag=True, help="Print only results and problems.")
+@click.option("-v", "--verbose", is_flag=True, help="Print each step, and how long it takes.")
 @click.option("--debug", is_flag=True, help="Show tracebacks of internal errors.")
 @click.pass_context
 def main(context: click.Context, quiet: bool, verbose: bool, debug: bool) -> None:  # noqa: ARG001
-    """Generates ROS 2 <-> JAUS bridges and JAUS components from models.
+    """Generate ROS 2 <-> JAUS bridges and JAUS components from models.
 
-    Results go to stdout, all else to stderr. Terminals are coloured unless NO_COLOR is set, and
-    show how far a step is that takes longer than a second.
+    Results go to stdout, everything else to stderr. On terminals, output is coloured unless
+    NO_COLOR is set, and a step that takes more than a second shows its progress.
 
-    Exit status: 0 done, 1 problems in what was looked at, 2 usage or environment, 3 internal
-    error, 141 the reader of the output has gone.
+    Exit status: 0 done, 1 problems in the input, 2 usage or environment, 3 internal error, 141 the
+    reader of the output has gone.
     """
     if quiet and verbose:
         raise click.UsageError("--quiet and --verbose exclude each other")

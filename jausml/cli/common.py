@@ -57,16 +57,19 @@ def reading_options(command: Callable[..., None]) -> Callable[..., None]:
         "--project-root",
         metavar="DIR",
         type=click.Path(exists=True, file_okay=False),
-        help="Folder that references may not leave; by default the checkout or Eclipse project.",
+        help="Folder that references may not leave; by default, the checkout or Eclipse project.",
     )
-    @click.option("--allow-outside", is_flag=True, help="Let references leave the project root.")
+    @click.option(
+        "--allow-outside", is_flag=True, help="Allow references to leave the project root."
+    )
     @click.option(
         "--project",
         "projects",
         multiple=True,
         metavar="NAME=DIR",
         callback=_projects,
-        help="Folder of an Eclipse project that references name; those nearby are found.",
+        help="Folder of an Eclipse project that references name; nearby ones are found "
+        "automatically.",
     )
     @functools.wraps(command)
     def with_reading(
@@ -97,7 +100,8 @@ def bridge_options(command: Callable[..., None]) -> Callable[..., None]:
     return click.option(
         "--bridge-address",
         metavar="ID",
-        help="Make a bridge of this JAUS id that carries all maps of the file, both directions.",
+        help="Make a bridge with this JAUS id that carries all maps of the file in both "
+        "directions.",
     )(command)
 
 

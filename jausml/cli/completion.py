@@ -44,7 +44,7 @@ def _with_files(kind: type[ShellComplete]) -> type[ShellComplete]:
 @click.argument("shell", type=click.Choice(SHELLS))
 @click.pass_context
 def command(context: click.Context, shell: str) -> None:
-    """Print the script that lets a shell complete verbs, options, names and files.
+    """Print the script that lets a shell complete commands, options, names and files.
 
     \b
     bash: jausml completion bash > ~/.local/share/bash-completion/completions/jausml

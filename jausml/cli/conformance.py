@@ -51,24 +51,24 @@ def _checks(
 @click.command("conformance")
 @click.argument("target", metavar="TARGET_ID", required=False)
 @format_option("Format of the report.", CONFORMANCE_FORMATS)
-@click.option("--output", metavar="FILE", help="Write the report to a file, not to stdout.")
+@click.option("--output", metavar="FILE", help="Write the report to a file instead of stdout.")
 @click.option(
     "--only",
     multiple=True,
     callback=_checks,
     metavar="NAME",
-    help="Only this group of checks, or this check; may be repeated.",
+    help="Run only this check or group of checks; may be repeated.",
 )
 @click.option(
     "--skip",
     multiple=True,
     callback=_checks,
     metavar="NAME",
-    help="Leave out this group of checks, or this check; may be repeated.",
+    help="Skip this check or group of checks; may be repeated.",
 )
-@click.option("--list", "list_checks", is_flag=True, help="List the checks and end.")
-@click.option("--slow", is_flag=True, help="Also wait for time-outs that take minutes.")
-@click.option("--destructive", is_flag=True, help="Also shut the target down, at the end.")
+@click.option("--list", "list_checks", is_flag=True, help="List the checks and exit.")
+@click.option("--slow", is_flag=True, help="Also wait for timeouts that take minutes.")
+@click.option("--destructive", is_flag=True, help="Also shut the target down at the end.")
 @click.option(
     "--timeout",
     type=FiniteRange(0.05, 60),
@@ -81,7 +81,7 @@ def _checks(
     type=FiniteRange(0.02, 60),
     default=0.3,
     show_default=True,
-    help="Seconds of silence that stand for 'nothing comes'.",
+    help="Seconds of silence that count as no answer.",
 )
 @network_options
 def command(
@@ -102,15 +102,15 @@ def command(
     peers: tuple[str, ...],
     models: tuple[str, ...],
 ) -> None:
-    """Check the running component TARGET_ID, of any make, over the wire.
+    """Check the conformance of the running component TARGET_ID, from any vendor, over the wire.
 
     Tests its transport, its core services by the state tables of AS5710, and the messages of every
-    service that it announces. No command that moves anything is sent; control and emergencies that
-    the checks cause are undone, also after Ctrl-C. Three ids are used: the own id and the two after
-    it. What a target that is not robust may not survive comes last; a target that is started again
-    is tested further.
+    service that it announces. Sends no command that moves anything. Control and emergencies that
+    the checks cause are undone, also after Ctrl-C. The tool uses three ids: its own and the two
+    after it. Checks that a fragile target may not survive come last; when the target is started
+    again, testing continues.
 
-    Exit status: 0 no check failed, 1 checks failed, 2 the target is not reached or an option is
+    Exit status: 0 no check failed, 1 checks failed, 2 the target cannot be reached or an option is
     wrong, 3 internal error.
     """
     from jausml.live.peers.conformance.groups import Selection

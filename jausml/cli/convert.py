@@ -35,7 +35,7 @@ _XMI, _TEXT = SUFFIXES
 @click.command("convert")
 @click.argument("source", metavar="FROM")
 @click.argument("target", metavar="TO")
-@click.option("--force", is_flag=True, help="Overwrite TO when it differs.")
+@click.option("--force", is_flag=True, help="Overwrite TO if it differs.")
 @reading_options
 @bridge_options
 @frequency_option
@@ -51,10 +51,11 @@ def command(
 ) -> None:
     """Write a model in another notation: XMI as ros2jaus text, or text as XMI.
 
-    The endings .xmi and .ros2jaus tell which. The new file says exactly what the old one says, and
-    refers to the same other files. A model that cannot be read yields findings and no file.
+    The endings .xmi and .ros2jaus determine the notation. The new file has exactly the same content
+    as the old one, and refers to the same other files. If the model cannot be read, the findings
+    are reported and no file is written.
 
-    Exit status: 0 done, 1 errors in the model, 2 FROM cannot be read or TO not be written, 3
+    Exit status: 0 done, 1 errors in the model, 2 FROM cannot be read or TO cannot be written, 3
     internal error.
     """
     from jausml.model.reading.reader import read_models

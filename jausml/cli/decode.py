@@ -42,36 +42,39 @@ Line = tuple[str, str]
 
 @click.command("decode")
 @click.argument("inputs", nargs=-1, metavar="[HEX...|FILE|-]")
-@click.option("--datagram", is_flag=True, help="The hex is of whole JUDP datagrams, with headers.")
-@click.option("--pcap", metavar="FILE", help="Read a capture, pcap or pcapng; - reads stdin.")
-@click.option("--listen", is_flag=True, help="Listen to the multicast group; takes no part in it.")
+@click.option("--datagram", is_flag=True, help="Read the hex as whole JUDP datagrams with headers.")
+@click.option("--pcap", metavar="FILE", help="Read a capture (pcap or pcapng); - reads stdin.")
+@click.option("--listen", is_flag=True, help="Listen to the multicast group without taking part.")
 @click.option(
     "--service",
     metavar="SERVICE",
-    help="Where a code has several meanings, that of this service: URN or name, then /VERSION.",
+    help="Service whose message to decode, if a code has several meanings: URN or name, "
+    "optionally with /VERSION.",
 )
 @click.option(
     "--message",
     metavar="NAME",
-    help="Where a code has several meanings even so, the message of this name.",
+    help="Message to decode, if a code has several meanings even then.",
 )
 @click.option(
     "--format",
     "output_format",
     type=FORMATS,
-    help="Indented text with units, or one JSON object a line; by default text on a terminal,"
-    " else JSON.",
+    help="Indented text with units, or one JSON object per line; by default, text on a terminal "
+    "and JSON otherwise.",
 )
 @model_option
 @port_option(text="For --pcap and --listen: UDP port of JUDP.")
 @interface_option(text="For --listen: IPv4 address of the network interface.")
 @multicast_group_option(text="For --listen: multicast group of JUDP.")
-@click.option("--count", type=click.IntRange(1), help="End after so many messages or datagrams.")
+@click.option(
+    "--count", type=click.IntRange(1), help="End after this number of messages or datagrams."
+)
 @click.option(
     "--duration",
     type=FiniteRange(0),
     metavar="S",
-    help="Listen so many seconds.",
+    help="Listen for this number of seconds.",
 )
 def command(
     inputs: tuple[str, ...],
@@ -85,13 +88,13 @@ def command(
     count: int | None,
     **options: Any,
 ) -> None:
-    """Show JAUS messages: hex from arguments, files or stdin, captures, or live traffic.
+    """Show JAUS messages: from hex in arguments, files or stdin, from captures, or live.
 
-    A line of hex is one message: its code, low byte first, and its body. Blanks, colons, 0x and
-    comments (#) may stand in it. Hex bytes given one by one are one message.
+    A line of hex is one message: its code, low byte first, and its body. It may contain blanks,
+    colons, 0x and comments (#). Several arguments with hex bytes make one message.
 
-    Exit status: 0 done, 1 something cannot be decoded (the rest is shown), 2 usage or something
-    that cannot be read, 3 internal error.
+    Exit status: 0 done, 1 something cannot be decoded (the rest is shown), 2 usage or unreadable
+    input, 3 internal error.
     """
     if sum((bool(inputs), pcap is not None, listen)) > 1:
         raise click.UsageError("give one of HEX or FILE, --pcap, and --listen")

@@ -25,7 +25,7 @@ THEMES = ("auto", "light", "dark")
     default="system",
     show_default=True,
     metavar="VIEW",
-    help="What to draw: system, map:NAME, service:NAME or machine:NAME.",
+    help="View to draw: system, map:NAME, service:NAME or machine:NAME.",
 )
 @click.option(
     "-o",
@@ -39,15 +39,16 @@ THEMES = ("auto", "light", "dark")
     type=click.Choice(THEMES),
     default="auto",
     show_default=True,
-    help="Colours of pictures; auto are those of whoever looks.",
+    help="Colours of pictures; auto follows the viewer's settings.",
 )
 @reading_options
 def command(model: str, view: str, output: str, theme: str, reading: Reading) -> None:
     """Draw a view of MODEL.
 
-    The system shows components, bridges with their connections, and ROS nodes; a map the members of
-    both ends and its assignments; a service its messages and what it inherits; a machine its states
-    and transitions. Of a model with errors is drawn what can be read, and what is wrong with it.
+    The view of the system shows components, bridges with their connections, and ROS nodes; a map,
+    the members of both ends and its assignments; a service, its messages and what it inherits; a
+    machine, its states and transitions. If the model has errors, the readable part is drawn
+    together with the errors.
 
     Exit status: 0 done, 1 drawn, with errors in the model, 2 usage (an unknown view) or
     environment, 3 internal error.

@@ -34,23 +34,23 @@ _SIGNS = {"added": "+", "removed": "-", "renamed": "~", "changed": "~", "ordered
 @click.command("diff")
 @click.argument("old", metavar="OLD")
 @click.argument("new", metavar="NEW")
-@format_option("For people, one JSON object, or a diagram of NEW in colours.", FORMATS)
+@format_option("Text for people, one JSON object, or a coloured diagram of NEW.", FORMATS)
 @click.option(
-    "--view", default="system", show_default=True, metavar="VIEW", help="View of a diagram."
+    "--view", default="system", show_default=True, metavar="VIEW", help="View to draw in a diagram."
 )
-@click.option("-o", "--output", metavar="FILE", help="Write to a file, not to stdout.")
+@click.option("-o", "--output", metavar="FILE", help="Write to a file instead of stdout.")
 @click.option(
     "--fail-on",
     type=click.Choice(["nothing", "breaking", "any"]),
     default="nothing",
     show_default=True,
-    help="Exit with 1 for changes that break peers or code, or for any.",
+    help="Exit with 1 for changes that break peers or code, or for any change.",
 )
 @click.option(
     "--as",
     "file",
     metavar="FILE",
-    help="The file whose states OLD and NEW are: references are followed from there.",
+    help="File whose states OLD and NEW are; references are resolved from its folder.",
 )
 @reading_options
 def command(
@@ -63,16 +63,17 @@ def command(
     file: str | None,
     reading: Reading,
 ) -> None:
-    """Tell what changed from OLD to NEW, in the words of the models.
+    """Show what changed from OLD to NEW, in terms of the models.
 
-    Each is a model, a folder of models, or REVISION:PATH of a git repository, as `HEAD~1:models` or
-    `main:./rover.xmi`. Layout, ids, documentation and the order of parts that means nothing do not
-    count, nor whether a model is XMI or text. Changes that break programs on the network or code of
-    users are marked. With --as, git can ask: a state may be /dev/null, the file that is not there.
+    OLD and NEW are models, folders of models, or REVISION:PATH in a git repository, such as
+    `HEAD~1:models` or `main:./rover.xmi`. Layout, ids, documentation, the notation, and an order
+    that has no meaning do not count as changes. Changes that break programs on the network or code
+    of users are marked. With --as, git can call this command: one of the states may then be
+    /dev/null, for a file that does not exist.
 
-    A diagram (svg, html) shows a view of NEW, as `jausml diagram` does, and what OLD had besides:
-    what was added in blue with +, removed in orange and dashed with a minus sign, changed in yellow
-    with ~.
+    A diagram (svg, html) shows a view of NEW as `jausml diagram` does, and the removed parts of
+    OLD: added parts are blue with +, removed ones orange and dashed with a minus sign, changed ones
+    yellow with ~.
 
     Exit status: 0 done, 1 changes of the kind of --fail-on, 2 usage or environment, 3 internal
     error.

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 @interface_option()
 @port_option(text="UDP and TCP port of JAUS.")
 @multicast_group_option()
-@format_option("For people, or one JSON object.")
+@format_option("Text for people, or one JSON object.")
 @reading_options
 def command(
     models: tuple[str, ...],
@@ -37,14 +37,14 @@ def command(
     output_format: str,
     reading: Reading,
 ) -> None:
-    """Tell what this machine lacks to run bridges and components, and how to mend it.
+    """Show what this machine lacks to run bridges and components, and how to fix it.
 
-    Looks at Python, ROS 2 and its settings, the network interface, multicast, the port of JAUS and
-    node managers; with a MODEL or a folder of models also at the packages of messages that it uses.
-    Nothing is changed; one datagram goes from this host to itself.
+    Checks Python, ROS 2 and its settings, the network interface, multicast, the port of JAUS, and
+    node managers. With a MODEL or a folder of models, also checks the message packages that it
+    uses. Changes nothing; sends one datagram from this host to itself.
 
-    Exit status: 0 nothing is wrong (notes and warnings are told), 1 something cannot work, 2 usage,
-    3 internal error.
+    Exit status: 0 nothing is wrong (notes and warnings may be shown), 1 something cannot work, 2
+    usage, 3 internal error.
     """
     from jausml.live.machine import network, python, ros
     from jausml.live.machine.check import Verdict

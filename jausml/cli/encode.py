@@ -16,14 +16,14 @@ from jausml.cli.messages import STDIN, model_option, open_catalogue, read_lines,
 @click.argument("path", default=STDIN, metavar="[FILE|-]")
 @model_option
 def command(path: str, models: tuple[str, ...]) -> None:
-    """Turn messages in JSON, one a line, into hex, one a line.
+    """Turn messages in JSON into hex, one message per line.
 
     A line is an object as `jausml decode --format json` prints it: "message" (name) or "code",
-    "fields", and a "service" (with "service_version") where several messages have the name. `_pv`
-    may be left out. Reads stdin without a file.
+    "fields", and a "service" (with "service_version") if several messages have the name. `_pv` may
+    be omitted. Without a file, reads stdin.
 
-    Exit status: 0 done, 1 some line is wrong (the others are encoded), 2 usage or a file that
-    cannot be read, 3 internal error.
+    Exit status: 0 done, 1 a line is wrong (the others are encoded), 2 usage or an unreadable file,
+    3 internal error.
     """
     from jausml.live.messages import MessageError
 

@@ -13,7 +13,7 @@ from jausml.cli.options import completing
 @click.command("explain")
 @click.argument("rule_id", metavar="RULE", shell_complete=completing("rules", "rule"))
 def command(rule_id: str) -> None:
-    """Explain a rule: what it demands and why, with a bad and a good example."""
+    """Explain a rule: what it requires and why, with a bad and a good example."""
     entries = {entry["rule"]: entry for entry in known("rules")}
     entry = entries.get(rule_id.upper())
     if entry is None:

@@ -20,17 +20,17 @@ if TYPE_CHECKING:
 
 @click.command("format")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...")
-@click.option("--check", is_flag=True, help="Write nothing; fail when something would change.")
-@click.option("--diff", is_flag=True, help="Write nothing; show what would change as a patch.")
-@quiet_option("Do not list the files that change.")
+@click.option("--check", is_flag=True, help="Write nothing; fail if a file would change.")
+@click.option("--diff", is_flag=True, help="Write nothing; show the changes as a patch.")
+@quiet_option("Do not list the changed files.")
 def command(files: tuple[str, ...], check: bool, diff: bool, quiet: bool) -> None:
-    """Lay out ros2jaus text anew: files, or all *.ros2jaus files below folders.
+    """Lay out ros2jaus text uniformly: files, or all *.ros2jaus files below folders.
 
-    Changes neither what the text means nor its comments. When a file has syntax errors they are
-    reported, and no file is written.
+    Changes neither the meaning of the text nor its comments. If a file has syntax errors, reports
+    them and writes no file.
 
-    Exit status: 0 done (--check: nothing to do), 1 syntax errors (--check: or a file would
-    change), 2 a file cannot be read or written or is no ros2jaus text, 3 internal error.
+    Exit status: 0 done (--check: nothing to do), 1 syntax errors (--check: or a file would change),
+    2 a file cannot be read or written or is not ros2jaus text, 3 internal error.
     """
     from jausml.text.notation import SUFFIX
     from jausml.text.reading.parsing import parse

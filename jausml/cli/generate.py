@@ -55,7 +55,7 @@ class WholeLibraryOption(click.Option):
     metavar="OUT",
     help="Output folder; by default <name of the model file>_ws/src, a colcon workspace.",
 )
-@click.option("--target", "names", multiple=True, metavar="NAME", help="Only this target.")
+@click.option("--target", "names", multiple=True, metavar="NAME", help="Generate only this target.")
 @click.option(
     "--all",
     "whole_library",
@@ -65,31 +65,32 @@ class WholeLibraryOption(click.Option):
 @click.option(
     "--check",
     is_flag=True,
-    help="Write nothing; fail when something would change, or files of yours fell behind.",
+    help="Write nothing; fail if something would change, or if your own files no longer fit the "
+    "model.",
 )
 @click.option(
     "--strict",
     is_flag=True,
-    help="Fail on warnings about the model too, and when files of yours fell behind.",
+    help="Also fail on warnings about the model, and if your own files no longer fit it.",
 )
-@click.option("--diff", is_flag=True, help="Write nothing; show what would change as a patch.")
-@click.option("--dry-run", is_flag=True, help="Write nothing; list what would happen.")
+@click.option("--diff", is_flag=True, help="Write nothing; show the changes as a patch.")
+@click.option("--dry-run", is_flag=True, help="Write nothing; list the changes.")
 @click.option(
     "--adopt",
     default="",
     metavar="NAME",
-    help="Take over what OUT holds of the model NAME: this is it under a new name.",
+    help="Take over the files in OUT that belong to the model NAME, because it has been renamed.",
 )
-@click.option("--force", is_flag=True, help="Overwrite generated files that were edited.")
+@click.option("--force", is_flag=True, help="Overwrite generated files that have been edited.")
 @click.option(
     "--frequency",
     type=float,
     metavar="HZ",
-    help="Frequency of every bridge, for connections that state no rate of their own.",
+    help="Frequency of every bridge, for connections that state no rate.",
 )
 @bridge_options
 @reading_options
-@quiet_option("Do not list files that stay as they are.")
+@quiet_option("Do not list unchanged files.")
 def command(
     model: str,
     out: str | None,
@@ -106,11 +107,12 @@ def command(
 ) -> None:
     """Generate a workspace from the system in MODEL.
 
-    The model is validated first. Files of yours (skeletons) are written once and never again.
+    Validates the model first. Your own files (skeletons) are written once and never changed
+    afterwards.
 
     Exit status: 0 done (--check: up to date), 1 problems in the model, a refused file (--check: or
-    something would change; --check and --strict: or a file of yours fell behind the model), 2 usage
-    or environment, 3 internal error.
+    something would change; --check and --strict: or your own files no longer fit the model), 2
+    usage or environment, 3 internal error.
     """
     from jausml.metamodel.classes import bridge
     from jausml.validation.rules.jaus.components import MAXIMUM_RATE

@@ -26,7 +26,7 @@ JSIDL_SUFFIXES = (".xml", ".jsidl")
 
 @click.group("import")
 def command() -> None:
-    """Make models of foreign descriptions."""
+    """Make models from JSIDL and from ROS interfaces."""
 
 
 command.add_command(ros)
@@ -34,16 +34,18 @@ command.add_command(ros)
 
 @command.command("jsidl")
 @click.argument("paths", nargs=-1, required=True, metavar="PATH...")
-@click.option("-o", "--output", metavar="OUT.xmi", help="The model to write.")
-@click.option("--name", help="Name of the service set; by default that of its file or URNs.")
+@click.option("-o", "--output", metavar="OUT.xmi", help="Model to write.")
+@click.option("--name", help="Name of the service set; by default, that of its file or URNs.")
 @click.option(
-    "--set-version", metavar="VERSION", help="Version of the set; by default that of its services."
+    "--set-version", metavar="VERSION", help="Version of the set; by default, that of its services."
 )
 @click.option(
-    "--compare-library", is_flag=True, help="Show where services differ from the library's."
+    "--compare-library",
+    is_flag=True,
+    help="Show where the services differ from those of the library.",
 )
 @click.option("--without-behaviour", is_flag=True, help="Leave out state machines.")
-@click.option("--force", is_flag=True, help="Overwrite OUT.xmi when it differs.")
+@click.option("--force", is_flag=True, help="Overwrite OUT.xmi if it differs.")
 @format_option("Format of the findings.", REPORT_FORMATS)
 @quiet_option("Print no summary.")
 def jsidl(
@@ -59,12 +61,11 @@ def jsidl(
 ) -> None:
     """Import services in JSIDL (AS5684): files, or all *.xml and *.jsidl files below folders.
 
-    All services become one model with a service set for each set of URNs. Services that are
-    inherited may be in the shipped library. Reports all problems in one run; with an error, nothing
-    is written.
+    All services become one model, with a service set for each set of URNs. Inherited services may
+    be in the shipped library. Reports all problems in one run; with an error, writes nothing.
 
     Exit status: 0 done, 1 errors in the files (--compare-library: or differences), 2 a path cannot
-    be read or OUT.xmi not be written, 3 internal error.
+    be read or OUT.xmi cannot be written, 3 internal error.
     """
     from jausml.importers.jsidl import import_jsidl
     from jausml.validation.formats import RENDERERS, text

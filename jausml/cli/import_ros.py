@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     "-o",
     "--output",
     metavar="OUT.xmi",
-    help="The model to write, by default <package>.xmi; a folder (DIR/) for one of each package.",
+    help="Model to write, by default <package>.xmi; or a folder (DIR/) for one model per package.",
 )
 @click.option(
     "--share",
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     multiple=True,
     metavar="DIR",
     type=click.Path(exists=True, file_okay=False),
-    help="A share folder of installed packages, looked into before the others.",
+    help="Share folder of installed packages, searched before the others.",
 )
 @click.option("--without-comments", is_flag=True, help="Leave out comments and their units.")
 @click.option("--force", is_flag=True, help="Overwrite files that differ.")
@@ -51,13 +51,13 @@ def ros(
 ) -> None:
     """Import ROS 2 interfaces: installed packages by name, .msg, .srv and .action files, folders.
 
-    Installed packages are looked for in the prefixes of AMENT_PREFIX_PATH and in the running
-    Python. Message types of other packages are those of the shipped library; packages that it lacks
-    are imported along. Comments become documentation. Reports all problems in one run; with an
-    error, nothing is written.
+    Searches for installed packages in the prefixes of AMENT_PREFIX_PATH and in the running Python.
+    Message types of other packages come from the shipped library; packages that it lacks are
+    imported too. Comments become documentation. Reports all problems in one run; with an error,
+    writes nothing.
 
-    Exit status: 0 done, 1 errors in the files, 2 a package is not there, a path cannot be read or a
-    file not be written, 3 internal error.
+    Exit status: 0 done, 1 errors in the files, 2 a package is not installed, a path cannot be read
+    or a file cannot be written, 3 internal error.
     """
     from jausml.importers.ros import import_packages
     from jausml.interfaces import Installation

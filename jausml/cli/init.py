@@ -24,13 +24,13 @@ _EXAMPLES = {_TOPICS: "odom:nav_msgs/Odometry", _JSIDL: "services/Winch.jsidl"}
 @click.command("init")
 @click.argument("folder", metavar="DIR", type=click.Path(file_okay=False, path_type=Path))
 @click.argument("sources", metavar="[SOURCE]...", nargs=-1)
-@click.option("--name", metavar="NAME", help="Name of the system; by default that of the folder.")
+@click.option("--name", metavar="NAME", help="Name of the system; by default, that of the folder.")
 @click.option(
     "--notation",
     type=click.Choice(["xmi", "text"]),
     default="xmi",
     show_default=True,
-    help="What the model is written in.",
+    help="Notation of the model.",
 )
 @click.option(
     "--from",
@@ -38,9 +38,9 @@ _EXAMPLES = {_TOPICS: "odom:nav_msgs/Odometry", _JSIDL: "services/Winch.jsidl"}
     type=click.Choice([_EXAMPLE, _EMPTY, _TOPICS, _JSIDL]),
     default=_EXAMPLE,
     show_default=True,
-    help="What stands in the model: a sensor and a bridge that work; nothing; a bridge of the "
-    "SOURCEs, topics such as odom:nav_msgs/Odometry; a component with services of the SOURCEs, "
-    "JSIDL files and folders.",
+    help="Content of the model. example: a working sensor and bridge; empty: nothing; topics: a "
+    "bridge for the SOURCEs, which are topics such as odom:nav_msgs/Odometry; jsidl: a "
+    "component with the services of the SOURCEs, which are JSIDL files and folders.",
 )
 @topic_options
 def command(
@@ -52,14 +52,14 @@ def command(
     side: str,
     yes: bool,
 ) -> None:
-    """Make a project of models in DIR, which may be there already.
+    """Make a project of models in DIR, which may already exist.
 
-    It holds a model that validates, generates and runs; copies of the metamodels and the library,
-    so that Eclipse opens it as it is; a workflow for CI, hooks for pre-commit, and a README. No
-    file of yours is overwritten.
+    The project contains a model that validates, generates and runs; copies of the metamodels and
+    the library, so that Eclipse can open it; a workflow for CI, hooks for pre-commit, and a README.
+    Your own files are never overwritten.
 
-    Exit status: 0 done, 1 errors in JSIDL files, 2 usage or environment (a file is there already),
-    3 internal error.
+    Exit status: 0 done, 1 errors in JSIDL files, 2 usage or environment (a file already exists), 3
+    internal error.
     """
     from jausml.projects.creating import Wish, create, name_for
     from jausml.projects.errors import ProjectError

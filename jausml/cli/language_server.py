@@ -11,11 +11,11 @@ from jausml.cli.common import EnvironmentFault
 
 @click.command("language-server")
 def command() -> None:
-    """Serve editors of ros2jaus text by the Language Server Protocol, on stdin and stdout.
+    """Serve editors that show ros2jaus text, by the Language Server Protocol on stdin and stdout.
 
-    Editors start it; docs/how-to/editor.md says how. It needs the extra `editor`.
+    Editors start this command; docs/how-to/editor.md shows how. It needs the extra `editor`.
 
-    Exit status: 0 the editor has ended it or left, 2 the extra is missing, 3 internal error.
+    Exit status: 0 the editor ended it or disconnected, 2 the extra is missing, 3 internal error.
     """
     if find_spec("pygls") is None:
         raise EnvironmentFault("the language server needs pygls: pip install 'jausml[editor]'")

@@ -45,14 +45,14 @@ _BRIDGE_UNDER_HEAD = ("", "", *_WORDS, *_WORDS)
     "--rate",
     type=FiniteRange(min=0, max=1092, min_open=True),
     metavar="HZ",
-    help="Ask for so many reports each second; by default for one at every change.",
+    help="Request this number of reports per second; by default, one at every change.",
 )
 @click.option(
     "--interval",
     type=FiniteRange(0.01, 3600),
     default=0.5,
     show_default=True,
-    help="Seconds from one query for a report to the next.",
+    help="Seconds between queries for a report.",
 )
 @operator_options
 def command(
@@ -65,19 +65,19 @@ def command(
 ) -> None:
     """Measure the reports of the component ID, or those of all connections of a MODEL.
 
-    Each report is subscribed to and asked for. Shown are how many come each second, how far the
-    times between them are from their median (jitter), how old they are by their TimeStamp when
-    they come, which needs clocks that agree, and how long an answer to the query takes. Times are
-    in milliseconds.
+    Subscribes to each report, and also queries it. Shows how many reports arrive per second, how
+    much the intervals between them deviate from their median (jitter), how old they are on arrival
+    by their TimeStamp, which requires synchronized clocks, and how long an answer to the query
+    takes. Times are in milliseconds.
 
-    MESSAGE is a report, its query, or what their names share: VelocityState. Without one it is
-    every report of the component that its services have, the core services apart.
+    MESSAGE is a report, its query, or the common part of their names: VelocityState. Without it,
+    measures every report in the services of the component, except for the core services.
 
-    With a MODEL, what its bridges themselves measure is shown too, where there is ROS 2 and their
+    With a MODEL, also shows what its bridges measure themselves, if ROS 2 is available and their
     parameter `latency` is on.
 
-    Exit status: 0 measured, 1 a report did not come at all or a model has errors, 2 nobody answers
-    or an option is wrong, 3 internal error.
+    Exit status: 0 measured, 1 a report did not arrive at all or a model has errors, 2 nobody
+    answers or an option is wrong, 3 internal error.
     """
     from jausml.live.peers.measuring import measure, offered_reports
     from jausml.live.systems.observing import Observation, listening

@@ -19,7 +19,9 @@ def command() -> None:
 
 
 @command.command("services")
-@click.option("--set", "set_name", metavar="NAME", help="Only the services of a service set.")
+@click.option(
+    "--set", "set_name", metavar="NAME", help="List only the services of this service set."
+)
 @line_format_option
 @model_option
 def services(set_name: str | None, output_format: str, models: tuple[str, ...]) -> None:
@@ -54,7 +56,8 @@ def _services(models: tuple[str, ...]) -> list[dict[str, Any]]:
 @click.option(
     "--service",
     metavar="SERVICE",
-    help="Only those of a service, inherited ones too: URN or name, then /VERSION if meant.",
+    help="List only the messages of this service, including inherited ones: URN or name, "
+    "optionally with /VERSION.",
 )
 @line_format_option
 @model_option
@@ -94,9 +97,14 @@ def _shortened(services: Sequence[str]) -> str:
 
 @command.command("maps")
 @click.option(
-    "--ros", "ros_type", metavar="TYPE", help="Only those of a ROS type, joined ones too."
+    "--ros",
+    "ros_type",
+    metavar="TYPE",
+    help="List only maps of this ROS type, including joined ones.",
 )
-@click.option("--jaus", "message_name", metavar="MESSAGE", help="Only those of a JAUS message.")
+@click.option(
+    "--jaus", "message_name", metavar="MESSAGE", help="List only maps of this JAUS message."
+)
 @line_format_option
 @model_option
 def maps(
@@ -104,10 +112,11 @@ def maps(
 ) -> None:
     """List attribute maps with their message, ROS type and directions.
 
-    TYPE is nav_msgs/Odometry, nav_msgs/msg/Odometry or Odometry. `jausml show map` tells more.
+    TYPE is nav_msgs/Odometry, nav_msgs/msg/Odometry or Odometry. `jausml show map` shows the
+    details of a map.
 
-    Exit status: 0 done, 1 a model has errors, 2 usage (a type or message without a map), 3
-    internal error.
+    Exit status: 0 done, 1 a model has errors, 2 usage (a type or message without a map), 3 internal
+    error.
     """
     found = _maps(models)
     if ros_type is not None:

@@ -23,18 +23,18 @@ _MOST_CONFLICTS = 127
     "--as",
     "file",
     metavar="FILE",
-    help="The file whose states they are: references are followed from there. OURS by default.",
+    help="File whose states they are, by default OURS; references are resolved from its folder.",
 )
-@click.option("-o", "--output", metavar="FILE", help="Write the merge to a file, not to stdout.")
+@click.option("-o", "--output", metavar="FILE", help="Write the merge to a file instead of stdout.")
 def command(base: str, ours: str, theirs: str, file: str | None, output: str | None) -> None:
-    """Merge what two sides, OURS and THEIRS, made of BASE, by the elements of the model.
+    """Merge the changes of two sides, OURS and THEIRS, to BASE, by the elements of the model.
 
-    Elements are recognised as `jausml diff` does it. What theirs did is done to ours by small
-    changes, so that the file stays as Eclipse and people wrote it. Where both do not go together
-    ours is kept, and the place is told. Text, and what cannot be read as a model, is merged as git
-    merges lines.
+    Elements are matched as in `jausml diff`. The changes of THEIRS are applied to OURS by small
+    edits, so that the layout of the file is kept. Where changes of both sides conflict, OURS is
+    kept and the location is reported. Other text, and files that cannot be read as models, are
+    merged line by line as git does.
 
-    Exit status: 0 merged, 1 merged but for conflicts, 2 usage or environment, 3 internal error.
+    Exit status: 0 merged, 1 merged with conflicts, 2 usage or environment, 3 internal error.
     """
     from jausml.merging.conflicts import AS_LINES
     from jausml.merging.merging import UnmergeableError, merged

@@ -30,14 +30,14 @@ model_option = click.option(
     "models",
     multiple=True,
     metavar="FILE",
-    help="Know the messages of a model (or of all models below a folder) too; may be repeated.",
+    help="Also use the messages of a model, or of all models below a folder; may be repeated.",
 )
 
 
 FORMATS = click.Choice(TEXT_OR_JSON)
 """Formats of the output: for people and for programs."""
 
-line_format_option = format_option("For people, or one JSON object a line.")
+line_format_option = format_option("Text for people, or one JSON object per line.")
 
 
 class ModelFault(click.ClickException):

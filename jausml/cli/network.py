@@ -28,7 +28,8 @@ _OPTIONS = (
         "--jaus-id",
         "own_id",
         metavar="ID",
-        help="JAUS id of this tool, subsystem.node.component; by default a free one of 65000.",
+        help="JAUS id of this tool, subsystem.node.component; by default, a free one in subsystem "
+        "65000.",
     ),
     interface_option(),
     port_option(),
@@ -46,7 +47,7 @@ _TRANSPORT_OPTIONS = (
         type=click.Choice(TRANSPORTS),
         default=TRANSPORTS[0],
         show_default=True,
-        help="UDP, TCP, or through the node manager of this host.",
+        help="UDP, TCP, or the node manager of this host.",
     ),
     click.option(
         "--node-manager-directory",
@@ -54,7 +55,8 @@ _TRANSPORT_OPTIONS = (
         "node_manager_directory",
         default="",
         metavar="FOLDER",
-        help="Where the node manager has its local sockets; by default that for temporary files.",
+        help="Folder of the local sockets of the node manager; by default, the one for temporary "
+        "files.",
     ),
 )
 

@@ -37,8 +37,8 @@ class Kinds(click.Group):
 
 @click.group("new", cls=Kinds)
 def command() -> None:
-    """Add an element to a model, which keeps its layout, comments and order.
+    """Add an element to a model, and keep its layout, comments and order.
 
-    The model is the one of the project that has a system, or the file of --model; a file that is
-    missing is made.
+    The model is the one in the project that has a system, or the file of --model, which is created
+    if it does not exist.
     """

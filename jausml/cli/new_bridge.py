@@ -18,11 +18,13 @@ if TYPE_CHECKING:
 @click.command("bridge")
 @click.argument("name", metavar="NAME")
 @click.argument("words", metavar="[TOPIC:TYPE[:MAP,...]]...", nargs=-1)
-@click.option("--topics", "by_topics", is_flag=True, help="The words are topics, the default.")
+@click.option(
+    "--topics", "by_topics", is_flag=True, help="Read the arguments as topics (the default)."
+)
 @click.option(
     "--from-graph",
     is_flag=True,
-    help="Take the topics that run in ROS now, of which words name some: all, or TOPIC[:MAP,...].",
+    help="Use the topics that exist in ROS now: all, or those named by arguments TOPIC[:MAP,...].",
 )
 @click.option(
     "--for",
@@ -31,9 +33,9 @@ if TYPE_CHECKING:
     default=10.0,
     show_default=True,
     metavar="SECONDS",
-    help="How long to look at what runs, at most.",
+    help="Longest time to look at the running system.",
 )
-@click.option("--address", metavar="ID", help="JAUS id; by default one that is free.")
+@click.option("--address", metavar="ID", help="JAUS id; by default, a free one.")
 @topic_options
 @model_option
 def command(
@@ -47,14 +49,14 @@ def command(
     yes: bool,
     model: Path | None,
 ) -> None:
-    """Add a bridge named NAME that carries topics of ROS by ready maps.
+    """Add a bridge named NAME that carries ROS topics by ready maps.
 
-    For each topic it proposes service, map, direction, exchange and quality of service. Where
-    several maps fit, it asks; --yes takes the likeliest, and TOPIC:TYPE:MAP names one. What the
-    name of a topic does not call a command is a report, which moves nothing.
+    For each topic, proposes service, map, direction, exchange and quality of service. If several
+    maps fit, asks which one to use; --yes takes the likeliest, and TOPIC:TYPE:MAP names one. A
+    topic whose name does not suggest a command becomes a report, which moves nothing.
 
-    With --from-graph it lists what runs in ROS, takes types, directions and quality of service from
-    there, and leaves out, with a word, what no ready map carries.
+    With --from-graph, lists the running ROS topics, and takes types, directions and quality of
+    service from them. Topics without a ready map are left out, with a message.
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """

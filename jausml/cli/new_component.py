@@ -17,9 +17,16 @@ if TYPE_CHECKING:
 
 @click.command("component")
 @click.argument("name", metavar="NAME")
-@click.option("--provides", metavar="SERVICE", multiple=True, help="Name or URN; may be repeated.")
-@click.option("--uses", metavar="SERVICE", multiple=True, help="Name or URN; may be repeated.")
-@click.option("--address", metavar="ID", help="JAUS id; by default one that is free.")
+@click.option(
+    "--provides",
+    metavar="SERVICE",
+    multiple=True,
+    help="Name or URN of a service; may be repeated.",
+)
+@click.option(
+    "--uses", metavar="SERVICE", multiple=True, help="Name or URN of a service; may be repeated."
+)
+@click.option("--address", metavar="ID", help="JAUS id; by default, a free one.")
 @model_option
 def command(
     name: str,

@@ -25,15 +25,15 @@ _EXAMPLE = "twist.linear.x=Velocity_X"
     "--to-ros",
     metavar="TARGET=SOURCE",
     multiple=True,
-    help="What of the ROS type is filled from what of the message; may be repeated.",
+    help="Assignment to a member of the ROS type from a field of the message; may be repeated.",
 )
 @click.option(
     "--to-jaus",
     metavar="TARGET=SOURCE",
     multiple=True,
-    help="What of the message is filled from what of the ROS type; may be repeated.",
+    help="Assignment to a field of the message from a member of the ROS type; may be repeated.",
 )
-@click.option("--bridge", metavar="NAME", help="The bridge that gets it, where there are several.")
+@click.option("--bridge", metavar="NAME", help="Bridge that gets the map, if there are several.")
 @model_option
 def command(
     name: str,
@@ -46,8 +46,8 @@ def command(
 ) -> None:
     """Add a map named NAME to a bridge, between MESSAGE and TYPE.
 
-    `jausml validate` tells what it leaves empty, and where units, axes or ranges need a conversion.
-    `jausml list maps` tells which maps are ready.
+    `jausml validate` reports what the map leaves empty, and where units, axes or ranges need a
+    conversion. `jausml list maps` lists the ready maps.
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """

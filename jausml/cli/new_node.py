@@ -19,13 +19,17 @@ _EXAMPLE = "cmd_vel:geometry_msgs/Twist"
 
 @click.command("node")
 @click.argument("name", metavar="NAME")
-@click.option("--publishes", metavar="TOPIC:TYPE", multiple=True, help="May be repeated.")
-@click.option("--subscribes", metavar="TOPIC:TYPE", multiple=True, help="May be repeated.")
+@click.option(
+    "--publishes", metavar="TOPIC:TYPE", multiple=True, help="Topic and its type; may be repeated."
+)
+@click.option(
+    "--subscribes", metavar="TOPIC:TYPE", multiple=True, help="Topic and its type; may be repeated."
+)
 @model_option
 def command(
     name: str, publishes: tuple[str, ...], subscribes: tuple[str, ...], model: Path | None
 ) -> None:
-    """Add a node of ROS named NAME, for which code with a skeleton is generated.
+    """Add a ROS node named NAME, for which code with a skeleton is generated.
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """

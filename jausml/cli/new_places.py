@@ -23,7 +23,7 @@ def model_option(command: Callable[..., None]) -> Callable[..., None]:
         "--model",
         metavar="FILE",
         type=click.Path(dir_okay=False, path_type=Path),
-        help="The model; by default the one of this project that has a system.",
+        help="Model to change; by default, the one in this project that has a system.",
     )(command)
 
 

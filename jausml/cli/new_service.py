@@ -19,10 +19,19 @@ _EXAMPLE = "SetLamp:D100"
 
 @click.command("service")
 @click.argument("name", metavar="NAME")
-@click.option("--urn", required=True, metavar="URN", help="Such as urn:example:light:Lamp.")
+@click.option(
+    "--urn",
+    required=True,
+    metavar="URN",
+    help="URN of the service, such as urn:example:light:Lamp.",
+)
 @click.option("--inherits", metavar="SERVICE", help="Name or URN of the service that it extends.")
-@click.option("--takes", metavar="MESSAGE:CODE", multiple=True, help="May be repeated.")
-@click.option("--sends", metavar="MESSAGE:CODE", multiple=True, help="May be repeated.")
+@click.option(
+    "--takes", metavar="MESSAGE:CODE", multiple=True, help="Message and its code; may be repeated."
+)
+@click.option(
+    "--sends", metavar="MESSAGE:CODE", multiple=True, help="Message and its code; may be repeated."
+)
 @model_option
 def command(
     name: str,
@@ -32,7 +41,7 @@ def command(
     sends: tuple[str, ...],
     model: Path | None,
 ) -> None:
-    """Add a JAUS service named NAME, in a set of its own; its messages are empty yet.
+    """Add a JAUS service named NAME in its own service set, with empty messages.
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """

@@ -39,14 +39,14 @@ _LONGEST_PAUSE = 0.1
 @click.pass_context
 @operator_options
 def command(context: click.Context, settings: Settings) -> None:
-    """Operate running components of any make: find, ask, watch and control them.
+    """Operate running JAUS components from any vendor: find, query, watch and control them.
 
-    Without a command it starts a session, which reads commands from the terminal or from a pipe;
-    its command 'help' lists them. Control is released and events are cancelled at the end, also
-    after Ctrl-C.
+    Without a command, starts a session that reads commands from the terminal or from a pipe; the
+    command 'help' of the session lists them. At the end, also after Ctrl-C, control is released and
+    events are cancelled.
 
-    Exit status: 0 done, 1 a component refused or a command of a session failed, 2 nobody answers
-    or an option is wrong, 3 internal error, 4 a component was lost while it was commanded.
+    Exit status: 0 done, 1 a component refused or a command of a session failed, 2 nobody answers or
+    an option is wrong, 3 internal error, 4 a component was lost while it was commanded.
     """
     if context.invoked_subcommand is None:
         _run_session(settings)
@@ -130,10 +130,10 @@ def status(settings: Settings, target: JausAddress) -> None:
 def query(
     settings: Settings, target: JausAddress, message: str, fields: dict[str, Any] | None
 ) -> None:
-    """Ask the component ID for a report and show it.
+    """Query the component ID for a report and show it.
 
-    MESSAGE is the query, its report, or what their names share: VelocityState. FIELDS is a JSON
-    object with the fields of the query; without it everything is asked for.
+    MESSAGE is the query, its report, or the common part of their names: VelocityState. FIELDS is a
+    JSON object with the fields of the query; without it, the query asks for everything.
     """
     with settings.operator() as operator:
         settings.show(target, *operator.query(target, message, fields))
@@ -146,12 +146,14 @@ def query(
     "--rate",
     type=FiniteRange(min=0, max=1092, min_open=True),
     metavar="HZ",
-    help="Reports each second.",
+    help="Reports per second.",
 )
-@click.option("--every-change", is_flag=True, help="A report at every change (the default).")
-@click.option("--count", type=click.IntRange(min=1), help="End after so many reports.")
 @click.option(
-    "--duration", type=FiniteRange(min=0, min_open=True), help="End after so many seconds."
+    "--every-change", is_flag=True, help="Request a report at every change (the default)."
+)
+@click.option("--count", type=click.IntRange(min=1), help="End after this number of reports.")
+@click.option(
+    "--duration", type=FiniteRange(min=0, min_open=True), help="End after this number of seconds."
 )
 @operator_options
 def watch(
@@ -165,8 +167,8 @@ def watch(
 ) -> None:
     """Subscribe to a report of the component ID and show it live.
 
-    MESSAGE is the query, its report, or what their names share: VelocityState. Ends after --count
-    reports, after --duration seconds, or with Ctrl-C.
+    MESSAGE is the query, its report, or the common part of their names: VelocityState. Ends after
+    --count reports, after --duration seconds, or with Ctrl-C.
     """
     if rate is not None and every_change:
         raise click.UsageError("--rate and --every-change exclude each other")
@@ -199,7 +201,7 @@ def _watch(
         shown += 1
 
 
-@command.command("command", short_help="Control a component, send it a message, release it.")
+@command.command("command", short_help="Control a component, send it a message, and release it.")
 @TARGET
 @MESSAGE
 @FIELDS
@@ -208,26 +210,26 @@ def _watch(
     type=click.IntRange(0, 255),
     default=AUTHORITY,
     show_default=True,
-    help="Authority to ask for control with.",
+    help="Authority with which to request control.",
 )
 @click.option(
     "--rate",
     type=FiniteRange(min=0, max=1000, min_open=True),
     metavar="HZ",
-    help="Repeat the message so often each second, for --duration.",
+    help="Repeat the message at this rate for --duration.",
 )
 @click.option(
     "--duration",
     type=FiniteRange(min=0),
     default=0.0,
     metavar="SECONDS",
-    help="Hold control so long after the first message.",
+    help="Keep control for this time after the first message.",
 )
 @click.option("--no-resume", is_flag=True, help="Leave the component in Standby.")
 @click.option(
     "--keep-sending",
     is_flag=True,
-    help="Go on, for --duration, when the component leaves Ready or is taken over.",
+    help="Continue for --duration when the component leaves Ready or is taken over.",
 )
 @operator_options
 def send_command(
@@ -243,12 +245,12 @@ def send_command(
 ) -> None:
     """Control the component ID, resume it, send MESSAGE, and release control.
 
-    FIELDS is a JSON object with the fields of the message. The component leaves Ready with the
-    release; hold it with --duration, and repeat the message with --rate where the component stops
-    without fresh commands.
+    FIELDS is a JSON object with the fields of the message. The component leaves Ready when it is
+    released. Use --duration to keep control, and --rate to repeat the message if the component
+    stops without fresh commands.
 
-    Sending ends at once when the component leaves Ready (as in an emergency), is taken over by a
-    higher authority, or does not answer any more; the exit status is 4 then, also with
+    Sending ends at once when the component leaves Ready (for example, in an emergency), is taken
+    over by a higher authority, or no longer answers. The exit status is 4 then, also with
     --keep-sending.
     """
     from jausml.live.peers.commanding import Course, outcome

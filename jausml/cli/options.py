@@ -127,5 +127,5 @@ def peer_option(*names: str) -> Decorator:
         "peers",
         multiple=True,
         metavar="ID=HOST:PORT",
-        help="Where a component is, when multicast does not reach it; may be repeated.",
+        help="Address of a component that multicast does not reach; may be repeated.",
     )

@@ -36,10 +36,10 @@ def _number(_: click.Context, __: click.Parameter, value: str) -> int | None:
     show_default=True,
     metavar="N|auto",
     callback=_number,
-    help="How many bridges there shall be.",
+    help="Number of bridges to split into.",
 )
-@click.option("-o", "--output", metavar="FILE", help="Write the model that is split so.")
-@click.option("--force", is_flag=True, help="Overwrite FILE when it differs.")
+@click.option("-o", "--output", metavar="FILE", help="Write the split model to this file.")
+@click.option("--force", is_flag=True, help="Overwrite FILE if it differs.")
 @assumption_options
 @reading_options
 def command(
@@ -50,11 +50,11 @@ def command(
     assumptions: Assumptions,
     reading: Reading,
 ) -> None:
-    """Propose how to split the bridges in MODEL over several.
+    """Propose how to split the bridges in MODEL into several.
 
-    What cannot be parted stays together: what shares a topic, a report, a service, or a component
-    that is controlled. With auto there are as many bridges as it takes to part commands from what
-    is heavy, and to load none too much. The first part of a bridge keeps its name and address.
+    Connections that share a topic, a report, a service or a controlled component stay together.
+    With auto, there are as many bridges as are needed to separate commands from heavy traffic, and
+    to overload none of them. The first part of a bridge keeps its name and address.
 
     Exit status: 0 done, 1 errors in the model or no such split, 2 usage or environment, 3 internal
     error.

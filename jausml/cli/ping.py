@@ -25,7 +25,10 @@ AUTOMATIC = "automatic"
 @click.command("ping")
 @TARGET
 @click.option(
-    "-c", "--count", type=click.IntRange(min=1), help="End after so many questions; else Ctrl-C."
+    "-c",
+    "--count",
+    type=click.IntRange(min=1),
+    help="End after this number of questions; by default, at Ctrl-C.",
 )
 @click.option(
     "-i",
@@ -33,27 +36,27 @@ AUTOMATIC = "automatic"
     type=FiniteRange(min=0.001, max=3600),
     default=1.0,
     show_default=True,
-    help="Seconds from one question to the next.",
+    help="Seconds between questions.",
 )
 @click.option(
     "--question",
     type=click.Choice([AUTOMATIC, *choices.QUESTIONS]),
     default=AUTOMATIC,
     show_default=True,
-    help="What is asked; by default the first of these that the component answers.",
+    help="Question to ask; automatic is the first of the others that the component answers.",
 )
 @operator_options
 def command(
     settings: Settings, target: JausAddress, count: int | None, interval: float, question: str
 ) -> None:
-    """Ask the component ID again and again, and show how long each answer takes.
+    """Ask a component repeatedly, and show how long each answer takes.
 
-    A round trip has the network both ways and the time in both programs. One question is under way
-    at a time; an answer that comes after --timeout counts for the next question, as JAUS queries
-    have no number.
+    A round trip includes the network in both directions and the time in both programs. Only one
+    question is open at a time. An answer that arrives after --timeout counts for the next question,
+    because JAUS queries have no number.
 
-    Exit status: 0 answers came, 1 none came, 2 the network cannot be used or an option is wrong,
-    3 internal error.
+    Exit status: 0 answers came, 1 none came, 2 the network cannot be used or an option is wrong, 3
+    internal error.
     """
     from jausml.live.peers.pinging import Pings, answered_question
 

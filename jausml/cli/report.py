@@ -19,9 +19,9 @@ FORMATS = ("text", "json", "html")
 
 @click.command("report")
 @click.argument("model", metavar="MODEL")
-@format_option("Format of the report; HTML is one page that needs nothing else.", FORMATS)
-@click.option("-o", "--output", metavar="FILE", help="Write to a file, not to stdout.")
-@click.option("--bridge", "bridge_name", metavar="NAME", help="Tell of this bridge alone.")
+@format_option("Format of the report; HTML is a single self-contained page.", FORMATS)
+@click.option("-o", "--output", metavar="FILE", help="Write to a file instead of stdout.")
+@click.option("--bridge", "bridge_name", metavar="NAME", help="Report only this bridge.")
 @assumption_options
 @reading_options
 def command(
@@ -32,10 +32,11 @@ def command(
     assumptions: Assumptions,
     reading: Reading,
 ) -> None:
-    """Tell what load and which worst-case times the system in MODEL has.
+    """Report the load and the worst-case times of the system in MODEL.
 
-    For each connection: rates, sizes on the wire, packets, bandwidth, and how old a value may be on
-    the other side. Nothing is started; what the model does not say is assumed, and marked so.
+    Shows for each connection its rates, sizes on the wire, packets, bandwidth, and how old a value
+    may be on the other side. Starts nothing. Values that the model does not state are assumed, and
+    marked as such.
 
     Exit status: 0 done, 1 errors in the model, 2 usage or environment, 3 internal error.
     """

@@ -28,32 +28,32 @@ _ROS_KINDS = frozenset({"bridge", "node"})
 @click.argument(
     "rest", metavar="[PROCESS] [ARGUMENTS]...", nargs=-1, type=click.UNPROCESSED, required=False
 )
-@click.option("--only", multiple=True, metavar="NAME", help="Only this process.")
+@click.option("--only", multiple=True, metavar="NAME", help="Start only this process.")
 @click.option(
     "--for",
     "duration",
     type=FiniteRange(min=0, min_open=True),
     metavar="SECONDS",
-    help="Stop all after this time.",
+    help="Stop all processes after this time.",
 )
 def command(out: str, rest: tuple[str, ...], only: tuple[str, ...], duration: float | None) -> None:
-    """Start the processes of the generated workspace OUT, with each line marked by its process.
+    """Start the processes of the generated workspace OUT, and mark each line with its process.
 
-    PROCESS is the name of one of them, which is then the only one that runs. ARGUMENTS are handed
-    on, as `ros2 run` does: to PROCESS, or else what stands before --ros-args to all that speak
-    JAUS, and what follows it to all that are ROS nodes. So
+    If PROCESS names one of the processes, only that one runs. ARGUMENTS are passed on as in `ros2
+    run`. With PROCESS, they all go to it. Without PROCESS, those before --ros-args go to all
+    processes that speak JAUS, and those from --ros-args on to all ROS nodes. For example:
 
         jausml run ws rover --jaus-id 100.2.10 --ros-args -r cmd_vel:=/base -p drive.rate:=5.0
 
-    Whatever stands behind -- is no option of this command.
+    Arguments after -- are never options of this command.
 
-    The environment (ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, ...) is passed on as it is; the
-    modelled ROS domain is used when ROS_DOMAIN_ID is not set. All processes stop when one ends with
-    an error, on Ctrl-C and on SIGTERM, and when this command is killed. A second Ctrl-C makes it
-    firmer, and does no harm.
+    The environment (ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, ...) is passed on unchanged. If
+    ROS_DOMAIN_ID is not set, the ROS domain of the model is used. All processes stop when one of
+    them ends with an error, on Ctrl-C and on SIGTERM, and when this command is killed. Pressing
+    Ctrl-C again is safe, and stops the processes more forcefully.
 
-    Exit status: 0 all ended well or were stopped, 1 a process failed, 2 OUT is no generated
-    workspace, or rclpy or a package of messages is missing, 3 internal error.
+    Exit status: 0 all ended normally or were stopped, 1 a process failed, 2 OUT is not a generated
+    workspace, or rclpy or a message package is missing, 3 internal error.
     """
     folder = _workspace(out)
     process, arguments = split_arguments(rest)

@@ -34,14 +34,14 @@ def command() -> None:
 @click.option(
     "--service",
     metavar="SERVICE",
-    help="That of a service: URN or name, then /VERSION if meant.",
+    help="Service of the message: URN or name, optionally with /VERSION.",
 )
 @line_format_option
 @model_option
 def message(name: str, service: str | None, output_format: str, models: tuple[str, ...]) -> None:
-    """Show the fields of the message NAME, and an example that `encode` and `ocu` take.
+    """Show the fields of the message NAME, and an example for `encode` and `ocu`.
 
-    NAME is a name or a code; all its meanings are shown, unless a service is named.
+    NAME is a name or a code. Without --service, all messages of that name or code are shown.
 
     Exit status: 0 done, 1 a model has errors, 2 usage (an unknown message), 3 internal error.
     """
@@ -125,7 +125,7 @@ def _values(field: Row) -> str:
 def service(name: str, output_format: str, models: tuple[str, ...]) -> None:
     """Show the service NAME: what it inherits, takes and sends.
 
-    NAME is a URN or its end; all versions are shown, unless /VERSION stands after it.
+    NAME is a URN or its last part. Without /VERSION after it, all versions are shown.
 
     Exit status: 0 done, 1 a model has errors, 2 usage (an unknown service), 3 internal error.
     """
@@ -178,7 +178,7 @@ def _service_lines(entry: ServiceEntry) -> Iterator[str]:
 @line_format_option
 @model_option
 def map_(name: str, output_format: str, models: tuple[str, ...]) -> None:
-    """Show the attribute map NAME: what it joins, its quantities, and how to use it.
+    """Show the attribute map NAME: what it connects, its quantities, and how to use it.
 
     Exit status: 0 done, 1 a model has errors, 2 usage (an unknown map), 3 internal error.
     """

@@ -27,7 +27,8 @@ _NEEDED = ("starlette", "uvicorn", "websockets", "watchfiles", "pygraphviz", "py
     default="127.0.0.1",
     show_default=True,
     metavar="ADDRESS",
-    help="Address to serve at; others than this computer's own are open to the network.",
+    help="Address to serve at; 127.0.0.1 is reachable from this computer only, others from the "
+    "network.",
 )
 @click.option(
     "--port",
@@ -35,10 +36,12 @@ _NEEDED = ("starlette", "uvicorn", "websockets", "watchfiles", "pygraphviz", "py
     type=click.IntRange(0, 65535),
     default=0,
     metavar="PORT",
-    help="Port to serve at; by default a free one.",
+    help="Port to serve at; by default, a free one.",
 )
-@click.option("--no-browser", is_flag=True, help="Print the address, and open no browser.")
-@click.option("--out", default="", metavar="DIR", help="Folder that the page generates into.")
+@click.option("--no-browser", is_flag=True, help="Print the address without opening a browser.")
+@click.option(
+    "--out", default="", metavar="DIR", help="Output folder for code generated from the page."
+)
 @interface_option("--jaus-interface")
 @port_option("--jaus-port")
 @multicast_group_option("--jaus-multicast-group")
@@ -53,11 +56,11 @@ def command(
 ) -> None:
     """Show and edit models in the browser: a file, or a folder of them.
 
-    Serves a page at this computer alone, and opens the browser. Whoever has the printed address may
-    change the model files of the folder. It needs the extra `studio`.
+    Serves a page to this computer only, and opens the browser. Anybody with the printed address can
+    change the model files of the folder. Needs the extra `studio`.
 
-    Exit status: 0 ended by SIGINT or SIGTERM, 2 usage or environment (a port that is taken, the
-    extra or the page is missing), 3 internal error.
+    Exit status: 0 ended by SIGINT or SIGTERM, 2 usage or environment (the port is in use, the extra
+    or the page is missing), 3 internal error.
     """
     missing = [each for each in _NEEDED if find_spec(each) is None]
     if missing:

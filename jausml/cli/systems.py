@@ -34,15 +34,15 @@ def assumption_options(command: Callable[..., None]) -> Callable[..., None]:
         "rates",
         multiple=True,
         metavar="[NAME=]HZ",
-        help="Messages each second of topics and senders of which nothing is said, 10 by default; "
-        "or those of the connection NAME or BRIDGE.NAME. May be repeated.",
+        help="Messages per second of topics and senders for which the model states no rate, 10 by "
+        "default; with NAME or BRIDGE.NAME, of that connection. May be repeated.",
     )
     @click.option(
         "--assume-length",
         "lengths",
         multiple=True,
         metavar="[NAME=]N",
-        help="Elements of lists without a bound, 100 by default; or those in the messages of a "
+        help="Elements in unbounded lists, 100 by default; with NAME, in the messages of that "
         "connection. May be repeated.",
     )
     @functools.wraps(command)

@@ -27,14 +27,16 @@ if TYPE_CHECKING:
 
 @click.command("top")
 @click.argument("model", metavar="[MODEL]", required=False)
-@click.option("--once", is_flag=True, help="Listen for --duration, print one table, and end.")
-@click.option("--json", "as_json", is_flag=True, help="One JSON object a line, each --interval.")
+@click.option("--once", is_flag=True, help="Listen for --duration, print one table, and exit.")
+@click.option(
+    "--json", "as_json", is_flag=True, help="Print one JSON object per line, every --interval."
+)
 @click.option(
     "--interval",
     type=FiniteRange(0.1, 3600),
     default=1.0,
     show_default=True,
-    help="Seconds from one look to the next.",
+    help="Seconds between updates.",
 )
 @click.option(
     "--duration",
@@ -56,15 +58,16 @@ def command(
 ) -> None:
     """Watch a running system: connections of bridges, and JAUS components.
 
-    Connections are those that bridges tell of on /diagnostics, with rate, age, latency, losses and
-    peers; it needs ROS 2 here. JAUS components are asked for their states and controllers, at most
-    once a second. Nothing is commanded, and no control is taken. What a MODEL declares and nobody
-    tells of is shown as "not heard"; with it the last messages of a connection can be shown.
+    Shows the connections that bridges report on /diagnostics, with rate, age, latency, losses and
+    peers; this needs ROS 2 on this machine. Asks JAUS components for their states and controllers,
+    at most once a second. Commands nothing and takes no control. Parts that a MODEL declares and
+    that nobody reports are shown as "not heard". With a MODEL, the last messages of a connection
+    can be shown.
 
-    Keys: arrows, / filter, s or 1 to 9 sort, r reverse, enter details, q end.
+    Keys: arrows, / filter, s or 1 to 9 sort, r reverse, enter details, q quit.
 
-    Exit status of --once: 0 all is well, 1 something is in WARN or STALE, or could not be heard,
-    2 something is in ERROR or not heard, or an option is wrong, 3 internal error.
+    Exit status of --once: 0 all is well, 1 something is in WARN or STALE, or could not be heard, 2
+    something is in ERROR or not heard, or an option is wrong, 3 internal error.
     """
     from jausml.cli.operating import Settings, until_interrupted
 

@@ -22,9 +22,10 @@ def topic_options(command: Callable[..., None]) -> Callable[..., None]:
         type=click.Choice(["vehicle", "operator"]),
         default="vehicle",
         show_default=True,
-        help="What the ROS nodes are: a vehicle that JAUS commands, or who commands one.",
+        help="Role of the ROS nodes: a vehicle that JAUS commands, or an operator that commands "
+        "one.",
     )
-    yes = click.option("--yes", is_flag=True, help="Take the likeliest map and ask nothing.")
+    yes = click.option("--yes", is_flag=True, help="Take the likeliest map without asking.")
     return side(yes(command))
 
 

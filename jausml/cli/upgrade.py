@@ -16,16 +16,18 @@ from jausml.cli.common import PROBLEMS, EnvironmentFault
     type=click.Path(exists=True, file_okay=False, path_type=Path),
     default=".",
 )
-@click.option("--check", is_flag=True, help="Write nothing; exit status 1 when something is old.")
+@click.option(
+    "--check", is_flag=True, help="Write nothing; exit with 1 if something is out of date."
+)
 def command(folder: Path, check: bool) -> None:
-    """Bring the models in DIR, by default this folder, to the present version of the metamodels.
+    """Bring the models in DIR, by default this folder, to the current version of the metamodels.
 
-    Names that have changed are changed in the files, which keep all else: layout, comments and
-    order. Copies of metamodels and library that `jausml init` made are made anew, unless somebody
-    has changed them. All is written, or nothing.
+    Replaces names that have changed, and leaves the rest of the files as it is: layout, comments
+    and order. Renews the copies of metamodels and library that `jausml init` made, unless they have
+    been edited. Writes either all files or none.
 
-    Exit status: 0 done, 1 a model cannot be upgraded (--check: or something is old), 2 usage or
-    environment, 3 internal error.
+    Exit status: 0 done, 1 a model cannot be upgraded (--check: or something is out of date), 2
+    usage or environment, 3 internal error.
     """
     from jausml.projects.upgrading.project import carry_out, upgrade_of
     from jausml.projects.upgrading.steps import UpgradeError

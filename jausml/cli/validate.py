@@ -29,17 +29,21 @@ if TYPE_CHECKING:
 @click.command("validate")
 @click.argument("paths", nargs=-1, required=True, metavar="PATH...")
 @format_option("Format of the report.", REPORT_FORMATS)
-@click.option("--output", metavar="FILE", help="Write the report to a file, not to stdout.")
+@click.option("--output", metavar="FILE", help="Write the report to a file instead of stdout.")
 @reading_options
 @bridge_options
 @frequency_option
-@click.option("--strict", is_flag=True, help="Fail on warnings too.")
-@click.option("--baseline", metavar="FILE", help="Findings that FILE lists do not count.")
-@click.option("--write-baseline", is_flag=True, help="Write the findings of this run to that FILE.")
+@click.option("--strict", is_flag=True, help="Also fail on warnings.")
+@click.option("--baseline", metavar="FILE", help="Ignore the findings that FILE lists.")
+@click.option(
+    "--write-baseline",
+    is_flag=True,
+    help="Write the findings of this run to the FILE of --baseline.",
+)
 @click.option(
     "--help-uri",
     metavar="URI",
-    help="Where your page docs/reference/rules.md is, for SARIF: each rule links to its part.",
+    help="Address of your copy of docs/reference/rules.md, to which SARIF links each rule.",
 )
 @quiet_option("Print no summary.")
 def command(
@@ -58,7 +62,7 @@ def command(
     """Check models: files, or all *.xmi and *.ros2jaus files below folders.
 
     Follows references to other files. Reports all problems in one run, the same on each run.
-    Findings that an @allow in the documentation of an element allows do not count until its day.
+    Ignores findings that an @allow in the documentation of an element allows, until its date.
 
     Exit status: 0 no errors, 1 errors (with --strict: or warnings), 2 a path cannot be read or a
     folder holds no models, 3 internal error.
