@@ -29,11 +29,45 @@ if TYPE_CHECKING:
 FOLDER = Path(__file__).resolve().parent.parent / "docs" / "reference"
 LANGUAGES = ("jaus", "ros", "bridge", "system")
 
+_RULES = """\
+# Rules
+
+Look up the rules that `jausml validate` and the importers check, in the order of their ids. Each
+entry says what the rule requires and why, with examples where they help.
+
+On the command line, `jausml rules` lists all rules, and `jausml explain JML103` shows one of them.
+[Check models in CI](../how-to/ci.md) shows how to allow single findings.
+"""
+
+_CONVERSIONS = """\
+# Conversions
+
+Look up the conversions that an assignment of an attribute map can apply to a value. It may list
+several, which are applied one after the other. `takes` and `yields` are the kinds of values before
+and after. [Carry a message across a bridge](../how-to/map-a-message.md) shows how to use them, and
+[Frames, signs and units](../explanation/frames.md) which ones a pair of axes needs.
+"""
+
+_COMMAND_LINE = """\
+# Command line
+
+Look up the commands of `jausml` with their options. The texts are those of `jausml COMMAND --help`;
+the [how-to guides](../index.md) show the commands in use.
+"""
+
+_METAMODEL = """\
+Look up the classes of this metamodel with their features. In [ros2jaus](../ros2jaus.md) text, an
+element begins with its class in lower case (`service_connection` for ServiceConnection), and the
+features keep their names. In XMI and in Eclipse, features are attributes and child elements; [Text
+and XMI, side by side](../explanation/text-and-xmi.md) shows both. A number such as `0..1` or `1..*`
+says how many values a feature has.
+"""
+
 
 def metamodel_page(language: str) -> str:
     """Returns the page of one language: classes with their features, then enumerations."""
     package = load_metamodels().package_named(language)
-    lines = [f"# The {language} language", "", documentation(package.epackage), ""]
+    lines = [f"# The {language} language", "", documentation(package.epackage), "", _METAMODEL]
     lines += [f"Namespace: `{package.ns_uri}`, declared in `metamodels/{package.file_name}`.", ""]
     for table in package.classes.values():
         lines += _class(table)
@@ -85,13 +119,7 @@ def _data_types(package: PackageTable) -> list[str]:
 
 def conversions_page() -> str:
     """Returns the page of the conversions: how each is written, what it takes and yields."""
-    lines = [
-        "# Conversions",
-        "",
-        "What an assignment may do to a value on its way, one after another:",
-        "",
-    ]
-    lines += ["| conversion | takes | yields | meaning |", "|---|---|---|---|"]
+    lines = [_CONVERSIONS, "| conversion | takes | yields | meaning |", "|---|---|---|---|"]
     for known in CONVERSIONS.values():
         ends = (", ".join(known.inputs), ", ".join(known.outputs))
         cells = (f"`{known.call}`", *ends, known.documentation)
@@ -101,7 +129,7 @@ def conversions_page() -> str:
 
 def rules_page() -> str:
     """Returns the page of all rules with what `jausml explain` says."""
-    lines = ["# Rules", "", "`jausml rules` lists them; `jausml explain JML103` shows one.", ""]
+    lines = [_RULES]
     for entry in catalogue(JSIDL_RULES, ROS_RULES, TEXT_RULES, MERGE_RULES):
         lines += [f"## {entry.id} {entry.title}", "", f"Severity: {entry.severity.value}.", ""]
         lines += [entry.documentation, ""]
@@ -110,7 +138,7 @@ def rules_page() -> str:
 
 def command_line_page() -> str:
     """Returns the page of the command line: what each verb's --help prints."""
-    lines = ["# Command line", ""]
+    lines = [_COMMAND_LINE]
     root = click.Context(command_line, info_name="jausml", terminal_width=96, max_content_width=96)
     for context in _contexts(root):
         text = context.command.get_help(context)
