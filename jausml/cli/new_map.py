@@ -6,15 +6,22 @@ from typing import TYPE_CHECKING
 
 import click
 
+from jausml.cli.asking import can_ask, choose
+from jausml.cli.manners import remark
 from jausml.cli.new_places import model_option, pairs, place_for, report, stopping
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
     from jausml.editing.commands import Command
+    from jausml.metamodel.classes import bridge
     from jausml.projects.places import Opened
+    from jausml.proposals.elements import Scope
+    from jausml.proposals.mapping.beginning import Begun, Doubt, Wish
 
 _EXAMPLE = "twist.linear.x=Velocity_X"
+_WAYS = {"both": (True, False), "to-ros": (True,), "to-jaus": (False,)}
 
 
 @click.command("map")
@@ -33,6 +40,16 @@ _EXAMPLE = "twist.linear.x=Velocity_X"
     multiple=True,
     help="Assignment to a field of the message from a member of the ROS type; may be repeated.",
 )
+@click.option(
+    "--direction",
+    type=click.Choice(list(_WAYS)),
+    default="both",
+    show_default=True,
+    help="Directions to fill.",
+)
+@click.option("--copy", "ready", metavar="MAP", help="Copy this ready map.")
+@click.option("--fill", "fills", is_flag=True, help="Fill a new map even if a ready map exists.")
+@click.option("--yes", is_flag=True, help="Take the first choice where several fit, and ask nothing.")
 @click.option("--bridge", metavar="NAME", help="Bridge that gets the map, if there are several.")
 @model_option
 def command(
@@ -41,25 +58,123 @@ def command(
     kind: str,
     to_ros: tuple[str, ...],
     to_jaus: tuple[str, ...],
+    direction: str,
+    ready: str | None,
+    fills: bool,
+    yes: bool,
     bridge: str | None,
     model: Path | None,
 ) -> None:
     """Add a map named NAME to a bridge, between MESSAGE and TYPE.
 
-    `jausml validate` reports what the map leaves empty, and where units, axes or ranges need a
-    conversion. `jausml list maps` lists the ready maps.
+    It assigns what corresponds by name, time, unit and axis, with the conversions that the rules
+    require, and ignores the rest on purpose. It prints what is open and writes it into the
+    documentation of the map. If several things fit, it asks. If a ready map has the same message
+    and type, it offers a copy.
+
+    A SOURCE is a member, with conversions behind a colon (Velocity_Y : negate), a constant
+    ("odom" in quotes, or a number), clock, or ignore.
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
     from jausml.projects.adding import add, bridge_in
-    from jausml.proposals.parts import new_map
+    from jausml.proposals.finding import message_of, type_of
+    from jausml.proposals.mapping.beginning import Wish
 
-    ros, jaus = pairs(to_ros, "=", _EXAMPLE), pairs(to_jaus, "=", _EXAMPLE)
+    if ready is not None and (fills or to_ros or to_jaus):
+        raise click.UsageError("--copy takes a map as it is: no --fill, --to-ros or --to-jaus")
+    ros, jaus = (tuple(pairs(each, "=", _EXAMPLE)) for each in (to_ros, to_jaus))
 
-    def commands(at: Opened) -> list[Command]:
-        owner = bridge_in(at, bridge or "")
-        return [new_map(at.scope, owner, name, message, kind, to_ros=ros, to_jaus=jaus)]
+    def commands(at: Opened) -> Sequence[Command]:
+        owner = bridge_in(at, bridge or "", map_name=name)
+        ends = message_of(at.scope, message), type_of(at.scope, kind)
+        wish = Wish(name, *ends, ros, jaus, _WAYS[direction])
+        if not (fills or ros or jaus):
+            copy = _copy(at.scope, owner, wish, ready, yes=yes)
+            if copy:
+                return copy
+        return [_begun(at.scope, owner, wish, yes=yes).add]
 
     with stopping():
         place = place_for(model)
         report(place, add(place, f"Add map {name}", commands))
+
+
+def _copy(
+    scope: Scope, owner: bridge.Bridge, wish: Wish, wanted: str | None, *, yes: bool
+) -> Sequence[Command]:
+    """Returns what copies a ready map, nothing where none is wanted or there is none.
+
+    Raises:
+        UsageError: There is none of the name, or nobody can be asked.
+    """
+    from jausml.model.names import name_of
+    from jausml.proposals.ready import between, copied
+
+    found = between(scope, wish.message, wish.type)
+    names = [name_of(each) for each in found]
+    if wanted is not None and wanted not in names:
+        raise click.UsageError(
+            f"no ready map {wanted!a} of the two; there are: {', '.join(names) or 'none'}"
+        )
+    if not found:
+        return ()
+    at = [names.index(wanted)] if wanted is not None else [0] if yes else _chosen_ready(names)
+    if not at:
+        return ()
+    used = found[at[0]]
+    click.echo(f"a copy of the ready map {name_of(used)}, with its vectors")
+    remark(
+        f"a connection can use it as it is, too: jausml new bridge NAME TOPIC:TYPE:{names[at[0]]}"
+    )
+    return copied(scope, owner, used, wish.name)
+
+
+def _chosen_ready(names: Sequence[str]) -> list[int]:
+    if not can_ask():
+        raise click.UsageError(
+            f"ready maps have both ends: {', '.join(names)}; `jausml show map {names[0]}` shows"
+            f" one. --copy {names[0]} copies it, --fill fills a new one"
+        )
+    return choose("Ready maps have both ends. Copy one?", names)
+
+
+def _begun(scope: Scope, owner: bridge.Bridge, wish: Wish, *, yes: bool) -> Begun:
+    """Returns the map that is wanted; asks where more than one thing fits."""
+    from jausml.proposals.mapping.beginning import begin_map
+
+    begun = begin_map(scope, owner, wish)
+    asked: set[Doubt] = set()
+    while yes or can_ask():
+        doubts = [each for each in begun.doubts if each not in asked]
+        if not doubts:
+            break
+        for each in doubts:
+            wish = wish.with_first(each) if yes else _answered(wish, each)
+        asked |= {*doubts}
+        begun = begin_map(scope, owner, wish)
+    _tell(begun)
+    return begun
+
+
+def _answered(wish: Wish, doubt: Doubt) -> Wish:
+    """Returns a wish with what somebody says to a doubt, which may be nothing."""
+    from jausml.proposals.mapping.words import shown
+
+    chosen = choose(f"What fills {doubt.target}?", [shown(each) for each in doubt.choices])
+    return wish.with_answer(doubt, doubt.choices[chosen[0]]) if chosen else wish
+
+
+def _tell(begun: Begun) -> None:
+    for to_ros, statements in begun.statements.items():
+        click.echo("JAUS->ROS" if to_ros else "ROS->JAUS")
+        for each in statements:
+            click.echo(f"  {each}")
+    if not begun.statements:
+        click.echo("nothing corresponds by name, time, or unit and axis")
+    if begun.opens:
+        click.echo("open")
+    for each in begun.opens:
+        click.echo(f"  {each}")
+    for each in begun.findings:
+        click.echo(f"  {each}")

@@ -162,19 +162,22 @@ def _copies(place: Place, chosen: Sequence[Crossing]) -> dict[Path, Path]:
     return found
 
 
-def bridge_in(at: Opened, name: str) -> bridge.Bridge:
-    """Returns a bridge of a model.
+def bridge_in(at: Opened, name: str, *, map_name: str) -> bridge.Bridge:
+    """Returns the bridge of a model that gets a map.
 
     Args:
         at: The model.
         name: Its name; empty for the only one.
+        map_name: The name of the map.
 
     Raises:
-        ProjectError: There is none, or there are several.
+        ProjectError: There is none, there are several, or it has a map of the name.
     """
     found = bridges_of(at.scope)
     chosen = [each for each in found if name in ("", name_of(each))]
     if len(chosen) == 1:
+        if any(name_of(each) == map_name for each in chosen[0].maps):
+            raise ProjectError(f"{name_of(chosen[0])} has a map {map_name} already")
         return chosen[0]
     names = ", ".join(map(name_of, found)) or "none"
     which = f"no bridge {name!a}" if name else "not one bridge" if found else "no bridge"

@@ -1,14 +1,14 @@
-"""Parts of a system as commands: components, nodes, services and maps."""
+"""Parts of a system as commands: components, nodes and services."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from jausml.editing.commands import Add, Child
-from jausml.metamodel.classes import bridge, jaus
+from jausml.metamodel.classes import jaus
 from jausml.model.names import name_of
 from jausml.proposals.elements import AnswerError, library
-from jausml.proposals.finding import message_of, service_of, type_of
+from jausml.proposals.finding import service_of, type_of
 from jausml.proposals.fresh import free_address, free_name
 
 if TYPE_CHECKING:
@@ -133,43 +133,3 @@ def new_service(
 def _code(text: str) -> str:
     """Returns a message code as models write it: `D100` is `0xD100`."""
     return text if text[:2] in ("0x", "0X") else f"0x{text}"
-
-
-def new_map(
-    scope: Scope,
-    owner: bridge.Bridge,
-    name: str,
-    message: str,
-    kind: str,
-    *,
-    to_ros: Iterable[tuple[str, str]] = (),
-    to_jaus: Iterable[tuple[str, str]] = (),
-) -> Add:
-    """Returns what makes a map.
-
-    Args:
-        scope: The model.
-        owner: The bridge that shall have it.
-        name: Its name.
-        message: Name of the JAUS message, with that of its service and a dot before it where
-            several have one.
-        kind: The ROS type.
-        to_ros: Targets in the ROS type and their sources in the message.
-        to_jaus: Targets in the message and their sources in the ROS type.
-
-    Raises:
-        AnswerError: There is no such message or type, or the bridge has a map of the name.
-    """
-    if any(name_of(each) == name for each in owner.maps):
-        raise AnswerError(f"{name_of(owner)} has a map {name} already")
-    values = {
-        "name": (name,),
-        "message": (scope.ref(message_of(scope, message)),),
-        "type": (scope.ref(type_of(scope, kind)),),
-    }
-    assignments = tuple(
-        Child(feature, "bridge.FieldAssignment", {"target": (target,), "source": (source,)})
-        for feature, pairs in (("toRos", to_ros), ("toJaus", to_jaus))
-        for target, source in pairs
-    )
-    return Add(scope.ref(owner), "maps", "bridge.AttributeMap", values, assignments)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from jausml.editing.commands import Add
+from jausml.editing.describing import described
 from jausml.metamodel.classes import bridge, jaus
 from jausml.proposals.elements import library
 from jausml.semantics.layouts import signature
@@ -11,6 +14,7 @@ from jausml.semantics.ros_paths import ros_name
 from jausml.semantics.services import code
 
 if TYPE_CHECKING:
+    from jausml.editing.commands import Command
     from jausml.metamodel.classes import ros
     from jausml.proposals.elements import Scope
 
@@ -19,6 +23,44 @@ def maps_of(scope: Scope) -> list[bridge.AttributeMap]:
     """Returns the maps of the project, then those of the library."""
     own = scope.model.instances(bridge.AttributeMap, library=False)
     return [*own, *library().instances(bridge.AttributeMap)]
+
+
+def between(
+    scope: Scope, message: jaus.MessageDef, kind: ros.MessageType
+) -> list[bridge.AttributeMap]:
+    """Returns the maps between a message and a type, whatever their directions.
+
+    Args:
+        scope: The model.
+        message: The JAUS message.
+        kind: The ROS type.
+    """
+    found = [
+        *fitting(scope, message, kind, to_ros=True),
+        *fitting(scope, message, kind, to_ros=False),
+    ]
+    return list(dict.fromkeys(found))
+
+
+def copied(
+    scope: Scope, owner: bridge.Bridge, used: bridge.AttributeMap, name: str
+) -> list[Command]:
+    """Returns what makes a copy of a map, with its tables, quantities and vectors.
+
+    Args:
+        scope: The model.
+        owner: The bridge that shall have the copy.
+        used: The map.
+        name: Name of the copy.
+    """
+    described_map = described([(used, scope.model_of(used))], lambda each, _: scope.ref(each))
+    place = scope.ref(owner)
+    return [
+        replace(each, owner=place, feature="maps", values={**each.values, "name": (name,)})
+        if isinstance(each, Add) and not each.owner
+        else each
+        for each in described_map
+    ]
 
 
 def fitting(

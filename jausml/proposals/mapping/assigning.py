@@ -15,7 +15,7 @@ from jausml.editing.commands import Child
 from jausml.proposals.elements import AnswerError
 from jausml.proposals.mapping.assignments import filling
 from jausml.proposals.mapping.members import Member, leaves, member
-from jausml.proposals.mapping.statements import OF_AUTHORS, innermost, statement, steps
+from jausml.proposals.mapping.statements import OF_AUTHORS, UNKNOWN, innermost, statement, steps
 from jausml.proposals.mapping.trial import Judged, judge
 from jausml.proposals.options import Option, Options
 from jausml.semantics.attributes import LIST, NUMBER, NUMBERS
@@ -271,7 +271,7 @@ def _why(found: Judged, plain: Judged, source: Member, target: Member) -> str:
         else:
             reasons.append(f"both are in {other.text}, along the same axis")
     if any(each in OF_AUTHORS for each in names):
-        reasons.append("write the number of your vehicle in the place of 1")
+        reasons.append(f"write the number of your vehicle in the place of {UNKNOWN}")
     inner = innermost(found.assignment)
     if "whenAbsent" in inner.values:
         reasons.append(f"without '{source.path}' the message is dropped")
@@ -285,7 +285,7 @@ def _why(found: Judged, plain: Judged, source: Member, target: Member) -> str:
 def _conversion(name: str) -> Child:
     values: dict[str, tuple[str, ...]] = {"kind": (name,)}
     if name in OF_AUTHORS:
-        values["arguments"] = ("1",)
+        values["arguments"] = (UNKNOWN,)
     return Child("conversions", "bridge.Conversion", values)
 
 

@@ -1,7 +1,8 @@
 """Correspondence: which members of the two ends of a map mean the same, by what is known of them.
 
 Names alike, the same axis of the same kind of quantity, a time and a time, an orientation and its
-angles. What could be meant in two ways corresponds to nothing: that is for the author to say.
+angles, the only value and the only value. What could be meant in two ways corresponds to nothing:
+that is for the author to say.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 _ALIKE = 1.0
 """How much a likeness counts; what the paths have in common counts less."""
 
-_STAMP, _EARLIER = "header.stamp", 0.5
+_HEADER, _STAMP, _EARLIER = "header", "header.stamp", 0.5
 """The time of a message, and what it counts more than other times in it."""
 
 _TIMES = {TIME_STAMP, TIME}
@@ -62,10 +63,21 @@ class _Known:
         return self.member.attribute.kind
 
 
-def corresponding(
-    sources: Iterable[Member], targets: Iterable[Member]
-) -> list[tuple[Member, Member]]:
-    """Returns the pairs of members that mean the same, in the order of the targets.
+@dataclass(frozen=True)
+class Correspondence:
+    """What corresponds.
+
+    Attributes:
+        pairs: Members that mean the same, in the order of the targets.
+        doubtful: Targets with the sources that are equally like them.
+    """
+
+    pairs: list[tuple[Member, Member]]
+    doubtful: list[tuple[tuple[Member, ...], Member]]
+
+
+def corresponding(sources: Iterable[Member], targets: Iterable[Member]) -> Correspondence:
+    """Returns the members that mean the same.
 
     An orientation stands in a pair with the angle about z, whose siblings are found from there. A
     member for which several are equally alike stands in none.
@@ -78,14 +90,19 @@ def corresponding(
     likeness = [[_likeness(start, end) for start in starts] for end in ends]
     best = [_best(row) for row in likeness]
     back = [_best([row[at] for row in likeness]) for at in range(len(starts))]
-    turned = _orientation(starts, ends)
-    found = []
+    singled = (*_orientation(starts, ends), *_lone(starts, ends))
+    meant = {end.member.path: start.member for start, end in singled}
+    found = Correspondence([], [])
     for index, end in enumerate(ends):
         at = best[index]
-        if turned is not None and turned[1] is end:
-            found.append((turned[0].member, end.member))
+        if end.member.path in meant:
+            found.pairs.append((meant[end.member.path], end.member))
         elif at is not None and back[at] == index:
-            found.append((starts[at].member, end.member))
+            found.pairs.append((starts[at].member, end.member))
+        elif top := max(likeness[index], default=0.0):
+            known = zip(starts, likeness[index], strict=True)
+            alike = tuple(start.member for start, much in known if much == top)
+            found.doubtful.append((alike, end.member))
     return found
 
 
@@ -139,14 +156,30 @@ def _towards(axis: Axis) -> tuple[str, bool]:
     return direction(axis)[0], axis.is_angle
 
 
-def _orientation(starts: Sequence[_Known], ends: Sequence[_Known]) -> tuple[_Known, _Known] | None:
-    """Returns the only orientation and the only angle about z at the other end, in their order."""
+def _orientation(
+    starts: Sequence[_Known], ends: Sequence[_Known]
+) -> Iterator[tuple[_Known, _Known]]:
+    """Yields the only orientation and the only angle about z at the other end, in their order."""
     for is_given, wholes, angles in ((True, starts, ends), (False, ends, starts)):
         found = [list(_turns(wholes, "")), list(_turns(angles, "z"))]
         if [len(each) for each in found] == [1, 1]:
             [whole], [angle] = found
-            return (whole, angle) if is_given else (angle, whole)
-    return None
+            yield (whole, angle) if is_given else (angle, whole)
+            return
+
+
+def _lone(starts: Sequence[_Known], ends: Sequence[_Known]) -> Iterator[tuple[_Known, _Known]]:
+    """Yields the only values of both ends besides headers, where they are of one kind."""
+    alone = [[each for each in side if not _is_header(each)] for side in (starts, ends)]
+    if [len(each) for each in alone] == [1, 1]:
+        [start], [end] = alone
+        is_outside = not start.member.outer and not end.member.outer
+        if is_outside and start.kind == end.kind != LIST and _is_measured_alike(start, end):
+            yield start, end
+
+
+def _is_header(known: _Known) -> bool:
+    return known.member.path.partition(".")[0] == _HEADER
 
 
 def _turns(known: Iterable[_Known], name: str) -> Iterator[_Known]:

@@ -17,6 +17,7 @@ from jausml.proposals.mapping.corresponding import corresponding
 from jausml.proposals.mapping.members import leaves
 from jausml.proposals.mapping.statements import OF_AUTHORS, innermost, statement, steps
 from jausml.proposals.mapping.trial import judge, judge_together
+from jausml.proposals.mapping.variances import variances
 from jausml.semantics.attributes import LIST
 from jausml.semantics.paths import parse_path, target_paths
 from jausml.semantics.ways import TO_ROS
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 
 _Steps = tuple[str, ...]
 
-_FEATURES = {True: "toRos", False: "toJaus"}
+FEATURES = {True: "toRos", False: "toJaus"}
 """The assignments of a map, by whether they go to ROS."""
 
 
@@ -65,10 +66,7 @@ def fill_map(scope: Scope, used: bridge.AttributeMap) -> Filling:
     if used.message is None or used.type is None:
         return Filling(label, (), (), {}, "the map has no message or no type yet")
     ways = _ways(scope, used)
-    found = {to_ros: _found(scope, used, to_ros=to_ros) for to_ros in ways}
-    children = [each for way in found.values() for each in way]
-    judged = judge_together(scope.model.metamodels, used, children)
-    good = [each.assignment for each in judged if each.is_possible]
+    good = found(scope, used, ways).assignments
     own = scope.ref(used)
     return Filling(
         label,
@@ -79,6 +77,40 @@ def fill_map(scope: Scope, used: bridge.AttributeMap) -> Filling:
     )
 
 
+@dataclass(frozen=True, slots=True)
+class Found:
+    """What was found for the members that nothing fills.
+
+    Attributes:
+        assignments: What fills them.
+        doubtful: Targets with the sources that are equally like them.
+    """
+
+    assignments: tuple[Child, ...]
+    doubtful: tuple[tuple[tuple[Member, ...], Member], ...]
+
+
+def found(scope: Scope, used: bridge.AttributeMap, ways: Iterable[bool]) -> Found:
+    """Returns the assignments that follow from what the ends of a map say, for some directions.
+
+    Args:
+        scope: The model.
+        used: The map.
+        ways: The directions: True to ROS.
+    """
+    children: list[Child] = []
+    doubtful: list[tuple[tuple[Member, ...], Member]] = []
+    for to_ros in ways:
+        sources, targets = leaves(used, is_jaus=to_ros), _unfilled(used, to_ros=to_ros)
+        alike = corresponding(sources, targets)
+        children += _assignments(scope, used, alike.pairs)
+        children += variances(scope, used, sources, targets)
+        doubtful += alike.doubtful
+    judged = judge_together(scope.model.metamodels, used, children)
+    good = tuple(each.assignment for each in judged if each.is_possible)
+    return Found(good, tuple(doubtful))
+
+
 def _ways(scope: Scope, used: bridge.AttributeMap) -> list[bool]:
     """Returns the directions in which a map is used, both where it is not yet."""
     connections = scope.model.instances(bridge.Connection, library=False)
@@ -86,23 +118,26 @@ def _ways(scope: Scope, used: bridge.AttributeMap) -> list[bool]:
     return sorted(wanted or {True, False}, reverse=True)
 
 
-def _found(scope: Scope, used: bridge.AttributeMap, *, to_ros: bool) -> list[Child]:
-    """Returns the assignments of one direction, those within one list together."""
-    filled = _filled(used, to_ros=to_ros)
-    targets = [
-        each
-        for each in leaves(used, is_jaus=not to_ros)
-        if not _is_filled(each.outer or each.path, filled)
-    ]
-    found: dict[object, Child] = {}
-    for source, target in corresponding(leaves(used, is_jaus=to_ros), targets):
+def _unfilled(used: bridge.AttributeMap, *, to_ros: bool) -> list[Member]:
+    """Returns the members of a direction that nothing fills."""
+    filled = filled_paths(used, to_ros=to_ros)
+    targets = leaves(used, is_jaus=not to_ros)
+    return [each for each in targets if not is_filled(each.outer or each.path, filled)]
+
+
+def _assignments(
+    scope: Scope, used: bridge.AttributeMap, pairs: Iterable[tuple[Member, Member]]
+) -> list[Child]:
+    """Returns the assignments of pairs, those within one list together."""
+    made: dict[object, Child] = {}
+    for source, target in pairs:
         child = _proposed(scope, used, source, target)
         if child is None:
             continue
         key = (source.outer, target.outer) if source.outer else child.values["target"]
-        before = found.get(key)
-        found[key] = child if before is None or not source.outer else _joined(before, child)
-    return list(found.values())
+        before = made.get(key)
+        made[key] = child if before is None or not source.outer else _joined(before, child)
+    return list(made.values())
 
 
 def _proposed(
@@ -134,22 +169,22 @@ def _joined(one: Child, other: Child) -> Child:
     return Child(one.feature, one.kind, one.values, (*one.children, *other.children))
 
 
-def _filled(used: bridge.AttributeMap, *, to_ros: bool) -> list[_Steps]:
+def filled_paths(used: bridge.AttributeMap, *, to_ros: bool) -> list[_Steps]:
     """Returns the paths that something fills, or that are left out on purpose."""
-    assignments = getattr(used, _FEATURES[to_ros])
+    assignments = getattr(used, FEATURES[to_ros])
     return [parse_path(path) for each in assignments for path in target_paths(each)]
 
 
-def _targets(child: Child) -> Iterator[_Steps]:
+def targets_of(child: Child) -> Iterator[_Steps]:
     """Yields the paths that an assignment fills."""
     for path in map(parse_path, child.values["target"][0].split(", ")):
         inner = [each for each in child.children if each.feature == "assignments"]
-        yield from ((*path, *own) for each in inner for own in _targets(each))
+        yield from ((*path, *own) for each in inner for own in targets_of(each))
         if not inner:
             yield path
 
 
-def _is_filled(path: str, filled: Iterable[_Steps]) -> bool:
+def is_filled(path: str, filled: Iterable[_Steps]) -> bool:
     """Tells whether a member, something around it or something in it is filled."""
     own = parse_path(path)
     return any(each[: len(own)] == own or own[: len(each)] == each for each in filled)
@@ -157,13 +192,13 @@ def _is_filled(path: str, filled: Iterable[_Steps]) -> bool:
 
 def _left(used: bridge.AttributeMap, good: Sequence[Child], *, to_ros: bool) -> tuple[str, ...]:
     """Returns the members that nothing fills once assignments are added, wholes without parts."""
-    filled = _filled(used, to_ros=to_ros)
+    filled = filled_paths(used, to_ros=to_ros)
     filled += [
-        path for each in good if each.feature == _FEATURES[to_ros] for path in _targets(each)
+        path for each in good if each.feature == FEATURES[to_ros] for path in targets_of(each)
     ]
     left: list[str] = []
     for each in leaves(used, is_jaus=not to_ros):
         is_part = bool(left) and each.path.startswith(f"{left[-1]}.")
-        if each.attribute.kind != LIST and not is_part and not _is_filled(each.path, filled):
+        if each.attribute.kind != LIST and not is_part and not is_filled(each.path, filled):
             left.append(each.path)
     return tuple(left)

@@ -10,6 +10,9 @@ if TYPE_CHECKING:
     from jausml.editing.commands import Child
 
 _WITH_FACTOR = [each for each in CONVERSIONS.values() if each.takes_factor]
+UNKNOWN = "1"
+"""The number that stands for one that the author knows."""
+
 OF_AUTHORS = tuple(
     each.name for each in sorted(_WITH_FACTOR, key=lambda each: each.units is UnitEffect.ANY)
 )
@@ -43,12 +46,17 @@ def statement(child: Child) -> str:
         return f"{_literal(values['value'])} -> {target}"
     head = f"{values['source']} -> {target}"
     if child.kind == "bridge.ListAssignment":
-        return f"{head} {{ {statement(innermost(child))} }}"
-    names = steps(child)
+        inner = (each for each in child.children if each.feature == "assignments")
+        return f"{head} {{ {'  '.join(map(statement, inner))} }}"
     more = [f"{name}: {values[name]}" for name in ("whenAbsent", "outOfRange") if name in values]
-    calls = [f"{each}(1)" if each in OF_AUTHORS else each for each in names]
+    calls = [_call(each) for each in child.children if "kind" in each.values]
     head += f" : {', '.join(calls)}" if calls else ""
     return f"{head} {{ {'  '.join(more)} }}" if more else head
+
+
+def _call(conversion: Child) -> str:
+    name, arguments = conversion.values["kind"][0], conversion.values.get("arguments", ())
+    return f"{name}({', '.join(arguments)})" if arguments else name
 
 
 def _literal(value: str) -> str:

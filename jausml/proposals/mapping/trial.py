@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from jausml.editing.commands import Child
     from jausml.metamodel import FeatureTable, Metamodels
-    from jausml.metamodel.classes import bridge
+    from jausml.metamodel.classes import bridge, jaus, ros
     from jausml.metamodel.classes.ecore import EObject
     from jausml.validation.rule import Finding, Rule
 
@@ -79,7 +79,7 @@ def judge(
     library = new_object(metamodels.classes["bridge.MapLibrary"])
     made: list[EObject] = []
     for each in assignments:
-        made += _with(metamodels, _map_like(metamodels, used, library), [each])
+        made += with_assignments(metamodels, _map_like(metamodels, used, library), [each])
     return _judged(metamodels, library, assignments, made, _RULES)
 
 
@@ -98,9 +98,41 @@ def judge_together(
     for name in ("toRos", "toJaus"):
         for each in getattr(used, name):
             link(whole, metamodels.class_of(whole).features[name], _copied(metamodels, each))
-    return _judged(
-        metamodels, library, assignments, _with(metamodels, whole, assignments), _TOGETHER
-    )
+    made = with_assignments(metamodels, whole, assignments)
+    return _judged(metamodels, library, assignments, made, _TOGETHER)
+
+
+def fresh_map(
+    metamodels: Metamodels, name: str, message: jaus.MessageDef, kind: ros.MessageType
+) -> bridge.AttributeMap:
+    """Makes a map without assignments that stands in no model.
+
+    Args:
+        metamodels: The metamodels of its ends.
+        name: Its name.
+        message: Its JAUS message.
+        kind: Its ROS type.
+    """
+    library = new_object(metamodels.classes["bridge.MapLibrary"])
+    table = metamodels.classes["bridge.AttributeMap"]
+    made: bridge.AttributeMap = new_object(table)
+    set_value(made, table.features["name"], name)
+    point(made, table.features["message"], message)
+    point(made, table.features["type"], kind)
+    link(library, metamodels.class_of(library).features["maps"], made)
+    return made
+
+
+def findings(metamodels: Metamodels, made: bridge.AttributeMap) -> list[tuple[Rule, Finding]]:
+    """Returns what all rules say of a map that `fresh_map` made, errors first, notes left out.
+
+    Args:
+        metamodels: The metamodels of the map.
+        made: The map.
+    """
+    subject = Subject(made_model(metamodels, made.eContainer() or made))
+    said = [(rule, each) for rule in all_rules() for each in rule.check(subject)]
+    return sorted((each for each in said if _severity(each) != "info"), key=_gravity)
 
 
 def _judged(
@@ -149,8 +181,16 @@ def _map_like(metamodels: Metamodels, used: bridge.AttributeMap, owner: EObject)
     return made
 
 
-def _with(metamodels: Metamodels, whole: EObject, assignments: Sequence[Child]) -> list[EObject]:
-    """Adds assignments to a map that was made, and returns the elements."""
+def with_assignments(
+    metamodels: Metamodels, whole: EObject, assignments: Sequence[Child]
+) -> list[EObject]:
+    """Adds assignments to a map that was made, and returns the elements.
+
+    Args:
+        metamodels: The metamodels of the map.
+        whole: The map.
+        assignments: Each with the feature of the map that shall own it.
+    """
     made = [made_of(metamodels, each) for each in assignments]
     for each, element in zip(assignments, made, strict=True):
         link(whole, metamodels.class_of(whole).features[each.feature], element)

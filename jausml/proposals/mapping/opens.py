@@ -1,0 +1,134 @@
+"""What is open in a new map: what its author has to decide, in words."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.model.names import name_of
+from jausml.proposals.mapping.completing import bare
+from jausml.proposals.mapping.filling import FEATURES, is_filled
+from jausml.proposals.mapping.members import leaves
+from jausml.proposals.mapping.statements import UNKNOWN, innermost
+from jausml.semantics.commands import is_command
+from jausml.semantics.paths import outer_scope, parse_path
+from jausml.semantics.ros_paths import ros_name
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+    from jausml.editing.commands import Child
+    from jausml.metamodel.classes import bridge
+
+_MOST = 8
+"""How many members a line names."""
+
+_FRAME_IDS = ("frame_id", "child_frame_id")
+
+
+def opens(
+    used: bridge.AttributeMap, assignments: Sequence[Child], ways: Iterable[bool]
+) -> Iterator[str]:
+    """Yields what is left to the author of a new map.
+
+    Args:
+        used: The map with its assignments.
+        assignments: The same as commands.
+        ways: The directions that it has.
+    """
+    for to_ros in ways:
+        own = [each for each in assignments if each.feature == FEATURES[to_ros]]
+        ends = [name_of(used.message), ros_name(used.type)]
+        source, target = ends if to_ros else reversed(ends)
+        yield from _unfilled(used, own, source, target, to_ros=to_ros)
+        yield from _untaken(used, own, source, target, to_ros=to_ros)
+        yield from _decisions(own)
+        if to_ros:
+            yield from _absent(used, own)
+    yield from _of_connections(used, ways)
+
+
+def _unfilled(
+    used: bridge.AttributeMap, own: Sequence[Child], source: str, target: str, *, to_ros: bool
+) -> Iterator[str]:
+    if ignored := [each.values["target"][0] for each in own if each.kind == "bridge.Ignore"]:
+        yield f"nothing of {source} fills {_listed(ignored)} of {target}: ignored"
+    left = bare(used, to_ros=to_ros)
+    if optional := [each.path for each in left if not each.is_required]:
+        yield f"nothing fills {_listed(optional)} of {target}"
+    if missing := [each.path for each in left if each.is_required]:
+        yield f"nothing fills {_listed(missing)}, which {target} always has: assign or ignore it"
+
+
+def _untaken(
+    used: bridge.AttributeMap, own: Sequence[Child], source: str, target: str, *, to_ros: bool
+) -> Iterator[str]:
+    read = [
+        parse_path(path)
+        for each in own
+        for path in each.values.get("source", ("",))[0].split(", ")
+        if path
+    ]
+    left: list[str] = []
+    for each in leaves(used, is_jaus=to_ros):
+        path = each.outer or each.path
+        is_part = bool(left) and path.startswith(f"{left[-1]}.")
+        if path not in left and not is_part and not is_filled(path, read):
+            left.append(path)
+    if left:
+        yield f"nothing of {target} takes {_listed(left)} of {source}"
+
+
+def _decisions(own: Iterable[Child]) -> Iterator[str]:
+    """Yields what was decided for the author, who may know better."""
+    inner = [innermost(each) for each in own]
+    frames = [
+        f'"{each.values["value"][0]}" as {each.values["target"][0]}'
+        for each in inner
+        if each.kind == "bridge.ConstantAssignment"
+        and each.values["target"][0].rpartition(".")[2] in _FRAME_IDS
+    ]
+    if frames:
+        yield f"{' and '.join(frames)}: say the frames of your vehicle"
+    for policy, value, says in (
+        ("whenAbsent", "dropMessage", "the message is dropped without {source}"),
+        ("outOfRange", "clamp", "{target}: the nearest number where it cannot carry the value"),
+    ):
+        found = [each for each in inner if each.values.get(policy) == (value,)]
+        if found:
+            words = says.format(
+                source=_listed([each.values["source"][0] for each in found]),
+                target=_listed([each.values["target"][0] for each in found]),
+            )
+            yield f"{words} ({policy}: {value})"
+    for each in inner:
+        if any(step.values.get("arguments") == (UNKNOWN,) for step in each.children):
+            yield f"{each.values['target'][0]}: write the number of your vehicle for {UNKNOWN}"
+
+
+def _absent(used: bridge.AttributeMap, own: Iterable[Child]) -> Iterator[str]:
+    """Yields which optional fields leave a target as it is, which in ROS is 0."""
+    source = outer_scope(used, to_ros=True)
+    found: list[str] = []
+    for each in own:
+        if each.kind != "bridge.FieldAssignment" or "whenAbsent" in each.values:
+            continue
+        for path in each.values["source"][0].split(", "):
+            place = source.find_source(path)
+            if getattr(place, "optional", False) and path not in found:
+                found.append(path)
+    if found:
+        yield f"0 is published without {_listed(found)}, which may be absent: say whenAbsent"
+
+
+def _of_connections(used: bridge.AttributeMap, ways: Iterable[bool]) -> Iterator[str]:
+    """Yields what a connection by the map will ask for."""
+    if is_command(used.message):
+        stops = " and ".join("stopRos" if to_ros else "stopJaus" for to_ros in ways)
+        yield f"{stops}: the message that stops what the command has set in motion (JML451)"
+    elif False in ways:
+        yield "freshness, or whenStale: keep: what is reported of a silent topic (JML455)"
+
+
+def _listed(names: Sequence[str]) -> str:
+    more = len(names) - _MOST
+    return ", ".join(names[:_MOST]) + (f" and {more} more" if more > 0 else "")

@@ -1,0 +1,224 @@
+"""`jausml new map`: maps that are filled, and copies of ready ones, in both notations."""
+
+from __future__ import annotations
+
+import re
+import sys
+
+import emf_check
+import pytest
+from needs import EMF
+from terminal import at_terminal
+
+from jausml.metamodel.classes import bridge
+from jausml.model import read_models
+from jausml.model.names import name_of
+from jausml.text.notation import NOTATIONS
+
+NOTATION = pytest.mark.parametrize("notation", ["xmi", "text"])
+STATE = ("ReportVelocityState", "nav_msgs/Odometry")
+COMMAND = ("SetVelocityCommand", "geometry_msgs/Twist")
+
+
+TEXT = """\
+import jaus.mobility
+import mappings.local_pose_sensor
+
+system rover {
+    bridge ears {
+        address: 100.1.1
+        provides: LocalPoseSensor
+
+        connection odom {
+            map: local_pose
+            topic odom
+        }
+    }
+}
+"""
+LIBRARY = "http://www.jausml.org/library"
+XMI = f"""\
+<?xml version="1.0" encoding="UTF-8"?>
+<system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"\
+ xmlns:system="http://www.jausml.org/system/1.0" name="rover">
+  <bridges name="ears" address="100.1.1">
+    <provides href="{LIBRARY}/jaus/mobility.xmi#LocalPoseSensor"/>
+    <bridgeConnections name="odom" direction="rosToJaus" exchange="periodicEvent">
+      <map href="{LIBRARY}/mappings/local_pose_sensor.ros2jaus#//@maps.0"/>
+      <topics name="odom"/>
+    </bridgeConnections>
+  </bridges>
+</system:System>
+"""
+
+
+@pytest.fixture
+def ears(tmp_path, monkeypatch):
+    """Makes a model with an empty bridge in a notation, and works beside it; returns it."""
+
+    def make(notation):
+        (tmp_path / ".git").mkdir()
+        (tmp_path / "models").mkdir()
+        model = tmp_path / "models" / f"rover.{'xmi' if notation == 'xmi' else 'ros2jaus'}"
+        model.write_text(XMI if notation == "xmi" else TEXT, "utf-8")
+        monkeypatch.chdir(tmp_path)
+        return model
+
+    return make
+
+
+def map_in(model, name):
+    read = read_models([model], project_root=model.parents[1], notations=NOTATIONS).model
+    maps = read.instances(bridge.AttributeMap, library=False)
+    return next(each for each in maps if name_of(each) == name)
+
+
+def rules_in(output):
+    return {each for each in re.findall(r"JML\d+", output) if each not in ("JML451", "JML455")}
+
+
+@pytest.mark.parametrize(
+    ("notation", "message", "kind", "rules"),
+    [
+        ("xmi", *STATE, set()),
+        ("text", *COMMAND, {"JML416"}),
+        ("xmi", "ReportLocalPose", "std_msgs/String", set()),
+    ],
+)
+def test_it_validates_or_says_which_rule_needs_the_user(
+    ears, jausml, notation, message, kind, rules
+):
+    model = ears(notation)
+    done = jausml("new", "map", "own", message, kind, "--fill")
+    assert done.exit_code == 0, done.output
+    assert rules_in(done.output) == rules, done.output
+    checked = jausml("validate", "models")
+    assert checked.exit_code == 0, checked.output
+    assert rules_in(checked.output) == rules, checked.output
+    assert "Open: " in map_in(model, "own").documentation
+
+
+def test_what_it_says_stands_in_the_file(ears, jausml):
+    model = ears("text")
+    done = jausml("new", "map", "own", *STATE, "--fill", "--direction", "to-ros")
+    assert done.exit_code == 0, done.output
+    text = " ".join(model.read_text("utf-8").replace("*", "").split())
+    for line in done.stdout.splitlines():
+        assert line.startswith(("JAUS", "open")) or " ".join(line.split()) in text, line
+    for statement in (
+        "Velocity_Y -> twist.twist.linear.y : negate",
+        "Velocity_RMS -> twist.covariance[7] : square",
+        '"odom" -> header.frame_id',
+        "ignore pose",
+    ):
+        assert statement in text
+    assert not map_in(model, "own").toJaus
+
+
+@NOTATION
+def test_a_ready_map_is_offered_and_copied_with_its_vectors(ears, jausml, notation):
+    model = ears(notation)
+    before = model.read_bytes()
+    done = jausml("new", "map", "own", *STATE)
+    assert done.exit_code == 2
+    assert "velocity_state" in done.output
+    assert "--copy velocity_state copies it, --fill fills a new one" in done.output
+    assert model.read_bytes() == before
+    for name, option in (("own", ("--yes",)), ("second", ("--copy", "velocity_state"))):
+        done = jausml("new", "map", name, *STATE, *option)
+        assert done.exit_code == 0, done.output
+        assert len(map_in(model, name).vectors) > 2
+    done = jausml("validate", "models", "--strict")
+    assert done.exit_code == 0, done.output
+
+
+@NOTATION
+def test_a_copy_has_its_own_tables(ears, jausml, notation):
+    model = ears(notation)
+    done = jausml(
+        *("new", "map", "lights", "SetIlluminationState", "std_msgs/Bool"),
+        "--copy",
+        "set_headlights",
+    )
+    assert done.exit_code == 0, done.output
+    used = map_in(model, "lights")
+    assert used.toRos[0].conversions[0].table in used.tables
+    done = jausml("validate", "models", "--strict")
+    assert done.exit_code == 0, done.output
+
+
+def test_the_author_says_what_fills_and_how(ears, jausml):
+    model = ears("xmi")
+    done = jausml(
+        *("new", "map", "own", "ReportVelocityState", "geometry_msgs/TwistStamped"),
+        *("--to-ros", "twist.linear.x=Velocity_X : scale(2)", "--to-ros", "twist.linear.y=0.5"),
+        *("--to-ros", "header.frame_id=ignore", "--to-ros", "twist.linear.z=Velocity_Z"),
+        *("--to-ros", "header.stamp=clock", "--direction", "to-ros"),
+    )
+    assert done.exit_code == 0, done.output
+    for statement in (
+        "Velocity_X -> twist.linear.x : scale(2)",
+        "0.5 -> twist.linear.y",
+        "ignore header.frame_id",
+        "clock -> header.stamp",
+        "Velocity_Z -> twist.linear.z : negate",
+        "YawRate -> twist.angular.z : negate",
+    ):
+        assert f"  {statement}\n" in done.stdout
+    assert jausml("validate", model).exit_code == 0
+
+
+def test_yes_takes_the_first_and_says_so(ears, jausml):
+    model = ears("text")
+    done = jausml("new", "map", "own", *COMMAND, "--fill", "--yes")
+    assert done.exit_code == 0, done.output
+    told = 'CommandType takes "Set current command", the first of 4 that fit'
+    assert told in done.output
+    assert told in map_in(model, "own").documentation
+    assert jausml("validate", "models", "--strict").exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ((*STATE, "--copy", "local_pose"), "there are: velocity_state"),
+        ((*STATE, "--copy", "velocity_state", "--fill"), "takes a map as it is"),
+        ((*COMMAND, "--to-ros", "linear.x"), "should be like"),
+        ((*COMMAND, "--to-ros", "linear.q=Velocity_X"), "has no"),
+        ((*COMMAND, "--to-ros", "linear.x=YawRate"), "linear.x"),
+        ((*COMMAND, "--to-ros", "linear.x=Velocity_X : negat"), "did you mean 'negate'?"),
+        ((*COMMAND, "--to-jaus", 'CommandType="now"'), "now"),
+    ],
+)
+def test_bad_words_change_nothing(ears, jausml, words, told):
+    model = ears("xmi")
+    before = model.read_bytes()
+    done = jausml("new", "map", "own", *words)
+    assert (done.exit_code, told in done.output) == (2, True), done.output
+    assert model.read_bytes() == before
+
+
+@EMF
+def test_eclipse_opens_it(rover, jausml):
+    model = rover("xmi")
+    assert jausml("new", "bridge", "ears", "odom:nav_msgs/Odometry", "--yes").exit_code == 0
+    assert jausml("new", "map", "own", *COMMAND, "--fill").exit_code == 0
+    assert jausml("new", "map", "lights", *STATE, "--yes").exit_code == 0
+    done = emf_check.ask(str(model.relative_to(model.parents[1])), cwd=model.parents[1])
+    assert (done.returncode, done.stdout) == (0, "")
+
+
+def test_it_asks_on_a_terminal(ears):
+    model = ears("text")
+    command = (sys.executable, "-m", "jausml", "new", "map", "own", *COMMAND)
+    with at_terminal(*command, cwd=model.parents[1]) as terminal:
+        terminal.wait_for("Which (numbers)")
+        assert "Ready maps have both ends" in terminal.shown
+        begin = len(terminal.shown)
+        terminal.type("0\n")
+        terminal.wait_for("Which (numbers)", begin)
+        assert "What fills CommandType?" in terminal.shown
+        terminal.type("2\n")
+        terminal.wait_for("next: jausml validate")
+    filled = {each.target: getattr(each, "value", "") for each in map_in(model, "own").toJaus}
+    assert filled["CommandType"] == "Set maximum allowed values"

@@ -1,0 +1,133 @@
+"""New maps: between the ends of each ready map, compared with what its author wrote."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import pytest
+
+from jausml.editing.project import Project
+from jausml.metamodel.classes import bridge, ros
+from jausml.model.names import name_of
+from jausml.proposals.elements import Scope, library
+from jausml.proposals.finding import message_of, type_of
+from jausml.proposals.mapping.beginning import Wish, begin_map
+from jausml.semantics.paths import source_paths, target_paths
+
+EMPTY = "bridge ears { address: 100.1.1 }\n"
+
+
+class Bridge:
+    """A bridge without maps, in a model of its own."""
+
+    def __init__(self, folder):
+        (folder / "robot.ros2jaus").write_text(EMPTY, encoding="utf-8")
+        project = Project(folder)
+        self.scope = Scope(project.model("robot.ros2jaus").model, project.root)
+        [self.owner] = self.scope.model.instances(bridge.Bridge, library=False)
+
+    def begin(self, message, kind, **wish):
+        ends = message_of(self.scope, message), type_of(self.scope, kind)
+        return begin_map(self.scope, self.owner, Wish("fresh", *ends, **wish))
+
+
+@pytest.fixture(scope="module")
+def ears(tmp_path_factory):
+    return Bridge(tmp_path_factory.mktemp("ears"))
+
+
+def ready_maps():
+    """The ready maps of topics."""
+    return [
+        each
+        for each in library().instances(bridge.AttributeMap)
+        if isinstance(each.type.eContainer(), ros.InterfacePackage)
+    ]
+
+
+@pytest.fixture(scope="module")
+def begun(ears):
+    """A new map for the ends of each ready map."""
+    ends = dict.fromkeys((each.message, each.type) for each in ready_maps())
+    return {pair: begin_map(ears.scope, ears.owner, Wish("fresh", *pair)) for pair in ends}
+
+
+def test_between_the_ends_of_each_ready_map_it_is_without_error_or_says_what_is_missing(begun):
+    for (message, kind), made in begun.items():
+        rules = {each.split()[0] for each in made.findings}
+        assert rules <= {"JML416", "JML460"}, (name_of(message), name_of(kind), made.findings)
+        for each in made.findings:
+            member = each.split("'")[1] if "JML416" in each else "header.frame_id"
+            assert any(member in one for one in made.opens) or "JML460" in each, made.opens
+
+
+def test_it_tells_of_each_member_of_the_target_or_fills_it(begun):
+    for made in begun.values():
+        for child in made.add.children:
+            if child.kind == "bridge.Ignore":
+                assert any(child.values["target"][0] in each for each in made.opens) or any(
+                    "more" in each for each in made.opens
+                )
+
+
+@pytest.fixture(scope="module")
+def compared(begun):
+    """Assignments of authors, each with what the new map of the same ends has in its place."""
+    found = []
+    for used in ready_maps():
+        made = {
+            (each.feature, each.values["target"][0]): each
+            for each in begun[used.message, used.type].add.children
+        }
+        for feature in ("toRos", "toJaus"):
+            for each in getattr(used, feature):
+                found.append((each, made.get((feature, ", ".join(target_paths(each))))))
+    return found
+
+
+def test_it_finds_most_of_what_authors_wrote(compared):
+    """Nearly all but formulas, tables, numbers of the vehicle, joins and elements of lists."""
+    count: Counter[str] = Counter()
+    for each, made in compared:
+        kind = each.eClass.name
+        for name in (kind, "plain") if _is_plain(each) else (kind,):
+            count[name] += 1
+            count[f"{name} found"] += made is not None and _says(made) == _says_of(each)
+    assert count["FieldAssignment found"] / count["FieldAssignment"] > 0.55, count
+    assert count["plain found"] / count["plain"] > 0.9, count
+    assert count["ClockAssignment found"] / count["ClockAssignment"] > 0.8, count
+    assert count["ConstantAssignment found"] / count["ConstantAssignment"] > 0.2, count
+
+
+def test_what_it_fills_is_what_authors_wrote(compared):
+    """Where x of a local frame points is the author's: maps to east-north-up differ there."""
+    for each, made in compared:
+        if isinstance(each, bridge.FieldAssignment) and made is not None:
+            name = name_of(each.eContainer())
+            own = source_paths(each)
+            assert made.kind != "bridge.FieldAssignment" or (
+                set(made.values["source"][0].split(", ")) <= {*own} or name.endswith("_enu")
+            ), (name, made)
+
+
+def _says(child):
+    """What an assignment that is to be says: kind, source or value."""
+    values = child.values
+    return child.kind, *(values.get(name, ("",))[0] for name in ("source", "value"))
+
+
+def _says_of(assignment):
+    source = ", ".join(source_paths(assignment))
+    return f"bridge.{assignment.eClass.name}", source, str(getattr(assignment, "value", "") or "")
+
+
+def _is_plain(assignment):
+    """Whether the ends of the map can tell it."""
+    if not isinstance(assignment, bridge.FieldAssignment):
+        return False
+    paths = ", ".join((*source_paths(assignment), *target_paths(assignment)))
+    used = assignment.eContainer()
+    joined = {f"{name_of(each)}." for each in (*used.joins, *used.reportJoins)}
+    kinds = {each.kind.name for each in assignment.conversions}
+    of_authors = {"expression", "look_up", "value_to_percent", "percent_to_value", "with_units"}
+    return not (kinds & of_authors or "List[" in paths or any(each in paths for each in joined))
