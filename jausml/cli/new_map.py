@@ -49,7 +49,9 @@ _WAYS = {"both": (True, False), "to-ros": (True,), "to-jaus": (False,)}
 )
 @click.option("--copy", "ready", metavar="MAP", help="Copy this ready map.")
 @click.option("--fill", "fills", is_flag=True, help="Fill a new map even if a ready map exists.")
-@click.option("--yes", is_flag=True, help="Take the first choice where several fit, and ask nothing.")
+@click.option(
+    "--yes", is_flag=True, help="Take the first choice where several fit, and ask nothing."
+)
 @click.option("--bridge", metavar="NAME", help="Bridge that gets the map, if there are several.")
 @model_option
 def command(
