@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
     from typing import TextIO
 
 PATIENCE = 1.0
@@ -70,10 +70,12 @@ class Progress:
 
     Attributes:
         share: Part of the step that is done, 0 to 1; None where nobody knows.
+        told: Returns what else is told of it, empty for nothing; called on another thread.
     """
 
     def __init__(self) -> None:
         self.share: float | None = None
+        self.told: Callable[[], str] = str
 
     def at(self, share: float) -> None:
         """Takes how much is done.
@@ -138,7 +140,8 @@ def _tell(
     while True:
         seconds = int(time.monotonic() - begun)
         share = "" if progress.share is None else f" {progress.share:.0%},"
-        _write(stream, f"{_CLEAR}{label} ...{share} {seconds} s")
+        note = f" {told}," if (told := progress.told()) else ""
+        _write(stream, f"{_CLEAR}{label} ...{share}{note} {seconds} s")
         if ended.wait(_PERIOD):
             break
     _write(stream, _CLEAR)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,7 @@ import click
 
 from jausml.cli.captures import skipped_lines
 from jausml.cli.common import EnvironmentFault, FiniteRange
-from jausml.cli.manners import remark
+from jausml.cli.manners import remark, step
 from jausml.cli.messages import open_catalogue
 from jausml.cli.options import interface_option, multicast_group_option, port_option
 from jausml.cli.recordings import (
@@ -173,9 +174,11 @@ def command(
             stack.callback(ros.stop)
         click.echo(what, err=True)
         reader = UdpReader(port)
-        for frame in _until(frames, duration, stop, recorder):
-            _take(frame, reader, recorder)
-    _tell(recorder, ros, reader, port)
+        with step("recording") as progress:
+            progress.told = partial(_so_far, recorder, parts)
+            for frame in _until(frames, duration, stop, recorder):
+                _take(frame, reader, recorder)
+    _tell(recorder, ros, reader, settings)
     _tell_files(parts, recorder)
 
 
@@ -211,6 +214,13 @@ def _parts(path: Path, limits: Limits, compression: str, *, force: bool) -> Part
 def _cannot_write(path: Path, error: OSError) -> EnvironmentFault:
     name = click.format_filename(path)
     return EnvironmentFault(f"cannot write {name}: {error.strerror or error}")
+
+
+def _so_far(recorder: Recorder, parts: Parts) -> str:
+    """Returns what a terminal shows while it is recorded."""
+    of_ros = sum(list(recorder.topics.values()))  # at once: others add topics
+    size = f"{parts.current.size / _MEGA:.1f} MB of {parts.current.path.name}"
+    return f"{recorder.captured.count} JAUS messages, {of_ros} of ROS, {size}"
 
 
 def _take(frame: Frame | None, reader: UdpReader, recorder: Recorder) -> None:
@@ -286,10 +296,14 @@ def _heard(listener: MulticastListener) -> Iterator[Frame | None]:
         yield None
 
 
-def _tell(recorder: Recorder, ros: RosTopics, reader: UdpReader, port: int) -> None:
+def _tell(
+    recorder: Recorder, ros: RosTopics, reader: UdpReader, settings: TransportSettings
+) -> None:
     from jausml.recording.recorder import CALLS
 
-    click.echo(f"{recorder.captured.count} JAUS messages", err=True)
+    place = f" on port {settings.port} of {settings.interface}; --port and --interface choose"
+    hint = "" if recorder.captured.count else f"{place} others"
+    click.echo(f"{recorder.captured.count} JAUS messages{hint}", err=True)
     for topic, number in sorted(recorder.topics.items()):
         lost = f", {ros.lost[topic]} were lost before" if ros.lost[topic] else ""
         click.echo(f"  {number} on {topic}{lost}", err=True)
@@ -302,7 +316,7 @@ def _tell(recorder: Recorder, ros: RosTopics, reader: UdpReader, port: int) -> N
         click.echo(f"  {topic} is not recorded: nobody defines its type here", err=True)
     for reason, number in sorted(recorder.jaus.undecoded.items()):
         click.echo(f"  {number} JAUS messages are in the capture alone: {reason}", err=True)
-    for line in skipped_lines(reader, port):
+    for line in skipped_lines(reader, settings.port):
         click.echo(line, err=True)
     for reason, number in sorted(recorder.captured.skipped.items()):
         click.echo(f"skipped {number}: {reason}", err=True)

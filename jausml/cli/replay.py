@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from itertools import chain, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
@@ -10,7 +11,8 @@ import click
 
 from jausml.cli.captures import opened, skipped_lines
 from jausml.cli.common import PROBLEMS, EnvironmentFault, FiniteRange, bridge_options
-from jausml.cli.manners import warn
+from jausml.cli.keys import pressed
+from jausml.cli.manners import step, warn
 from jausml.cli.messages import open_catalogue, shown_path
 from jausml.cli.options import interface_option, multicast_group_option, port_option
 from jausml.cli.recordings import (
@@ -24,10 +26,15 @@ from jausml.cli.recordings import (
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
+    from threading import Event
 
+    from jausml.cli.manners import Progress
     from jausml.live.traffic.captures import Frame
     from jausml.model import Model
+    from jausml.recording.bags import Bag, RosMessage
     from jausml.recording.from_captures import CaptureReplay, JausWriter
+    from jausml.recording.pace import Pace
+    from jausml.recording.spans import Span
     from jausml.recording.to_wire import WireReplay
     from jausml.recording.translating import Translator
 
@@ -53,7 +60,17 @@ _NANO = 10**9
 @port_option()
 @multicast_group_option()
 @click.option(
+    "--start",
+    type=FiniteRange(0),
+    default=0.0,
+    metavar="S",
+    help="Begin so many seconds after the first message of RECORDING.",
+)
+@click.option("--duration", type=FiniteRange(0), metavar="S", help="End so many seconds later.")
+@click.option("--loop", is_flag=True, help="Give a recording of ROS again and again, until Ctrl-C.")
+@click.option(
     "--speed",
+    "--rate",
     type=FiniteRange(0, 100, min_open=True),
     default=1.0,
     show_default=True,
@@ -97,6 +114,8 @@ def command(
     force: bool,
     with_jaus: bool,
     ros_only: bool,
+    start: float,
+    duration: float | None,
     bridge_address: str | None,
     **options: Any,
 ) -> None:
@@ -111,7 +130,8 @@ def command(
     Or RECORDING is one of ROS: an MCAP file, or a bag of rosbag2. Then the bridges of MODEL go on
     the network of JAUS, loopback by default, and are given its topics at the pace of their times.
     They report to whoever asks. Commands are left out without --allow-commands: a recorded command
-    moves a vehicle as the first one did, whatever stands around it now.
+    moves a vehicle as the first one did, whatever stands around it now. On a terminal the space bar
+    pauses and goes on.
 
     Without MODEL an MCAP file is written into FILE again. So one that was cut off becomes whole; it
     is read as far as it goes, wherever it is replayed.
@@ -122,9 +142,11 @@ def command(
     from jausml.generation import GenerationError, NoSystemError
     from jausml.recording.bags import is_bag
     from jausml.recording.errors import RecordingError
+    from jausml.recording.spans import Span
 
+    span = Span(start, duration)
     if model is None:
-        _again(recording, output, force=force, ros_only=ros_only)
+        _again(recording, output, span, force=force, ros_only=ros_only)
         return
     to_wire = is_bag(recording)
     if to_wire and (output is not None or with_jaus):
@@ -135,12 +157,13 @@ def command(
         raise click.UsageError("say with --output which file is written")
     try:
         if to_wire:
-            is_done = _to_wire(recording, valid_model(model, bridge_address), options)
+            read = valid_model(model, bridge_address)
+            is_done = _to_wire(recording, read, span, options)
         else:
             port = options["port"]
             read = valid_model(model, bridge_address)
             paths = (recording, model, str(output))
-            is_done = _to_file(read, paths, port, force=force, jaus=with_jaus)
+            is_done = _to_file(read, paths, port, span, force=force, jaus=with_jaus)
     except NoSystemError as error:
         hint = "--bridge-address ID makes a bridge of its maps"
         raise EnvironmentFault(f"{error}; {hint}") from error
@@ -150,8 +173,8 @@ def command(
         raise click.exceptions.Exit(PROBLEMS)
 
 
-def _again(recording: str, output: str | None, *, force: bool, ros_only: bool) -> None:
-    """Writes an MCAP file again, as far as it goes."""
+def _again(recording: str, output: str | None, span: Span, *, force: bool, ros_only: bool) -> None:
+    """Writes an MCAP file again, as far as it goes, or a part of it."""
     from jausml.recording.bags import MCAP
     from jausml.recording.copying import copied
     from jausml.recording.errors import RecordingError
@@ -159,7 +182,7 @@ def _again(recording: str, output: str | None, *, force: bool, ros_only: bool) -
 
     if not recording.endswith(MCAP) or output is None:
         raise click.UsageError("Missing argument '[MODEL]': an MCAP file with --output needs none")
-    source = McapRecording(recording)
+    source = McapRecording(recording, span)
     try:
         found = source.messages()
         first = list(islice(found, 1))  # what cannot be read makes no file
@@ -182,31 +205,36 @@ def _told_cut(path: str, fault: str, reached: int | None) -> bool:
     return bool(fault)
 
 
-def _to_wire(recording: str, model: Model, options: dict[str, Any]) -> bool:
+def _to_wire(recording: str, model: Model, span: Span, options: dict[str, Any]) -> bool:
     """Gives a recording of ROS to bridges; returns whether all that they take could be used."""
     from threading import Event
 
     from jausml.recording.bags import Bag
-    from jausml.recording.to_wire import WireReplay, paced
+    from jausml.recording.pace import Pace
+    from jausml.recording.to_wire import WireReplay
 
     if not Path(recording).exists():
         raise EnvironmentFault(f"{shown_path(recording)}: there is no such file")
     stop = Event()
-    bag, allowed = Bag(recording), options["allow_commands"]
+    bag, allowed = Bag(recording, span), options["allow_commands"]
+    pace = Pace(options["speed"], options["max_rate"], stop)
     transport = {name: options[name] for name in ("interface", "port", "multicast_group")}
-    found = bag.messages()
-    first = list(islice(found, 1))  # what cannot be read opens no bridge
+    list(islice(bag.messages(), 1))  # what cannot be read opens no bridge
     with (
         stopped_by_signals(stop),
         WireReplay(model, transport, allow_commands=allowed) as replay,
+        pressed(partial(_pause, pace)) as has_keys,
     ):
         for each in replay.commands:
             what = "its commands are sent" if allowed else "left out without --allow-commands"
             click.echo(f"{each}: {what}", err=True)
-        click.echo(f"on the network; the first message comes in {options['wait']:g} s", err=True)
+        hint = "; the space bar pauses" if has_keys else ""
+        wait = f"{options['wait']:g} s"
+        click.echo(f"on the network; the first message comes in {wait}{hint}", err=True)
         stop.wait(options["wait"])
-        messages = paced(chain(first, found), options["speed"], options["max_rate"], stop)
-        replay.run(islice(messages, options["count"]))
+        with step(f"replaying {shown_path(recording)}") as progress:
+            found = _rounds(bag, pace, stop, is_loop=options["loop"])
+            replay.run(_shown(islice(found, options["count"]), pace, bag.length(), progress))
         stop.wait(options["hold"])
     for line in _wire_lines(replay):
         click.echo(line, err=True)
@@ -214,6 +242,32 @@ def _to_wire(recording: str, model: Model, options: dict[str, Any]) -> bool:
         click.echo(f"{number} messages in {encoding} are not of ROS", err=True)
     is_cut = _told_cut(recording, bag.fault, bag.reached)
     return not (replay.refused or is_cut)
+
+
+def _pause(pace: Pace, key: str) -> None:
+    if key == " ":
+        pace.is_paused = not pace.is_paused
+
+
+def _rounds(bag: Bag, pace: Pace, stop: Event, *, is_loop: bool) -> Iterator[RosMessage]:
+    """Yields the messages of a recording when their time has come, once or for ever."""
+    is_next = True
+    while is_next and not stop.is_set():
+        is_next = False
+        for each in pace.messages(bag.messages()):
+            is_next = is_loop
+            yield each
+
+
+def _shown(
+    messages: Iterable[RosMessage], pace: Pace, length: float | None, progress: Progress
+) -> Iterator[RosMessage]:
+    """Yields messages, and lets somebody at a terminal see how far they are."""
+    progress.told = lambda: "paused" if pace.is_paused else f"{pace.position:.1f} s of it"
+    for each in messages:
+        if length:
+            progress.at(pace.position / length)
+        yield each
 
 
 def _wire_lines(replay: WireReplay) -> Iterator[str]:
@@ -230,7 +284,7 @@ def _wire_lines(replay: WireReplay) -> Iterator[str]:
 
 
 def _to_file(
-    read: Model, paths: tuple[str, str, str], port: int, *, force: bool, jaus: bool
+    read: Model, paths: tuple[str, str, str], port: int, span: Span, *, force: bool, jaus: bool
 ) -> bool:
     """Makes a file of a capture; returns whether all of it could be used."""
     from jausml.recording.from_captures import CaptureReplay, JausWriter
@@ -246,12 +300,12 @@ def _to_file(
     ):
         writer = JausWriter(catalogue) if catalogue is not None else None
         replay = CaptureReplay(translator, file, writer)
-        is_whole = _replayed(replay, recording, port)
+        is_whole = _replayed(replay, recording, port, span)
         is_complete = _told(replay, translator, writer, model)
     return is_whole and is_complete
 
 
-def _replayed(replay: CaptureReplay, path: str, port: int) -> bool:
+def _replayed(replay: CaptureReplay, path: str, port: int, span: Span) -> bool:
     """Reads a capture; returns whether it could be read to its end."""
     from jausml.live.traffic.captures import read_frames
     from jausml.live.traffic.errors import TrafficError
@@ -267,7 +321,8 @@ def _replayed(replay: CaptureReplay, path: str, port: int) -> bool:
             faults.append(str(error))
 
     with opened(path) as stream:
-        replay.run(filter(None, map(reader.read, readable(stream))))
+        found = filter(None, map(reader.read, readable(stream)))
+        replay.run(span.of(found, lambda each: each.nanoseconds))
     for line in (*skipped_lines(reader, port), *_counted(replay.captured.skipped), *faults):
         click.echo(f"{shown_path(path)}: {line}", err=True)
     return not faults

@@ -9,9 +9,12 @@ from typing import TYPE_CHECKING
 
 from jausml.recording.errors import RecordingError
 from jausml.recording.mcap_reading import McapRecording
+from jausml.recording.spans import WHOLE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from jausml.recording.spans import Span
 
 MCAP, SQLITE = ".mcap", ".db3"
 _CDR = "cdr"
@@ -48,16 +51,27 @@ class Bag:
         reached: Time of the latest message so far, in nanoseconds since 1970; None for none.
     """
 
-    def __init__(self, path: str) -> None:
+    def __init__(self, path: str, span: Span = WHOLE) -> None:
         """Names a recording.
 
         Args:
             path: An MCAP file, or a bag of rosbag2: its folder, or the file of its storage.
+            span: Which part of it is read.
         """
         self.others: Counter[str] = Counter()
         self.fault = ""
         self.reached: int | None = None
         self._path = path
+        self._span = span
+
+    def length(self) -> float | None:
+        """Returns the seconds from the first message to the last of the part, None if unknown."""
+        if not self._path.endswith(MCAP):
+            return None
+        try:
+            return McapRecording(self._path, self._span).length()
+        except (ImportError, OSError):
+            return None  # who reads it is told
 
     def messages(self) -> Iterator[RosMessage]:
         """Yields the messages of ROS in the order of their times, of a file that was cut off all.
@@ -65,6 +79,7 @@ class Bag:
         Raises:
             RecordingError: The recording cannot be read, or a library is missing.
         """
+        self.others.clear()
         read = self._mcap if self._path.endswith(MCAP) else self._bag
         try:
             yield from read()
@@ -81,7 +96,7 @@ class Bag:
             raise RecordingError(f"{self._path} cannot be read: {reason}") from error
 
     def _mcap(self) -> Iterator[RosMessage]:
-        recording = McapRecording(self._path)
+        recording = McapRecording(self._path, self._span)
         for schema, channel, message in recording.messages():
             self.reached = recording.reached
             if schema is None or channel.message_encoding != _CDR:
@@ -94,5 +109,5 @@ class Bag:
         from rosbags.rosbag2 import Reader  # noqa: PLC0415 - an extra
 
         with Reader(self._path) as reader:
-            for connection, time, data in reader.messages():
+            for connection, time, data in self._span.of(reader.messages(), lambda each: each[1]):
                 yield RosMessage(connection.topic, connection.msgtype, time, bytes(data))

@@ -7,14 +7,21 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 from jausml.recording.errors import RecordingError
+from jausml.recording.spans import WHOLE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mcap.records import Channel, Message, Schema
+    from mcap.summary import Summary
+
+    from jausml.recording.spans import Span
 
     Found = tuple[Schema | None, Channel, Message]
     """A message with its channel, and the schema of that."""
+
+
+_NANO = 10**9
 
 
 class McapRecording:
@@ -25,15 +32,17 @@ class McapRecording:
         reached: Time of the latest message so far, in nanoseconds since 1970; None for none.
     """
 
-    def __init__(self, path: str) -> None:
+    def __init__(self, path: str, span: Span = WHOLE) -> None:
         """Names a file.
 
         Args:
             path: The file.
+            span: Which part of it is read.
         """
         self.fault = ""
         self.reached: int | None = None
         self._path = path
+        self._span = span
 
     def messages(self) -> Iterator[Found]:
         """Yields schema, channel and message of each record, in the order of their times.
@@ -45,6 +54,23 @@ class McapRecording:
             RecordingError: It is no such file, or nothing of it can be read.
             OSError: It cannot be opened.
         """
+        yield from self._span.of(self._all(), lambda found: found[2].log_time)
+
+    def length(self) -> float | None:
+        """Returns the seconds from the first message to the last of the part, None if unknown.
+
+        Raises:
+            ImportError: The library is missing.
+            OSError: It cannot be opened.
+        """
+        with Path(self._path).open("rb") as stream:
+            summary = _summary(stream)
+        told = summary.statistics if summary is not None else None
+        if told is None:
+            return None
+        return self._span.of_length((told.message_end_time - told.message_start_time) / _NANO)
+
+    def _all(self) -> Iterator[Found]:
         with Path(self._path).open("rb") as stream:
             found = _indexed(stream) or _in_order_of_the_file(stream)
             while True:
@@ -73,18 +99,25 @@ class McapRecording:
         self.fault = fault
 
 
+def _summary(stream: BinaryIO) -> Summary | None:
+    """Returns what stands at the end of a file, None where nothing does that can be read."""
+    from mcap.reader import SeekingReader  # noqa: PLC0415 - an extra
+
+    try:
+        return SeekingReader(stream).get_summary()
+    except Exception:  # the libraries raise anything on such bytes
+        return None
+
+
 def _indexed(stream: BinaryIO) -> Iterator[Found] | None:
     """Returns the messages by the index of a file, None where it has none that can be read."""
     from mcap.reader import SeekingReader  # noqa: PLC0415 - an extra
 
-    try:
-        reader = SeekingReader(stream)
-        summary = reader.get_summary()
-    except Exception:  # the libraries raise anything on such bytes
-        return None
+    summary = _summary(stream)
     if summary is None or not summary.chunk_indexes:
         return None
-    return reader.iter_messages()
+    stream.seek(0)
+    return SeekingReader(stream).iter_messages()
 
 
 def _in_order_of_the_file(stream: BinaryIO) -> Iterator[Found]:

@@ -1,8 +1,7 @@
-"""A recording of ROS through the bridges of a model to JAUS, at the pace of its times."""
+"""A recording of ROS through the bridges of a model to JAUS."""
 
 from __future__ import annotations
 
-import time
 from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,8 +12,7 @@ from jausml.workers.code import bridge_code
 from jausml.workers.process import Worker, WorkerError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-    from threading import Event
+    from collections.abc import Iterable
 
     from typing_extensions import Self
 
@@ -23,30 +21,6 @@ if TYPE_CHECKING:
 
 _WORKER = Path(__file__).with_name("wire_worker.py")
 _SECONDS = 60.0
-_NANO = 10**9
-
-
-def paced(
-    messages: Iterable[RosMessage], speed: float, most_each_second: float, stop: Event
-) -> Iterator[RosMessage]:
-    """Yields messages when their time has come.
-
-    Args:
-        messages: The messages, in the order of their times.
-        speed: Seconds of the recording in each second.
-        most_each_second: How many pass at most; what comes faster is late.
-        stop: Ends it, at any time.
-    """
-    begin, first, free = 0.0, None, 0.0
-    for each in messages:
-        now = time.monotonic()
-        if first is None:
-            begin, first = now, each.time
-        due = max(begin + (each.time - first) / _NANO / speed, free)
-        if stop.wait(max(0.0, due - now)):
-            return
-        free = max(due, now) + 1 / most_each_second
-        yield each
 
 
 class WireReplay:
