@@ -69,6 +69,9 @@ STAND_IN = {
         class PushRosNamespace:
             def __init__(self, namespace):
                 self.said = {"pushed": namespace}
+        class SetParameter:
+            def __init__(self, name, value=None):
+                self.said = {"set": name, "value": value}
         """,
     "launch_ros/substitutions.py": """
         class ExecutableInPackage:
@@ -124,6 +127,7 @@ class Launch:
         self.variables = {e["variable"]: e["value"] for e in self.entities if "variable" in e}
         (group,) = (each["group"] for each in self.entities if "group" in each)
         self.namespaces = [each["pushed"] for each in group if "pushed" in each]
+        self.parameters = {each["set"]: each["value"] for each in group if "set" in each}
         self.entities += group
         self.commands = {e["name"]: e["command"] for e in self.entities if "command" in e}
         self.nodes = {e["name"]: e for e in self.entities if "node" in e}
@@ -158,6 +162,7 @@ def files(package, **arguments):
     return {key: parameter_file(package, name) for key, name in arguments.items()}
 
 
+NODES = {"namespace": "", "use_sim_time": "false"}
 GENERAL = {"ros_domain_id": "env ROS_DOMAIN_ID or 9", "log_level": "info"}
 
 
@@ -180,11 +185,19 @@ def test_a_host_has_its_own_transport(fleet):
     own = {"jaus_id": "", **settings()}
     assert fleet["fleet_robot"].arguments == {**GENERAL, **own}
     display = files("fleet_bringup", params_file="display")
-    assert fleet["fleet_fleet"].arguments == {**GENERAL, "namespace": "", **own, **display}
+    assert fleet["fleet_fleet"].arguments == {**GENERAL, **NODES, **own, **display}
     camera = files("fleet_bringup", params_file="camera")
-    assert fleet["fleet_eye"].arguments == {**GENERAL, "namespace": "", **camera}
+    assert fleet["fleet_eye"].arguments == {**GENERAL, **NODES, **camera}
     assert fleet["fleet_robot"].namespaces == []
     assert fleet["fleet_eye"].namespaces == ["$namespace"]
+
+
+def test_simulated_time_is_an_argument_for_all_nodes(fleet):
+    assert fleet["fleet"].parameters == {"use_sim_time": "$use_sim_time"}
+    assert fleet["fleet_robot"].parameters == {}
+    for name in ("camera", "display"):
+        # The parameters of a node come after those of the launch file, and would undo the argument.
+        assert "use_sim_time" not in parameters("hosts", name)
 
 
 def test_a_host_starts_what_is_placed_there(fleet):
@@ -200,7 +213,7 @@ def test_everything_on_one_computer_has_one_transport(fleet):
     whole = fleet["fleet"]
     assert whole.arguments == {
         **GENERAL,
-        "namespace": "",
+        **NODES,
         "arm_jaus_id": "",
         "operator_jaus_jaus_id": "",
         **settings("192.168.0.7", port="3800", group="239.255.0.1", ttl="4"),
@@ -270,7 +283,6 @@ def parameters(case, name):
 def test_parameters_are_the_modelled_values():
     values = parameters("features", "everything")
     assert values == {
-        "use_sim_time": False,
         "gain": 1e-7,
         "tries": 3,
         "limit": -(2**63),
@@ -286,7 +298,7 @@ def test_parameters_are_the_modelled_values():
 
 def test_words_of_yaml_are_names_and_nothing_is_there_twice():
     values = parameters("features", "Odometry")
-    assert list(values) == ["use_sim_time", "context", "publishers", "on", "lambda"]
+    assert list(values) == ["context", "publishers", "on", "use_sim_time", "lambda"]
     assert values["on"] is True
 
 
@@ -295,9 +307,7 @@ def test_hostile_values_arrive_unchanged():
     node = next(
         n for n in model_of(CASES / "hostile.xmi").instances(ros.Node) if n.name == "victim"
     )
-    assert {p.name: p.value for p in node.parameters} == {
-        name: value for name, value in values.items() if name != "use_sim_time"
-    }
+    assert {p.name: p.value for p in node.parameters} == values
 
 
 def test_a_stop_of_the_map_is_not_taken_away_by_the_parameter_file():

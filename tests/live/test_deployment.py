@@ -108,7 +108,6 @@ def test_the_parameter_file_has_all_parameters_with_their_values(
     names = asked(ros, ListParameters, node, "list_parameters", ListParameters.Request())
     own = [name for name in names.result.names if not name.startswith(OF_ROS)]
     expected = yaml.safe_load(file.read_text())["/**"]["ros__parameters"]
-    del expected["use_sim_time"]
     assert values(ros, node, own) == expected
     assert plain.stop() == 0
     # rclpy reads it as it stands, and nothing in it is unknown.

@@ -39,7 +39,7 @@ LAUNCH_IMPORTS = Imports(
             "SetEnvironmentVariable",
         ),
         **offered("launch.substitutions", "EnvironmentVariable", "LaunchConfiguration"),
-        **offered("launch_ros.actions", "Node", "PushRosNamespace"),
+        **offered("launch_ros.actions", "Node", "PushRosNamespace", "SetParameter"),
         **offered("launch_ros.substitutions", "ExecutableInPackage"),
     },
     for_user=True,
@@ -103,6 +103,8 @@ class Argument:
     description: str
 
 
+_NAMESPACE = Argument("namespace", '""', "Namespace of all nodes")
+_SIMULATED = Argument("use_sim_time", '"false"', "Whether all nodes follow /clock")
 _ROS_WAITING = Argument(
     "ros_waiting", '""', "How bridges wait for topics: automatic, listener or wait-set"
 )
@@ -246,7 +248,7 @@ class LaunchView:
         domain = f'EnvironmentVariable("ROS_DOMAIN_ID", default_value={domain})'
         return (
             Argument("ros_domain_id", domain, "Domain of ROS 2"),
-            *([Argument("namespace", '""', "Namespace of all nodes")] if self.speaks_ros else []),
+            *([_NAMESPACE, _SIMULATED] if self.speaks_ros else []),
             Argument("log_level", '"info"', "What is logged: debug, info, warn or error"),
             *(
                 Argument(
@@ -290,10 +292,18 @@ class ConfigView:
         return f"config:{self.process.name}"
 
     @property
+    def nothing(self) -> str:
+        """What stands for no parameters; ROS reads no file that leaves the value out."""
+        process = self.process
+        lines = (each.is_comment for each in process.bridge_parameters)
+        return " {}" if not process.parameters and all(lines) else ""
+
+    @property
     def lines(self) -> tuple[str, ...]:
         """The parameters as lines of YAML, each with what it is before it."""
-        first = ParameterLine("use_sim_time", False)  # noqa: FBT003 - its value
-        plain = (ParameterLine(*pair) for pair in self.process.parameters.items())
+        # A launch argument says it for all nodes, which a value in their own files would undo.
+        first = ParameterLine("use_sim_time", value=False, is_comment=True)
+        plain = [ParameterLine(*pair) for pair in self.process.parameters.items()]
         found = []
         for each in (first, *plain, *self.process.bridge_parameters):
             about = " ".join(printable(each.about).split())
