@@ -101,5 +101,11 @@ def generate(
         raise ModelError(report)
     chosen = select(load_targets(), targets)
     return generate_workspace(
-        report.model, chosen.targets, Path(out), kept=chosen.kept, force=force, write=write
+        report.model,
+        chosen.targets,
+        Path(out),
+        kept=chosen.kept,
+        renewed=chosen.renewed,
+        force=force,
+        write=write,
     )

@@ -196,7 +196,14 @@ def _generated(model: Model, selection: Selection, folder: Path, **options: Any)
 
     try:
         with step("generating"):
-            return generate(model, selection.targets, folder, kept=selection.kept, **options)
+            return generate(
+                model,
+                selection.targets,
+                folder,
+                kept=selection.kept,
+                renewed=selection.renewed,
+                **options,
+            )
     except InternalError:
         raise
     except NoSystemError as error:

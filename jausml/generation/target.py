@@ -43,6 +43,8 @@ class Target(Generic[ModelT]):
         template_folders: Folders of templates in search order.
         is_on_request: Whether it runs only when it is named: what it makes is no part of the
             workspace.
+        is_renewed: Whether it runs again with the workspace once it was asked for, since its files
+            are wrong beside those of another state of the model.
         is_shared: Whether its files are the same for every model; those of a workspace share them.
         needs_system: Whether it makes something of a system alone, and nothing of mere messages or
             types.
@@ -56,6 +58,7 @@ class Target(Generic[ModelT]):
     tasks: Callable[[ModelT], Sequence[Task]]
     template_folders: tuple[Path, ...] = ()
     is_on_request: bool = False
+    is_renewed: bool = False
     is_shared: bool = False
     needs_system: bool = True
     whole_library: WholeLibrary[ModelT] | None = None

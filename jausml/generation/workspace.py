@@ -31,10 +31,12 @@ class Selection:
     Attributes:
         targets: They run, in this order.
         kept: Names of targets that do not run and whose files stay; None means every other.
+        renewed: Of these, targets that do run where the folder has files of theirs.
     """
 
     targets: tuple[Target[Any], ...]
     kept: frozenset[str] | None
+    renewed: tuple[Target[Any], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -79,7 +81,10 @@ def select(
             able = [name for name, target in installed.items() if target.whole_library]
             raise SelectionError(f"--all is an option of --target {' and '.join(able) or 'none'}")
         targets = [target.for_whole_library() for target in targets]
-    return Selection(tuple(targets), None if names else asked)
+    if names:
+        return Selection(tuple(targets), None)
+    renewed = tuple(target for _, target in sorted(installed.items()) if target.is_renewed)
+    return Selection(tuple(targets), asked, renewed)
 
 
 def generate(
@@ -88,6 +93,7 @@ def generate(
     out: Path,
     *,
     kept: Collection[str] | None = (),
+    renewed: Sequence[Target[Any]] = (),
     adopt: str = "",
     force: bool = False,
     write: bool = True,
@@ -99,6 +105,8 @@ def generate(
         targets: The targets that run.
         out: The folder; it may be missing.
         kept: Names of targets that do not run and whose files stay; None means every other.
+        renewed: Of these, targets that do run where the folder has files that they made of the
+            model.
         adopt: Name of the model that the workspace knows this one by, when it was renamed.
         force: Overwrite edited generated files after a copy to `<file>.orig`. Skeletons are never
             overwritten.
@@ -114,9 +122,21 @@ def generate(
     """
     if any(target.needs_system for target in targets):
         system_of(model)
+    if renewed:
+        there = _made(out, {name_of(model), adopt})
+        targets = [*targets, *(target for target in renewed if target.name in there)]
     artifacts = render(model, targets)
     with locked(out) if write else nullcontext():
         return _generate(model, targets, artifacts, out, kept, adopt, force=force, write=write)
+
+
+def _made(out: Path, names: Collection[str]) -> set[str]:
+    """Returns the names of the targets of which a folder has files, made of models of a name."""
+    return {
+        entry.target
+        for path, entry in read_manifest(out).files.items()
+        if not set(names).isdisjoint(entry.models) and (out / path).exists()
+    }
 
 
 def _generate(

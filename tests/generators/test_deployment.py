@@ -97,13 +97,27 @@ def image(workspace, tmp_path_factory):
     return folder
 
 
-def test_it_is_made_on_request_and_stays(model_of, tmp_path):
+def test_it_is_made_on_request_and_then_follows_the_model(model_of, tmp_path):
     installed = {"bringup": BRINGUP, "deployment": DEPLOYMENT}
-    model = model_of(TWO_HOSTS)
-    for names, stands in (((), False), (("deployment",), True), ((), True)):
+    folder = tmp_path / "rover_deployment"
+    changed = TWO_HOSTS.replace("10.77.0.2", "10.77.0.3")
+
+    def run(text, *names, write=True):
         chosen = select(installed, names)
-        generate(model, chosen.targets, tmp_path, kept=chosen.kept)
-        assert (tmp_path / "rover_deployment" / "README.md").exists() is stands
+        settings = {"kept": chosen.kept, "renewed": chosen.renewed, "write": write}
+        return generate(model_of(text), chosen.targets, tmp_path, **settings).plan
+
+    run(TWO_HOSTS)
+    assert not folder.exists()
+    run(TWO_HOSTS, "deployment")
+    assert run(TWO_HOSTS).is_up_to_date
+    plan = run(changed, write=False)
+    assert "rover_deployment/hosts/station/firewall.nft" in {each.path for each in plan.changes}
+    run(changed)
+    assert "10.77.0.3" in (folder / "hosts" / "station" / "firewall.nft").read_text()
+    shutil.rmtree(folder)
+    run(changed)
+    assert not folder.exists()
 
 
 def test_each_host_has_what_runs_on_it(files_of):
@@ -249,6 +263,17 @@ def test_the_image_ends_as_the_user_and_has_what_containers_start(files_of):
     assert "start.sh" in files_of("multicast")
 
 
+def test_the_image_that_is_shipped_has_no_file_that_lies_beside_the_packages(files_of):
+    """A keystore may: what a layer once had stays in the image."""
+    *_, shipped = files_of("multicast")["Containerfile"].split("\nFROM ")
+    copied = [line.split()[1:-1] for line in shipped.splitlines() if line.startswith("COPY")]
+    assert copied == [
+        ["--from=build", "/manifests"],
+        ["--from=build", "/opt/jaus/rover"],
+        ["rover_deployment/start.sh"],
+    ]
+
+
 def accepted(firewall):
     """The rules that let something in, besides those that every host has."""
     lines = [line.strip() for line in firewall.splitlines()]
@@ -379,6 +404,14 @@ def test_a_bridge_that_takes_from_anybody_is_asked_for_networks(model_of):
         (
             TWO_HOSTS.replace('"10.77.0.2"', '"10.77.0.2"  port: 3795'),
             rf"{STATION}:\d+: host 'station' has port 3795 and 'onboard' 3794",
+        ),
+        (
+            TWO_HOSTS.replace("10.77.0.2", "0.0.0.0"),
+            rf"{STATION}:\d+: host 'station' has the interface 0\.0\.0\.0, which no other",
+        ),
+        (
+            TWO_HOSTS.replace("10.77.0.2", "10.77.0.1"),
+            rf"{STATION}:\d+: host 'station' has the interface 10\.77\.0\.1, .* of 'onboard'",
         ),
     ],
 )

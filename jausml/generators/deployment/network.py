@@ -109,10 +109,8 @@ def _faults(system: System) -> Iterator[tuple[System | Host, str, str]]:
         yield system, "hosts", f'{fault} for example: host onboard {{ interface: "192.168.0.7" }}'
         return
     first, *others = system.hosts
-    for each in system.hosts if others else ():
-        if ipaddress.IPv4Address(each.interface).is_loopback:
-            fault = f"host '{each.name}' has the interface {each.interface}"
-            yield each, "interface", f"{fault}, which no other host reaches"
+    if others:
+        yield from _unreachable(system.hosts)
     for each in others:
         if not (_finds_by_multicast(each) and _finds_by_multicast(first)):
             continue
@@ -121,6 +119,18 @@ def _faults(system: System) -> Iterator[tuple[System | Host, str, str]]:
             if here != there:
                 fault = f"host '{each.name}' has {feature} {here} and '{first.name}' {there}"
                 yield each, feature, f"{fault}, so that they do not find each other"
+
+
+def _unreachable(hosts: Iterable[Host]) -> Iterator[tuple[Host, str, str]]:
+    """Says which hosts have an interface that others cannot send to, or another one's."""
+    owners: dict[ipaddress.IPv4Address, Host] = {}
+    for each in hosts:
+        address = ipaddress.IPv4Address(each.interface)
+        fault = f"host '{each.name}' has the interface {address}"
+        if address.is_loopback or address.is_unspecified:
+            yield each, "interface", f"{fault}, which no other host reaches"
+        elif (owner := owners.setdefault(address, each)) is not each:
+            yield each, "interface", f"{fault}, which is that of '{owner.name}'"
 
 
 def _finds_by_multicast(host: Host) -> bool:

@@ -89,5 +89,6 @@ TARGET = Target(
     tasks=tasks,
     template_folders=(templates_beside(__file__),),
     is_on_request=True,
+    is_renewed=True,
 )
 """The folder `<system>_deployment`."""

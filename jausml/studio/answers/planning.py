@@ -201,8 +201,15 @@ def _checked(report: Report, out: Path, *, force: bool) -> Result:
 
 def _result(report: Report, out: Path, *, force: bool) -> Result:
     selection = select(load_targets())
-    kept = selection.kept
-    return generate(report.model, selection.targets, out, kept=kept, force=force, write=False)
+    return generate(
+        report.model,
+        selection.targets,
+        out,
+        kept=selection.kept,
+        renewed=selection.renewed,
+        force=force,
+        write=False,
+    )
 
 
 def _problems(report: Report) -> str:

@@ -51,7 +51,7 @@ def metadata(subject: Subject) -> Iterator[Finding]:
 def network(subject: Subject) -> Iterator[Finding]:
     """The ROS domain is 0..101; a host has an IPv4 address, a UDP port and a multicast group.
 
-    Higher domains reach into the ephemeral ports of Linux. Multicast groups are
+    An interface has an address of its own: no group, no broadcast. Higher domains reach into the ephemeral ports of Linux. Multicast groups are
     224.0.0.0..239.255.255.255 (RFC 5771), times to live 0..255. Packets carry 64..4079 bytes;
     peers cut larger ones.
 
@@ -65,8 +65,10 @@ def network(subject: Subject) -> Iterator[Finding]:
         yield from _range(host, "port", host.port, 1, _HIGHEST_PORT)
         yield from _range(host, "multicastTtl", host.multicastTtl, 0, _HIGHEST_TTL)
         yield from _range(host, "fragmentSize", host.fragmentSize, *_FRAGMENT_SIZES)
-        if _ipv4(host.interface) is None:
-            message = f"interface {host.interface!a} of '{host.name}' is no IPv4 address"
+        interface = _ipv4(host.interface)
+        if interface is None or interface.is_multicast or interface.is_reserved:
+            what = "no IPv4 address" if interface is None else "no address of one computer"
+            message = f"interface {host.interface!a} of '{host.name}' is {what}"
             yield Finding(host, message, "interface")
         group = _ipv4(host.multicastGroup)
         if group is None or not group.is_multicast:
