@@ -103,6 +103,33 @@ def test_the_action_takes_a_baseline_and_no_command(repository):
     assert not (repository / "hit").exists()
 
 
+@pytest.mark.parametrize("models", ["a folder\nmodels/robot.xmi", "  a folder", "a folder\n\n"])
+def test_the_action_looks_at_each_line(models, repository):
+    (repository / "a folder").mkdir()
+    (repository / "models" / "doubtful.xmi").rename(repository / "a folder" / "doubtful.xmi")
+    done = run_action(repository, models=models)
+    assert done.returncode == 1
+    assert done.stdout.startswith("::warning file=a folder/doubtful.xmi,line=")
+    assert done.stderr == f"1 warning in {'2 files' if 'robot' in models else '1 file'}\n"
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"models": "--help"},
+        {"models": "models\nnowhere"},
+        {"models": "models", "strict": "yes"},
+        {"models": "models", "upload": "True\n::notice::"},
+        {"models": "models", "sarif": "nowhere/jausml.sarif"},
+    ],
+    ids=lambda given: next(reversed(given)),
+)
+def test_the_action_fails_at_what_it_cannot_mean(given, repository):
+    done = run_action(repository, **given)
+    assert done.returncode == 2
+    assert len((done.stdout + done.stderr).splitlines()) == 1
+
+
 def test_the_action_installs_itself_and_uploads_what_it_wrote():
     steps = ACTION["runs"]["steps"]
     assert steps[1]["env"] == {"ACTION_PATH": "${{ github.action_path }}"}
