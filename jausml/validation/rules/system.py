@@ -51,9 +51,9 @@ def metadata(subject: Subject) -> Iterator[Finding]:
 def network(subject: Subject) -> Iterator[Finding]:
     """The ROS domain is 0..101; a host has an IPv4 address, a UDP port and a multicast group.
 
-    An interface has an address of its own: no group, no broadcast. Higher domains reach into the ephemeral ports of Linux. Multicast groups are
-    224.0.0.0..239.255.255.255 (RFC 5771), times to live 0..255. Packets carry 64..4079 bytes;
-    peers cut larger ones.
+    An interface has an address of its own: no group, no broadcast. Higher domains reach into
+    the ephemeral ports of Linux. Multicast groups are 224.0.0.0..239.255.255.255 (RFC 5771),
+    times to live 0..255. Packets carry 64..4079 bytes; peers cut larger ones.
 
     Bad: `<hosts name="onboard" multicastGroup="10.0.0.1"/>`
 
