@@ -19,6 +19,12 @@ from jausml.cli.supervisor import Command, Supervisor
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+_MAIN = (
+    "import runpy, sys; sys.path = [each for each in sys.path if each]; "
+    "runpy.run_module('{module}', run_name='__main__', alter_sys=True)"
+)
+"""What `-m` does, without the current folder: a script there may have the name of a package."""
+
 _MODULE = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", re.ASCII)
 _ROS_KINDS = frozenset({"bridge", "node"})
 
@@ -146,7 +152,7 @@ def _command(entry: Mapping[str, Any], folder: Path, handed: Handed) -> Command:
     arguments += handed.ros
     return Command(
         entry["name"],
-        (sys.executable, "-u", "-m", entry["module"], *arguments),
+        (sys.executable, "-u", "-c", _MAIN.format(module=entry["module"]), *arguments),
         {"ROS_DOMAIN_ID": str(entry.get("domain", 0))},
     )
 

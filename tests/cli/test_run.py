@@ -440,3 +440,11 @@ def alive(pid):
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:
         return False
+
+
+def test_a_file_of_the_current_folder_is_not_run_instead(jausml, workspace, tmp_path):
+    """A script `alpha.py` may lie where the command is given."""
+    out = workspace(alpha="print('generated', __name__, __package__)")
+    (tmp_path / "alpha.py").write_text("print('script')")
+    result = jausml("run", out)
+    assert "alpha | generated __main__ alpha" in result.stdout, result.stdout + result.stderr
