@@ -5,12 +5,13 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from contextlib import asynccontextmanager
+from inspect import iscoroutinefunction
 from typing import TYPE_CHECKING, Any
 
 from jausml.api.component import MOST_WAITING, Component, Fields, Received
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable
+    from collections.abc import AsyncIterator, Awaitable, Callable, Generator
 
 
 class AsyncSubscription:
@@ -73,8 +74,31 @@ class AsyncSubscription:
         self._reports.put_nowait(report)
 
 
+class Subscribing:
+    """A subscription under way: `await` it, or use it in an `async with` block at once."""
+
+    def __init__(self, begin: Callable[[], Awaitable[AsyncSubscription]]) -> None:
+        """Begins nothing yet."""
+        self._begin = begin
+        self._made: AsyncSubscription | None = None
+
+    def __await__(self) -> Generator[Any, None, AsyncSubscription]:
+        return self._begin().__await__()
+
+    async def __aenter__(self) -> AsyncSubscription:
+        self._made = await self
+        return self._made
+
+    async def __aexit__(self, *_: object) -> None:
+        if self._made is not None:
+            await self._made.close()
+
+
 class AsyncComponent:
-    """A `Component` whose calls can be awaited; use it in an `async with` block."""
+    """A `Component` whose calls can be awaited.
+
+    Use it in an `async with` block, or `start` and `stop` it.
+    """
 
     def __init__(self, address: str | None = None, **options: Any) -> None:
         """Describes a component.
@@ -84,16 +108,28 @@ class AsyncComponent:
             options: Those of `Component`.
 
         Raises:
-            ValueError: An address means nothing.
+            ValueError: An argument means nothing.
             MessageError: A model cannot be read, or there is no such service.
         """
         self._inner = Component(address, **options)
+        self._tasks: set[asyncio.Future[None]] = set()
+
+    def __repr__(self) -> str:
+        return repr(self._inner).replace("<", "<Async", 1)
 
     async def __aenter__(self) -> AsyncComponent:
-        await asyncio.to_thread(self._inner.start)
+        await self.start()
         return self
 
     async def __aexit__(self, *_: object) -> None:
+        await self.stop()
+
+    async def start(self) -> None:
+        """Opens the network and begins to answer, as `Component.start`."""
+        await asyncio.to_thread(self._inner.start)
+
+    async def stop(self) -> None:
+        """Releases control, cancels events and closes the network, as `Component.stop`."""
         await asyncio.to_thread(self._inner.stop)
 
     @property
@@ -101,18 +137,19 @@ class AsyncComponent:
         """Its JAUS id."""
         return self._inner.address
 
-    async def query(self, target: str, name: str, fields: Fields | None = None) -> Fields:
+    async def query(self, target: str, name: str | int, fields: Fields | None = None) -> Fields:
         """Asks for a report, as `Component.query`."""
         return await asyncio.to_thread(self._inner.query, target, name, fields)
 
-    async def subscribe(
-        self, target: str, name: str, rate: float | None = None
-    ) -> AsyncSubscription:
-        """Subscribes to a report, as `Component.subscribe`."""
-        subscription = AsyncSubscription()
-        watch = self._inner.watch
-        subscription.begin(await asyncio.to_thread(watch, target, name, rate, subscription.take))
-        return subscription
+    def subscribe(self, target: str, name: str | int, rate: float | None = None) -> Subscribing:
+        """Subscribes to a report, as `Component.subscribe`, when it is awaited or entered."""
+
+        async def begin() -> AsyncSubscription:
+            made, watch = AsyncSubscription(), self._inner.watch
+            made.begin(await asyncio.to_thread(watch, target, name, rate, made.take))
+            return made
+
+        return Subscribing(begin)
 
     async def discover(self, duration: float = 2.0) -> dict[str, tuple[str, ...]]:
         """Returns the services of each component, as `Component.discover`."""
@@ -130,21 +167,37 @@ class AsyncComponent:
         finally:
             await asyncio.to_thread(held.__exit__, None, None, None)
 
-    async def command(self, target: str, name: str, fields: Fields | None = None) -> None:
+    async def command(self, target: str, name: str | int, fields: Fields | None = None) -> None:
         """Sends a message once, as `Component.command`."""
         await asyncio.to_thread(self._inner.command, target, name, fields)
 
-    def answer(self, name: str, give: Callable[[], Fields | None]) -> Callable[[], None]:
+    def answer(self, name: str | int, give: Callable[[], Fields | None]) -> Callable[[], None]:
         """Answers a query, as `Component.answer`; `give` is called on a thread of the component."""
         return self._inner.answer(name, give)
 
-    def obey(self, name: str, take: Callable[[Received], None]) -> None:
-        """Has a function take a message, as `Component.obey`, in the running event loop."""
+    def obey(
+        self,
+        name: str | int,
+        take: Callable[[Received], None] | Callable[[Received], Awaitable[None]],
+    ) -> None:
+        """Has a function, async or not, take a message in the running event loop.
+
+        See `Component.obey`.
+        """
         loop = asyncio.get_running_loop()
-        self._inner.obey(name, lambda received: _soon(loop, take, received))
 
+        def soon(received: Received) -> None:
+            # A loop that is closed has nobody left who would take it.
+            with contextlib.suppress(RuntimeError):
+                loop.call_soon_threadsafe(self._call, take, received)
 
-def _soon(
-    loop: asyncio.AbstractEventLoop, take: Callable[[Received], None], received: Received
-) -> None:
-    loop.call_soon_threadsafe(take, received)
+        self._inner.obey(name, soon if callable(take) else take)
+
+    def _call(self, take: Callable[[Received], Any], received: Received) -> None:
+        """Calls what takes a message; a task is kept until it is over."""
+        if iscoroutinefunction(take):
+            task = asyncio.ensure_future(take(received))
+            self._tasks.add(task)
+            task.add_done_callback(self._tasks.discard)
+        else:
+            take(received)

@@ -8,26 +8,30 @@ from __future__ import annotations
 
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from inspect import iscoroutinefunction
 from queue import Empty, Full, Queue
 from typing import TYPE_CHECKING, Any
 
 from jausml.api.messages import catalogue
+from jausml.live.peers.entry_messages import find_exchange, find_message
 from jausml.live.peers.identity import identified
-from jausml.live.peers.network import DEFAULT_GROUP, Network, component_address
+from jausml.live.peers.network import DEFAULT_GROUP, Network, component_address, fault
 from jausml.live.peers.operator import Identity, Operator, running_operator
 from jausml.runtime.base.settings import JUDP_PORT, TransportSettings
 from jausml.runtime.messages import Resume
 from jausml.runtime.services.definitions import ServiceIdentity, Status
 
 if TYPE_CHECKING:
-    import os
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
+    from jausml.api.messages import Models
     from jausml.live.messages import Catalogue, MessageEntry
     from jausml.runtime.base.address import JausAddress
 
 Fields = dict[str, Any]
 """Fields of a message by their names, without the one record of a body."""
+
+_REMEDY = "Give all components that speak with each other another port="
 
 MOST_WAITING = 1000
 """Reports that wait to be taken; then the oldest is thrown away."""
@@ -121,27 +125,29 @@ class Component:
     """A JAUS component in this process; use it in a `with` block, or `start` and `stop` it.
 
     Calls wait for their outcome. They may come from any thread; functions that are handed over are
-    called on a thread of the component, one at a time, and should return soon.
+    called on a thread of the component, one at a time, and should return soon. They cannot ask
+    others by it: its answers are taken on that thread.
     """
 
     def __init__(
         self,
         address: str | None = None,
         *,
-        provides: Sequence[str] = (),
+        provides: str | Sequence[str] = (),
         name: str = "jausml",
         interface: str = "127.0.0.1",
         port: int = JUDP_PORT,
         multicast_group: str = DEFAULT_GROUP,
         peers: Mapping[str, tuple[str, int]] | None = None,
-        models: Sequence[str | os.PathLike[str]] = (),
+        models: Models = (),
         timeout: float = 3.0,
     ) -> None:
         """Describes a component; nothing is sent before it is started.
 
         Args:
             address: JAUS id, subsystem.node.component; None for a free one of 65000.
-            provides: Services that others may find, by URN or name; core services come along.
+            provides: Services that others may find, by URN or name; what they inherit, and the
+                core services that each tool has, come along.
             name: What Discovery reports.
             interface: IPv4 address of the network interface.
             port: UDP port of JUDP (AS5669A), which the component shares with others of the host.
@@ -151,20 +157,29 @@ class Component:
             timeout: Seconds to wait for an answer.
 
         Raises:
-            ValueError: An address means nothing.
+            ValueError: An argument means nothing.
             MessageError: A model cannot be read, or there is no such service.
         """
-        book = {component_address(each): place for each, place in (peers or {}).items()}
+        if not timeout > 0:
+            raise ValueError(f"timeout is {timeout}; it must be above 0 s")
+        book = dict(_peer(each, place) for each, place in (peers or {}).items())
         settings = TransportSettings(
             interface=interface, port=port, multicast_group=multicast_group, address_book=book
         )
         own = component_address(address or "65000.1.1")
         self._network = Network(own, settings, is_own_given=address is not None)
         self._catalogue = catalogue(models)
-        self._identity = Identity(name, _identities(self._catalogue, provides))
+        named = (provides,) if isinstance(provides, str) else provides
+        self._identity = Identity(name, _identities(self._catalogue, named))
         self._timeout = timeout
         self._stack = ExitStack()
         self._running: Operator | None = None
+        self._answers: dict[MessageEntry, tuple[MessageEntry, Callable[[], Fields | None]]] = {}
+        self._obeyed: dict[MessageEntry, Callable[[Received], None]] = {}
+
+    def __repr__(self) -> str:
+        state = "stopped" if self._running is None else "runs"
+        return f"<{type(self).__name__} {self.address}, {state}>"
 
     def __enter__(self) -> Component:
         self.start()
@@ -177,15 +192,19 @@ class Component:
         """Opens the network and begins to answer.
 
         Raises:
-            OSError: The network cannot be used.
+            OSError: The network cannot be used; the text says why.
         """
         if self._running is not None:
             return
         with ExitStack() as stack:
             network = stack.enter_context(identified(self._network))
-            self._running = stack.enter_context(
-                running_operator(network, self._catalogue, self._timeout, self._identity)
+            operator = running_operator(
+                network, self._catalogue, self._timeout, self._identity, self._prepare
             )
+            try:
+                self._running = stack.enter_context(operator)
+            except OSError as error:
+                raise OSError(error.errno, fault(error, self._network, _REMEDY)) from error
             self._stack = stack.pop_all()
 
     def stop(self) -> None:
@@ -200,7 +219,7 @@ class Component:
 
     # ---- asking -----------------------------------------------------------------------------
 
-    def query(self, target: str, name: str, fields: Fields | None = None) -> Fields:
+    def query(self, target: str, name: str | int, fields: Fields | None = None) -> Fields:
         """Asks for a report and returns its fields.
 
         Args:
@@ -212,10 +231,11 @@ class Component:
             NoAnswer: No report comes; the text says what was heard instead.
             MessageError: There is no such message, or the fields are wrong.
         """
-        entry, found = self._operator.query(component_address(target), name, fields)
+        address = self._other(target)
+        entry, found = self._waiting.query(address, _text(name), fields)
         return entry.shortened(found)
 
-    def subscribe(self, target: str, name: str, rate: float | None = None) -> Subscription:
+    def subscribe(self, target: str, name: str | int, rate: float | None = None) -> Subscription:
         """Subscribes to a report by an event (AS5710, CreateEvent).
 
         Args:
@@ -224,7 +244,8 @@ class Component:
             rate: Reports each second; None means at every change.
 
         Raises:
-            NoAnswer: The component does not confirm the event.
+            NoAnswer: The component does not answer.
+            Refused: It gives no such event; the text says why.
             MessageError: There is no such message.
         """
         subscription = Subscription()
@@ -232,7 +253,7 @@ class Component:
         return subscription
 
     def watch(
-        self, target: str, name: str, rate: float | None, take: Callable[[Received], None]
+        self, target: str, name: str | int, rate: float | None, take: Callable[[Received], None]
     ) -> Callable[[], None]:
         """Subscribes to a report, and has a function take each.
 
@@ -246,14 +267,15 @@ class Component:
             A function that cancels the event.
 
         Raises:
-            NoAnswer: The component does not confirm the event.
+            NoAnswer: The component does not answer.
+            Refused: It gives no such event; the text says why.
             MessageError: There is no such message.
         """
 
         def taking(entry: MessageEntry, fields: Fields) -> None:
             take(Received(entry.name, entry.shortened(fields), target))
 
-        return self._operator.watch(component_address(target), name, rate, taking).cancel
+        return self._waiting.watch(self._other(target), _text(name), rate, taking).cancel
 
     def discover(self, duration: float = 2.0) -> dict[str, tuple[str, ...]]:
         """Returns the services of each component that answers within a time.
@@ -261,7 +283,7 @@ class Component:
         Args:
             duration: Seconds to listen.
         """
-        found = self._operator.survey.take(duration)
+        found = self._waiting.survey.take(duration)
         return {
             str(component.address): tuple(
                 f"{each.urn}/{each.major}.{each.minor}" for each in component.services
@@ -287,8 +309,8 @@ class Component:
             NoAnswer: The component does not answer.
             Refused: It gives no control, or does not come to Ready.
         """
-        address = component_address(target)
-        self._operator.control(address, authority)
+        address = self._other(target)
+        self._waiting.control(address, authority)
         try:
             if resume:
                 self._operator.change(address, Resume(), Status.READY)
@@ -297,7 +319,7 @@ class Component:
             if self._running is not None:
                 self._operator.release(address)
 
-    def command(self, target: str, name: str, fields: Fields | None = None) -> None:
+    def command(self, target: str, name: str | int, fields: Fields | None = None) -> None:
         """Sends a message once, without waiting; commands are obeyed under control alone.
 
         Args:
@@ -309,13 +331,13 @@ class Component:
             MessageError: There is no such message, or the fields are wrong.
         """
         address = component_address(target)
-        entry = self._operator.find(address, name)
+        entry = self._operator.find(address, _text(name))
         self._operator.send(address, self._operator.message(entry, fields or {}))
 
     # ---- answering --------------------------------------------------------------------------
 
-    def answer(self, name: str, give: Callable[[], Fields | None]) -> Callable[[], None]:
-        """Answers a query, and events on it, with what a function returns.
+    def answer(self, name: str | int, give: Callable[[], Fields | None]) -> Callable[[], None]:
+        """Answers a query, and events on it, with what a function returns; also before the start.
 
         Args:
             name: Name or code of the query or of its report, or what both share.
@@ -326,11 +348,24 @@ class Component:
 
         Raises:
             MessageError: There is no such message.
+            TypeError: What gives is no function, or is async.
             ValueError: The query is answered already.
         """
-        return self._operator.provide(name, give)
+        _check_callable(give, "that returns the fields")
+        query, report = find_exchange(self._catalogue, _text(name), self._identity.services)
+        if query in self._answers:
+            raise ValueError(f"{query.name} is answered already")
+        self._answers[query] = report, give
+        if self._running is not None:
+            self._running.provide(query, report, give)
 
-    def obey(self, name: str, take: Callable[[Received], None]) -> None:
+        def changed() -> None:
+            if self._running is not None:
+                self._running.report_changed(report)
+
+        return changed
+
+    def obey(self, name: str | int, take: Callable[[Received], None]) -> None:
         """Has a function take a message: a command from the controller in Ready alone.
 
         Args:
@@ -339,19 +374,77 @@ class Component:
 
         Raises:
             MessageError: There is no such message.
-            ValueError: Something takes it already.
+            TypeError: What takes is no function, or is async.
+            ValueError: Something takes it already, or it is a query.
         """
+        _check_callable(take, "that takes the message")
+        entry = find_message(self._catalogue, _text(name), self._identity.services)
+        if entry.name.startswith("Query"):
+            raise ValueError(f"{entry.name} is a query: `answer` gives its report")
+        if entry in self._obeyed:
+            raise ValueError(f"{entry.name} is obeyed already")
+        self._obeyed[entry] = take
+        if self._running is not None:
+            self._running.obey(entry, _taking(take))
 
-        def taking(entry: MessageEntry, fields: Fields, sender: JausAddress) -> None:
-            take(Received(entry.name, entry.shortened(fields), str(sender)))
-
-        self._operator.obey(name, taking)
+    def _prepare(self, operator: Operator) -> None:
+        """Has the operator do what was declared, before anybody can ask it."""
+        for query, (report, give) in self._answers.items():
+            operator.provide(query, report, give)
+        for entry, take in self._obeyed.items():
+            operator.obey(entry, _taking(take))
 
     @property
     def _operator(self) -> Operator:
         if self._running is None:
             raise RuntimeError("the component is not started: use it in a `with` block")
         return self._running
+
+    @property
+    def _waiting(self) -> Operator:
+        """The operator, for a call that waits."""
+        operator = self._operator
+        if operator.is_on_its_thread:
+            raise RuntimeError(
+                "a function that takes messages cannot wait for an answer, which comes on the same "
+                "thread: put the message into a queue, and ask on another thread"
+            )
+        return operator
+
+    def _other(self, target: str) -> JausAddress:
+        """Returns the address of another component, which can answer."""
+        address = component_address(target)
+        if address == self._operator.own:
+            raise ValueError(f"{target} is this component itself")
+        return address
+
+
+def _peer(peer: str, place: tuple[str, int]) -> tuple[JausAddress, tuple[str, int]]:
+    match place:
+        case (str(), int()):
+            return component_address(peer), place
+    raise ValueError(f"peer {peer} is at {place!r}, not at host and port, e.g. ('10.0.0.1', 3794)")
+
+
+def _text(name: str | int) -> str:
+    """Returns a name or code as text."""
+    return name if isinstance(name, str) else f"{name:04X}"
+
+
+def _check_callable(function: object, purpose: str) -> None:
+    if iscoroutinefunction(function):
+        raise TypeError(f"a function {purpose} cannot be async: it is called on another thread")
+    if not callable(function):
+        raise TypeError(f"{function!r} is not a function {purpose}")
+
+
+def _taking(
+    take: Callable[[Received], None],
+) -> Callable[[MessageEntry, Fields, JausAddress], None]:
+    def taking(entry: MessageEntry, fields: Fields, sender: JausAddress) -> None:
+        take(Received(entry.name, entry.shortened(fields), str(sender)))
+
+    return taking
 
 
 def _identities(known: Catalogue, names: Sequence[str]) -> tuple[ServiceIdentity, ...]:

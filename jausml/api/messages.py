@@ -11,8 +11,12 @@ from jausml.text.notation import NOTATIONS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+    from typing import TypeAlias
 
     from jausml.live.messages import Catalogue, DecodedMessage
+
+    Models: TypeAlias = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
+    """One file, or several."""
 
 
 @lru_cache(maxsize=8)
@@ -20,7 +24,7 @@ def _catalogue(models: tuple[str, ...]) -> Catalogue:
     return load_catalogue(models, notations=NOTATIONS)
 
 
-def catalogue(models: Sequence[str | os.PathLike[str]] = ()) -> Catalogue:
+def catalogue(models: Models = ()) -> Catalogue:
     """Returns the messages of the library and of models, read once.
 
     Args:
@@ -29,7 +33,8 @@ def catalogue(models: Sequence[str | os.PathLike[str]] = ()) -> Catalogue:
     Raises:
         MessageError: A model cannot be read; the text has all errors with their places.
     """
-    return _catalogue(tuple(os.fspath(each) for each in models))
+    each_model = (models,) if isinstance(models, (str, os.PathLike)) else models
+    return _catalogue(tuple(os.fspath(each) for each in each_model))
 
 
 def decode(
@@ -37,7 +42,7 @@ def decode(
     *,
     service: str | None = None,
     message: str | None = None,
-    models: Sequence[str | os.PathLike[str]] = (),
+    models: Models = (),
 ) -> DecodedMessage:
     """Returns the message that bytes hold: its `entry` (name, code) and its `fields`.
 
@@ -60,7 +65,7 @@ def encode(
     fields: Mapping[str, Any] | None = None,
     *,
     service: str | None = None,
-    models: Sequence[str | os.PathLike[str]] = (),
+    models: Models = (),
 ) -> bytes:
     """Returns the bytes of a message: its code and its body.
 

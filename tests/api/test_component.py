@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import errno
+import socket
 import threading
 import time
 
@@ -163,3 +165,147 @@ def test_asyncio(port):
             return found
 
     assert asyncio.run(asyncio.wait_for(drive(), 30)) == pytest.approx([1.5] * 4, abs=1e-3)
+
+
+# ---- mistakes -----------------------------------------------------------------------------------
+
+
+def wait_for(condition):
+    end = time.monotonic() + 30
+    while not (found := condition()):
+        assert time.monotonic() < end, "it did not happen"
+        time.sleep(0.01)
+    return found
+
+
+def test_a_refused_event_says_why_at_once(operator):
+    with pytest.raises(jausml.Refused, match="refuses events of ReportGlobalPose: no report"):
+        operator.subscribe(VEHICLE, "GlobalPose")
+
+
+@pytest.mark.parametrize("name", ["ReportVelocityState", "2404", "4404", "0x4404", 0x2404, 0x4404])
+def test_a_message_goes_by_all_its_names(operator, name):
+    assert operator.query(VEHICLE, name) == {"Velocity_X": pytest.approx(1.5, abs=1e-3)}
+
+
+def test_a_function_that_is_handed_over_cannot_wait(operator):
+    """It would wait for what its own thread takes."""
+    raised = []
+
+    def ask_back(_report):
+        for call in (
+            lambda: operator.query(VEHICLE, "Status"),
+            lambda: operator.subscribe(VEHICLE, "Status"),
+            lambda: operator.discover(0.1),
+            lambda: operator.control(VEHICLE).__enter__(),
+        ):
+            try:
+                call()
+            except RuntimeError as error:
+                raised.append(str(error))
+
+    cancel = operator.watch(VEHICLE, "VelocityState", 50, ask_back)
+    wait_for(lambda: len(raised) >= 4)
+    cancel()
+    assert all("another thread" in each for each in raised)
+    assert operator.query(VEHICLE, "VelocityState")
+
+
+def test_who_asks_itself_is_told(operator):
+    with pytest.raises(ValueError, match=r"200\.1\.1 is this component itself"):
+        operator.query(OPERATOR, "Status")
+
+
+def test_answers_can_be_set_before_the_start(port):
+    vehicle = jausml.Component(VEHICLE, provides="VelocityStateSensor", port=port)
+    changed = vehicle.answer("VelocityState", lambda: {"Velocity_X": 2.0})
+    changed()  # of no effect yet
+    with jausml.Component(OPERATOR, port=port) as operator:
+        for _ in range(2):  # also after a second start
+            with vehicle:
+                changed()
+                found = operator.query(VEHICLE, "VelocityState")
+                assert found == {"Velocity_X": pytest.approx(2, abs=1e-3)}
+    with pytest.raises(ValueError, match="answered already"):
+        vehicle.answer("VelocityState", dict)
+
+
+def test_what_answers_and_obeys_is_checked():
+    vehicle = jausml.Component(VEHICLE, provides=["VelocityStateSensor"])
+
+    async def give():
+        return {}
+
+    with pytest.raises(ValueError, match="QueryVelocityState is a query"):
+        vehicle.obey("QueryVelocityState", print)
+    with pytest.raises(TypeError, match="a function"):
+        vehicle.answer("VelocityState", {"Velocity_X": 1.0})
+    with pytest.raises(TypeError, match="async"):
+        vehicle.answer("VelocityState", give)
+    with pytest.raises(TypeError, match="a function"):
+        vehicle.obey("SetWrenchEffort", None)
+    with pytest.raises(jausml.MessageError, match="SetWrenchEffort"):
+        vehicle.obey("SetWrenchEfort", print)
+
+
+def test_an_answer_that_is_no_object_is_named(vehicle, operator, caplog):
+    vehicle.answer("WrenchEffort", lambda: 5)
+    other = jausml.Component("201.1.1", port=operator._network.settings.port, timeout=0.3)
+    with other, pytest.raises(jausml.NoAnswer):
+        other.query(VEHICLE, "WrenchEffort")
+    assert "the answer to QueryWrenchEffort is 5" in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"address": 0x640101}, "JAUS id"),
+        ({"address": (100, 1, 1)}, "JAUS id"),
+        ({"peers": {"100.1.9": "127.0.0.1"}}, r"100\.1\.9.*host and port"),
+        ({"timeout": 0}, "timeout"),
+        ({"interface": "rover0"}, "'rover0' is no IPv4 address"),
+        ({"multicast_group": "all"}, "'all' is no IPv4 address"),
+    ],
+)
+def test_an_argument_that_means_nothing_is_named(arguments, words):
+    with pytest.raises(ValueError, match=words):
+        jausml.Component(**arguments)
+
+
+def test_a_port_that_is_taken_is_told_in_words_of_python(port):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
+        taken.bind(("0.0.0.0", port))  # noqa: S104 - as node managers do
+        with pytest.raises(OSError, match="port=") as caught:
+            jausml.Component(OPERATOR, port=port).start()
+    assert "--" not in str(caught.value)
+    assert caught.value.errno == errno.EADDRINUSE
+
+
+@pytest.mark.usefixtures("vehicle")
+def test_asyncio_over_cells_of_a_notebook(port):
+    """Without blocks: what one cell starts the next one uses."""
+
+    async def cells():
+        taken = asyncio.Queue()
+
+        async def take(command):
+            await taken.put(command.fields)
+
+        operator = jausml.AsyncComponent(OPERATOR, provides=["PrimitiveDriver"], port=port)
+        operator.obey("SetWrenchEffort", take)
+        await operator.start()
+        async with operator.subscribe(VEHICLE, "VelocityState", rate=50) as reports:
+            assert (await reports.next()).sender == VEHICLE
+        async with jausml.AsyncComponent("201.1.1", port=port) as other, other.control(OPERATOR):
+            await other.command(OPERATOR, "SetWrenchEffort", {"PropulsiveLinearEffortX": 1.0})
+            assert list(await taken.get()) == ["PropulsiveLinearEffortX"]
+        await operator.stop()
+        with pytest.raises(RuntimeError, match="not started"):
+            await operator.query(VEHICLE, "Status")
+
+    asyncio.run(asyncio.wait_for(cells(), 60))
+
+
+def test_a_component_shows_who_it_is(vehicle):
+    assert repr(vehicle) == "<Component 100.1.1, runs>"
+    assert repr(jausml.Component("1.1.1")) == "<Component 1.1.1, stopped>"

@@ -81,7 +81,7 @@ def test_an_interface_of_another_host(doctor):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--interface", "rover"], "Expected 4 octets in 'rover'"),
+        (["--interface", "rover"], "interface 'rover' is no IPv4 address"),
         (["--multicast-group", "10.0.0.1"], "is not an IPv4 multicast group"),
         (["nowhere.xmi"], "nowhere.xmi"),
     ],

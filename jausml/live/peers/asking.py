@@ -90,6 +90,11 @@ class Asker:
         return self._component.address
 
     @property
+    def is_on_its_thread(self) -> bool:
+        """Whether the caller is on the thread that takes the answers: there nobody can wait."""
+        return self._component.loop.runs_here()
+
+    @property
     def is_impersonated(self) -> bool:
         """Whether another program was heard that sends under our id."""
         return "transport.own_source" in self._component.counters.drops()

@@ -99,8 +99,8 @@ def find_exchange(
 
     Args:
         catalogue: All messages that we know.
-        name: Name of the query or of the report, or what both have in common, e.g.
-            `VelocityState`; or the code of the query.
+        name: Name or code of the query or of the report, or what both names have in common,
+            e.g. `VelocityState`.
         services: Services of the component that is asked.
 
     Raises:
@@ -108,6 +108,8 @@ def find_exchange(
     """
     topic = name.removeprefix("Query").removeprefix("Report")
     query = _first(catalogue, (f"Query{topic}", name), services)
+    if query.name.startswith("Report"):  # by its code
+        query = _first(catalogue, (query.name.replace("Report", "Query", 1), query.name), services)
     if not query.name.startswith("Query"):
         raise UnknownMessageError(f"{query.name} is no query, and none is known for it")
     topic = query.name.removeprefix("Query")

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.live.messages import MessageError
 from jausml.live.peers.asking import NoAnswer
 from jausml.live.peers.entry_messages import message_class
+from jausml.live.peers.operator import Refused
 from jausml.live.peers.samples import full_query
 from jausml.live.peers.spread import spread_of
 from jausml.runtime.conversions import ConversionError, Time, TimeStamp, timestamp_to_time
@@ -179,7 +180,7 @@ def _subscribed(operator: Operator, stream: Stream, rate: float | None) -> Event
     exchange = (stream.query, stream.report)
     try:
         return operator.watch_encoded(stream.component, exchange, rate, stream.take)
-    except NoAnswer as error:
+    except (NoAnswer, Refused) as error:
         stream.fault = str(error)
         return None
 

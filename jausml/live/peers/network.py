@@ -140,6 +140,8 @@ def component_address(text: str) -> JausAddress:
     Raises:
         ValueError: The text is no JAUS id or names several components.
     """
+    if not isinstance(text, str):  # of a script, which nobody has checked
+        raise ValueError(f"{text!r} is no JAUS id; it is written as text, e.g. '100.1.2'")
     address = JausAddress.parse(text)
     if not address.is_concrete:
         raise ValueError(f"{text} does not name one component")

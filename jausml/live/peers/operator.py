@@ -5,19 +5,14 @@ from __future__ import annotations
 import time
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.peers.asking import POLL, Asker, NoAnswer, status_of
-from jausml.live.peers.entry_messages import (
-    EntryMessage,
-    find_exchange,
-    find_message,
-    message_class,
-)
+from jausml.live.peers.entry_messages import EntryMessage, message_class
 from jausml.live.peers.heard import Heard
 from jausml.live.peers.holding import Hold
+from jausml.live.peers.rendering import printable
 from jausml.live.peers.samples import full_query
 from jausml.runtime import ComponentSettings, ControlState, JausComponent, Scope
 from jausml.runtime.component.process import running_transport
@@ -103,7 +98,8 @@ class Operator(Asker):
 
         Raises:
             MessageError: There is no such message.
-            NoAnswer: The component does not confirm the event.
+            NoAnswer: The component does not answer.
+            Refused: It gives no such event.
         """
         query, report = self.exchange(target, name)
         subscription = self._component.subscribe(
@@ -113,7 +109,7 @@ class Operator(Asker):
             lambda message, _: on_report(report, message.fields),
             rate=rate,
         )
-        return self._confirmed(target, subscription)
+        return self._confirmed(target, subscription, report)
 
     def watch_encoded(
         self,
@@ -131,7 +127,8 @@ class Operator(Asker):
             on_report: Takes the encoded report, on another thread.
 
         Raises:
-            NoAnswer: The component does not confirm the event.
+            NoAnswer: The component does not answer.
+            Refused: It gives no such event.
         """
         query, report = exchange
         subscription = self._component.subscribe(
@@ -142,12 +139,17 @@ class Operator(Asker):
             rate=rate,
             payloads=True,
         )
-        return self._confirmed(target, subscription)
+        return self._confirmed(target, subscription, report)
 
-    def _confirmed(self, target: JausAddress, subscription: EventSubscription) -> EventSubscription:
+    def _confirmed(
+        self, target: JausAddress, subscription: EventSubscription, report: MessageEntry
+    ) -> EventSubscription:
         """Returns a subscription once its event is confirmed."""
         end = time.monotonic() + self.timeout
         while not subscription.active:
+            if refusal := subscription.refusal:
+                subscription.cancel()
+                raise Refused(f"{target} refuses events of {report.name}: {printable(refusal)}")
             if time.monotonic() > end:
                 subscription.cancel()
                 raise self.unanswered(target, "CreateEvent")
@@ -225,44 +227,52 @@ class Operator(Asker):
 
     # ---- answering --------------------------------------------------------------------------
 
-    def provide(self, name: str, give: Callable[[], dict[str, Any] | None]) -> Callable[[], None]:
+    def provide(
+        self,
+        query: MessageEntry,
+        report: MessageEntry,
+        give: Callable[[], dict[str, Any] | None],
+    ) -> None:
         """Answers a query, and events on it.
 
         Args:
-            name: Name or code of the query or of its report.
+            query: The query.
+            report: The report that answers it.
             give: Returns the fields of the present report; None when there is none now.
 
-        Returns:
-            What is to be called when the report may have changed.
-
         Raises:
-            MessageError: There is no such message, or several.
             ValueError: The query is answered already.
         """
-        query, report = find_exchange(self.catalogue, name, self._component.services)
         made = message_class(report)
 
         def provided(_query: EntryMessage, _sender: JausAddress) -> EntryMessage | None:
             fields = give()
-            return None if fields is None else made(report.completed(fields))
+            if fields is None:
+                return None
+            if not isinstance(fields, dict):
+                raise TypeError(f"the answer to {query.name} is {fields!r}, not a dict of fields")
+            return made(report.completed(fields))
 
         self._component.provide(message_class(query), made, provided)
-        return partial(self._component.report_changed, made)
+
+    def report_changed(self, report: MessageEntry) -> None:
+        """Sends a report to who wants it at every change."""
+        self._component.report_changed(message_class(report))
 
     def obey(
-        self, name: str, take: Callable[[MessageEntry, dict[str, Any], JausAddress], None]
+        self,
+        entry: MessageEntry,
+        take: Callable[[MessageEntry, dict[str, Any], JausAddress], None],
     ) -> None:
         """Has a function take a message; commands come from the controller in Ready alone.
 
         Args:
-            name: Name or code of the message.
+            entry: The message.
             take: Takes the message, its fields and its sender, on another thread.
 
         Raises:
-            MessageError: There is no such message, or several.
             ValueError: Something takes it already.
         """
-        entry = find_message(self.catalogue, name, self._component.services)
         self._component.handle(
             message_class(entry),
             lambda message, sender: take(entry, message.fields, sender),
@@ -317,14 +327,18 @@ class Operator(Asker):
         if control is not None and control.subsystem_id:
             return (
                 f"{control.subsystem_id}.{control.node_id}.{control.component_id} controls it "
-                f"with authority {control.authority_code}; a higher --authority preempts"
+                f"with authority {control.authority_code}; a higher authority preempts"
             )
-        return "the authority is below its default; try a higher --authority"
+        return "the authority is below its default; try a higher authority"
 
 
 @contextmanager
 def running_operator(
-    network: Network, catalogue: Catalogue, timeout: float = 3.0, identity: Identity | None = None
+    network: Network,
+    catalogue: Catalogue,
+    timeout: float = 3.0,
+    identity: Identity | None = None,
+    prepare: Callable[[Operator], None] | None = None,
 ) -> Iterator[Operator]:
     """Yields an operator on the network; releases control and cancels events at the end.
 
@@ -333,6 +347,7 @@ def running_operator(
         catalogue: All messages that we know.
         timeout: Seconds to wait for an answer.
         identity: What we say of ourselves; that of an operator control unit when None.
+        prepare: Makes the operator answer and obey, before anybody can ask it.
 
     Raises:
         OSError: The network cannot be used as the settings say.
@@ -352,6 +367,8 @@ def running_operator(
             ),
         )
         operator = Operator(component, network, catalogue, heard, timeout)
+        if prepare is not None:
+            prepare(operator)
         component.start()
         try:
             yield operator

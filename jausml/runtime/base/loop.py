@@ -193,6 +193,10 @@ class Loop:
         """
         return self._turn(timeout, is_only=True)
 
+    def runs_here(self) -> bool:
+        """Tell whether the caller is on the thread of the loop: who waits there waits for ever."""
+        return threading.get_ident() == self._runner
+
     def next_due(self) -> float | None:
         """Return when there is something to do by the loop's clock; None when it waits for nothing.
 
@@ -317,7 +321,7 @@ class Loop:
                 self._cancelled = 0
 
     def _wake(self) -> None:
-        if self._woken or threading.get_ident() == self._runner:
+        if self._woken or self.runs_here():
             return
         with self._state:
             if not self._closed:

@@ -104,12 +104,12 @@ class TransportSettings:
 
     def __post_init__(self) -> None:
         """Refuse values with which nothing could be exchanged."""
-        interface = ipaddress.IPv4Address(self.interface)
+        interface = _ipv4("interface", self.interface)
         if interface.is_unspecified or interface.is_multicast:
             raise ValueError(
                 f"interface {self.interface} must be the IPv4 address of one network interface"
             )
-        if not ipaddress.IPv4Address(self.multicast_group).is_multicast:
+        if not _ipv4("multicast group", self.multicast_group).is_multicast:
             raise ValueError(f"{self.multicast_group} is not an IPv4 multicast group")
         _check("port", self.port, 1, 65535)
         _check("multicast_ttl", self.multicast_ttl, 0, 255)
@@ -267,6 +267,14 @@ def _peer(text: str) -> tuple[JausAddress, Endpoint]:
         return JausAddress.parse(address), (host, int(port))
     except ValueError as error:
         raise argparse.ArgumentTypeError(str(error)) from error
+
+
+def _ipv4(name: str, text: str) -> ipaddress.IPv4Address:
+    try:
+        return ipaddress.IPv4Address(text)
+    except ipaddress.AddressValueError:
+        hint = "; 'ip -4 address' lists those of this host" if name == "interface" else ""
+        raise ValueError(f"{name} '{text}' is no IPv4 address{hint}") from None
 
 
 def _check(name: str, value: float, low: float, high: float) -> None:

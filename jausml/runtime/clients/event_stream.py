@@ -78,6 +78,7 @@ class EventStream:
         event_id: The provider's id of the event, once confirmed.
         missing: Reports that did not arrive, by the gaps between their numbers.
         late: Reports that arrived after newer ones.
+        refusal: Why the provider gives no such event, in its words; empty when it has not refused.
     """
 
     def __init__(
@@ -96,6 +97,7 @@ class EventStream:
         self.event_id: int | None = None
         self.missing = 0
         self.late = 0
+        self.refusal = ""
         self._listener = listener
         self._loop = component.loop
         self._settings = component.settings
@@ -221,6 +223,7 @@ class EventStream:
         self._listener.bind(self, event_id)
         self.event_id = event_id
         self._state = _State.ACTIVE
+        self.refusal = ""
         self._confirmed_at = self._loop.now()
         self._pace.answered()
         self._renewals = 0
@@ -243,9 +246,8 @@ class EventStream:
         elif self._state is _State.CREATING:
             if code == UNKNOWN_EVENT:
                 return  # the answer to a renewal of the event that is being created again
-            self._counters.count(
-                "event_client.refused", f"{self.provider} rejects with code {code}: {text}"
-            )
+            self.refusal = f"{text} (code {code})" if text else f"code {code}"
+            self._counters.count("event_client.refused", f"{self.provider}: {self.refusal}")
             self._set_timer(self._settings.refused_retry, self._create)
 
     def lost(self) -> None:

@@ -30,12 +30,14 @@ class Stream(Protocol):
         provider: The component that provides the report.
         missing: Reports that did not arrive.
         late: Reports that arrived after newer ones.
+        refusal: Why the provider gives no such event; empty when it has not refused.
     """
 
     component: Host
     provider: JausAddress
     missing: int
     late: int
+    refusal: str
 
     @property
     def active(self) -> bool:
@@ -96,6 +98,11 @@ class EventSubscription:
     def active(self) -> bool:
         """Whether the provider has confirmed the event."""
         return self._stream.active
+
+    @property
+    def refusal(self) -> str:
+        """Why the provider gives no such event, in its words; empty when it has not refused."""
+        return self._stream.refusal
 
     @property
     def lost(self) -> int:
