@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING
+from urllib.parse import quote
 
 import click
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
     from jausml.cli.common import Reading
     from jausml.metamodel.classes.ecore import EObject
+    from jausml.model.documents import Document
     from jausml.model.model import Model
     from jausml.model.reading.reader import ReadResult
 
@@ -67,13 +69,17 @@ def command(
     _report(result, source, quiet=quiet)
     model, document = result.model, result.model.documents[0]
     try:
-        written = _written(document.roots, model, target)
+        written, copies = _written(document.roots, model, target, reading["project_root"])
     except UnwritableError as error:
         raise click.ClickException(
             f"cannot write {click.format_filename(target)}: {error}"
         ) from error
     state = write_document(target, written.encode("utf-8"), (), force=force)
-    for warning in _left_behind(result, target):
+    for path, data in copies.items():
+        shown = click.format_filename(os.path.relpath(path))
+        path.parent.mkdir(exist_ok=True)
+        say(f"{shown}: {write_document(str(path), data, (), force=False)}", quiet=quiet)
+    for warning in _left_behind(result, target, written):
         say(f"{click.format_filename(source)}: warning: {warning}", quiet=quiet)
     summary = f"{_summary(document.roots, model)}, {state}"
     say(f"{click.format_filename(target)}: {summary}", quiet=quiet)
@@ -108,35 +114,57 @@ def _report(result: ReadResult, source: str, *, quiet: bool) -> None:
         raise click.exceptions.Exit(PROBLEMS)
 
 
-def _written(roots: list[EObject], model: Model, target: str) -> str:
+def _written(
+    roots: list[EObject], model: Model, target: str, project_root: str | None
+) -> tuple[str, dict[Path, bytes]]:
+    """Returns the new file, and the copies of ready maps that Eclipse needs beside it."""
     from jausml.model.identifiers import name_identifiers
+    from jausml.model.uris import find_project_root
     from jausml.model.xmi.writer import to_xmi
+    from jausml.projects.eclipse import as_xmi_beside, localized, with_ready_maps
     from jausml.text.writing.unparsing import to_text
 
     if target.endswith(_TEXT):
-        return to_text(roots, model, target)
+        return to_text(roots, model, target), {}
     document = model.document_of(roots[0]) if roots else None
     if document is not None and not document.is_xml:
         name_identifiers(roots, model)
-    return to_xmi(roots, model, target)
+    path = Path(os.path.realpath(target))
+    root = Path(os.path.realpath(project_root)) if project_root else find_project_root([path])
+    xmi, missing = with_ready_maps(to_xmi(roots, model, target), path, root)
+    copies = {copy: as_xmi_beside(text, copy, root).encode() for copy, text in missing.items()}
+    return localized(xmi, path, root), copies
 
 
-def _left_behind(result: ReadResult, target: str) -> Iterator[str]:
-    """Yields what the new file does not say."""
+def _left_behind(result: ReadResult, target: str, written: str) -> Iterator[str]:
+    """Yields what the new file does not say, and where it leads that cannot be followed."""
+    from jausml.model.uris import find_project_root
+
+    document, *others = result.model.documents
+    number = _comments(document)
+    if number:
+        noun = "comment stays" if number == 1 else "comments stay"
+        yield f"{number} {noun} behind: only documentation is part of a model"
+    if target.endswith(_XMI):
+        for each in others:
+            if not each.is_xml and f"{quote(each.path.name)}#" in written:
+                yield f"refers to {each.display}, which Eclipse cannot read: convert it too"
+    root = find_project_root([Path(target)])
+    outside = [e for e in others if not e.is_library and not e.path.is_relative_to(root)]
+    if outside:
+        yield (
+            f"refers to {outside[0].display}, which lies outside of {root}: there it is read with "
+            "--project-root or --allow-outside alone (JML209)"
+        )
+
+
+def _comments(document: Document) -> int:
+    """Returns how many comments of a document no model holds."""
     from jausml.text.comments import ordinary_comments
 
-    document = result.model.documents[0]
-    if not document.is_xml:
-        number = len(ordinary_comments(document.data.decode("utf-8", "replace")))
-        if number:
-            noun = "comment stays" if number == 1 else "comments stay"
-            yield f"{number} {noun} behind: only documentation comments are part of a model"
-    if target.endswith(_XMI):
-        others = [
-            each for each in result.model.documents if each is not document and not each.is_xml
-        ]
-        for each in others:
-            yield f"refers to {each.display}, which Eclipse cannot read: convert it too"
+    if document.is_xml:
+        return document.data.replace(b"\0", b"").count(b"<!--")
+    return len(ordinary_comments(document.data.decode("utf-8", "replace")))
 
 
 def _summary(roots: list[EObject], model: Model) -> str:

@@ -11,7 +11,7 @@ from jausml.model.names import name_of
 from jausml.model.reading.reader import read_models
 from jausml.model.words import snake_case
 from jausml.model.xmi.writer import replace_file
-from jausml.projects.eclipse import as_xmi_beside
+from jausml.projects.eclipse import MAPPINGS, as_xmi_beside
 from jausml.projects.errors import ProjectError
 from jausml.projects.places import Opened, opened
 from jausml.proposals.bridges import new_bridge
@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes import system
     from jausml.projects.places import Place
     from jausml.proposals.topics import Crossing, TopicEnd
-
-_MAPPINGS = "mappings"
 
 
 def add(
@@ -158,7 +156,7 @@ def _copies(place: Place, chosen: Sequence[Crossing]) -> dict[Path, Path]:
         document = library().document_of(each.map)
         if document is None or document.is_xml:
             continue
-        found[place.path.parent / _MAPPINGS / f"{document.path.stem}.xmi"] = document.path
+        found[place.path.parent / MAPPINGS / f"{document.path.stem}.xmi"] = document.path
     return found
 
 

@@ -20,10 +20,10 @@ def jausml():
 
 @pytest.fixture
 def rover(tmp_path, monkeypatch, jausml):
-    """Makes an empty project in a notation, and works in it; returns its model."""
+    """Makes a project in a notation, empty unless told, and works in it; returns its model."""
 
-    def make(notation):
-        done = jausml("init", tmp_path / "rover", "--notation", notation, "--from", "empty")
+    def make(notation, origin="empty"):
+        done = jausml("init", tmp_path / "rover", "--notation", notation, "--from", origin)
         assert done.exit_code == 0, done.output
         monkeypatch.chdir(tmp_path / "rover")
         return tmp_path / "rover" / "models" / f"rover.{'xmi' if notation == 'xmi' else 'ros2jaus'}"

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import re
+
+import emf_check
 import pytest
+from needs import EMF
 
 NOTATION = pytest.mark.parametrize("notation", ["xmi", "text"])
 
@@ -73,3 +77,39 @@ def test_bad_words_change_nothing(rover, jausml, words, told):
     done = jausml("new", *words)
     assert (done.exit_code, told in done.output) == (2, True), done.output
     assert model.read_bytes() == before
+
+
+def test_eclipse_knows_where_each_metamodel_is_that_is_needed(rover, jausml):
+    """EMF lists those that a file uses, and opens no file with a namespace that has no place."""
+    model = rover("xmi")
+    assert _places(model) == ["system"]
+    assert jausml("new", "bridge", "face", "odom:nav_msgs/Odometry", "--yes").exit_code == 0
+    words = "new map speed ReportVelocityState std_msgs/Float64 --to-ros data=Velocity_X"
+    assert jausml(*words.split()).exit_code == 0
+    assert _places(model) == ["bridge", "system"]
+    before = model.read_bytes()
+    again = "new map again ReportVelocityState std_msgs/Float64 --to-ros data=Velocity_Y"
+    assert jausml(*again.split()).exit_code == 0
+    assert _places(model) == ["bridge", "system"]
+    assert model.read_bytes().count(b"\n") == before.count(b"\n") + 5
+
+
+def _places(model):
+    """Returns the languages whose metamodels a model places beside its folder."""
+    written = re.search(r'xsi:schemaLocation="([^"]*)"', model.read_text("utf-8"))[1].split()
+    names = [re.fullmatch(r"\.\./metamodels/(\w+)\.ecore", each)[1] for each in written[1::2]]
+    assert written[::2] == [f"http://www.jausml.org/{each}/1.0" for each in names]
+    return names
+
+
+@EMF
+def test_eclipse_opens_what_grew_and_would_save_it_as_it_is(rover, jausml):
+    model = rover("xmi")
+    words = "new bridge face odom:nav_msgs/Odometry:local_pose cmd:geometry_msgs/Twist --yes"
+    assert jausml(*words.split()).exit_code == 0
+    words = "new map speed ReportVelocityState std_msgs/Float64 --to-ros data=Velocity_X"
+    assert jausml(*words.split()).exit_code == 0
+    saved = model.with_name("saved.xmi")
+    done = emf_check.ask("--resave", saved, model)
+    assert (done.returncode, done.stdout) == (0, "")
+    assert model.read_text("utf-8") == saved.read_text("utf-8")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import posixpath
+import re
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
@@ -16,6 +17,7 @@ from jausml.model.xmi.fragments import FragmentFinder
 if TYPE_CHECKING:
     from jausml.editing.planning import Context
     from jausml.editing.xmi.edits import Edits
+    from jausml.editing.xmi.source import Element
     from jausml.metamodel import ClassTable, FeatureTable
     from jausml.model.documents import Document
     from jausml.model.refs import Ref
@@ -23,6 +25,8 @@ if TYPE_CHECKING:
 
 XMI = "http://www.omg.org/XMI"
 _XSI = "xsi"
+_PLACE = re.compile(r"([^\s\"']+)\s+([^\s\"']+)")
+"""A namespace and the place of its metamodel, of which `xsi:schemaLocation` lists several."""
 
 
 class Names:
@@ -110,7 +114,31 @@ class Names:
         name = f"xmlns:{prefix}"
         later = {each.name for each in element.attributes if _rank(each.name) > _rank(name)}
         self._edits.add_attribute(element, name, uri, later)
+        self._locate(uri, element)
         return prefix
+
+    def _locate(self, uri: str, element: Element) -> None:
+        """Tells Eclipse where the metamodel of a new namespace is, if the file says it of others.
+
+        It lies beside theirs; without its place Eclipse opens the file no longer.
+        """
+        packages = self._context.model.metamodels.packages
+        written = next((each for each in element.attributes if _is_places(each.name)), None)
+        if written is None or uri not in packages:
+            return
+        known = list(_PLACE.finditer(self._edits.source.text, written.value, written.end))
+        folders = [
+            each[2].removesuffix(file)
+            for each in known
+            if each[1] in packages and each[2].endswith(file := f"{packages[each[1]].name}.ecore")
+        ]
+        if folders and uri not in {each[1] for each in known}:
+            place = f"{uri} {folders[0]}{packages[uri].name}.ecore"
+            later = next((each.start() for each in known if each[1] > uri), None)
+            if later is None:
+                self._edits.put(written.end, written.end, f" {place}")
+            else:
+                self._edits.put(later, later, f"{place} ")
 
     def _class(self, target: Thing | Ref) -> ClassTable:
         return target.table if isinstance(target, Thing) else self._context.find_class(target)
@@ -167,6 +195,10 @@ class Names:
 def file_of(target: Thing | Ref) -> str:
     """Returns the file in which an element will stand."""
     return target.root.file if isinstance(target, Thing) else refs.split(target)[0]
+
+
+def _is_places(name: str) -> bool:
+    return name.partition(":")[2] == "schemaLocation"
 
 
 def _rank(name: str) -> tuple[int, str]:

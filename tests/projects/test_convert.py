@@ -1,0 +1,63 @@
+"""`jausml convert` in a project: what becomes XMI leads Eclipse to the copies that lie there."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+IDS = r' xmi:id="\w+"'
+
+
+@pytest.fixture
+def text_of_xmi(rover, jausml):
+    """Makes a project whose XMI model became text; returns both."""
+    model = rover("xmi")
+    words = "new bridge face odom:nav_msgs/Odometry:local_pose cmd:geometry_msgs/Twist --yes"
+    assert jausml(*words.split()).exit_code == 0
+    text = model.with_suffix(".ros2jaus")
+    assert jausml("convert", model, text).exit_code == 0
+    return model, text
+
+
+def test_xmi_that_became_text_is_the_same_when_it_comes_back(text_of_xmi, jausml):
+    model, text = text_of_xmi
+    again = model.with_name("again.xmi")
+    done = jausml("convert", text, again)
+    assert done.exit_code == 0, done.output
+    before, after = (re.sub(IDS, "", each.read_text("utf-8")) for each in (model, again))
+    assert after == before
+
+
+def test_ready_maps_of_text_become_copies_that_eclipse_reads(rover, jausml):
+    model = rover("text")
+    words = "new bridge face odom:nav_msgs/Odometry:local_pose_enu cmd:geometry_msgs/Twist --yes"
+    assert jausml(*words.split()).exit_code == 0
+    xmi = model.with_suffix(".xmi")
+    done = jausml("convert", model, xmi)
+    assert done.exit_code == 0, done.output
+    assert "Eclipse cannot read" not in done.output
+    assert "models/mappings/local_pose_sensor.xmi: written" in done.output
+    written = xmi.read_text("utf-8")
+    assert 'xsi:schemaLocation="' in written
+    assert '<map href="mappings/local_pose_sensor.xmi#local_pose_enu"/>' in written
+    assert "http://www.jausml.org/library" not in written
+    model.unlink()
+    assert jausml("validate", "models").exit_code == 0
+    assert jausml("convert", xmi, xmi.with_name("b.xmi")).exit_code == 0
+    assert xmi.with_name("b.xmi").read_text("utf-8") == written
+
+
+def test_comments_of_xmi_that_stay_behind_are_counted(rover, jausml):
+    model = rover("xmi")
+    model.write_text(model.read_text("utf-8") + "<!-- mine -->\n", encoding="utf-8")
+    done = jausml("convert", model, "models/a.ros2jaus")
+    assert "1 comment stays behind" in done.output
+
+
+def test_a_file_that_cannot_be_read_where_it_goes_is_told(text_of_xmi, jausml, tmp_path):
+    model, _ = text_of_xmi
+    (tmp_path / "other" / ".git").mkdir(parents=True)
+    done = jausml("convert", model, tmp_path / "other" / "a.ros2jaus")
+    assert done.exit_code == 0, done.output
+    assert f"lies outside of {tmp_path / 'other'}" in done.output
