@@ -15,7 +15,7 @@ from jausml.cli.common import (
     one_model,
     reading_options,
 )
-from jausml.cli.manners import remark, step
+from jausml.cli.manners import manners, remark, step
 from jausml.cli.options import quiet_option
 
 if TYPE_CHECKING:
@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     from jausml.model import ReadResult
     from jausml.model.model import Model
     from jausml.model.notation import Notation
+
+_FEW = 3
+"""Files of a package that are listed one by one when the same becomes of them."""
 
 _MODES = ("check", "diff", "dry_run")
 _EXAMPLE = """\
@@ -90,7 +93,7 @@ class WholeLibraryOption(click.Option):
 )
 @bridge_options
 @reading_options
-@quiet_option("Do not list unchanged files.")
+@quiet_option("Do not list files; with --check, list those that would change.")
 def command(
     model: str,
     out: str | None,
@@ -109,6 +112,9 @@ def command(
 
     Validates the model first. Your own files (skeletons) are written once and never changed
     afterwards.
+
+    If the same happens to many files of a package, they are listed as one line. Unchanged files are
+    not listed. `jausml --verbose generate` lists every file.
 
     Exit status: 0 done (--check: up to date), 1 problems in the model, a refused file (--check: or
     something would change; --check and --strict: or your own files no longer fit the model), 2
@@ -249,8 +255,10 @@ def _report(result: Result, mode: str, *, quiet: bool) -> None:
     plan = result.plan
     if mode == "diff":
         click.echo(unified_diff(plan), nl=False)
-    else:
-        _list(plan, quiet=quiet or mode == "check")
+    elif manners().verbose:
+        _list(plan)
+    elif not quiet or mode == "check":
+        _list_changes(plan)
     for action in plan.refused:
         click.echo(f"{plan.out / action.path}: error: {action.reason}", err=True)
     remark(_summary(result))
@@ -258,12 +266,27 @@ def _report(result: Result, mode: str, *, quiet: bool) -> None:
         raise click.exceptions.Exit(PROBLEMS)
 
 
-def _list(plan: Plan, *, quiet: bool) -> None:
+def _list(plan: Plan) -> None:
+    for action in plan.actions:
+        click.echo(f"{action.kind.value:6} {action.path} ({action.reason})")
+
+
+def _list_changes(plan: Plan) -> None:
+    """Tells what is not kept; many files of a package with one fate are one line."""
     from jausml.generation import ActionKind
 
+    fates: dict[tuple[str, str, str], list[str]] = {}
     for action in plan.actions:
-        if not (quiet and action.kind is ActionKind.KEEP):
-            click.echo(f"{action.kind.value:6} {action.path} ({action.reason})")
+        if action.kind is not ActionKind.KEEP:
+            package, _, below = action.path.partition("/")
+            fate = (action.kind.value, package if below else "", action.reason)
+            fates.setdefault(fate, []).append(action.path)
+    for (kind, package, reason), paths in fates.items():
+        if package and len(paths) > _FEW:
+            click.echo(f"{kind:6} {package}/ ({len(paths)} files, {reason})")
+            continue
+        for path in paths:
+            click.echo(f"{kind:6} {path} ({reason})")
 
 
 def _summary(result: Result) -> str:

@@ -95,11 +95,33 @@ def test_second_run_changes_nothing(jausml):
     jausml("generate", "good.xmi", "-o", "out")
     before = {path: path.stat().st_mtime_ns for path in Path("out").rglob("*")}
     result = jausml("generate", "good.xmi", "-o", "out")
-    assert "keep   sensor.py (yours)" in result.stdout
+    assert result.stdout == ""
     assert "4 kept" in result.stderr
+    listed = jausml("--verbose", "generate", "good.xmi", "-o", "out").stdout
+    assert "keep   sensor.py (yours)" in listed
     assert {path: path.stat().st_mtime_ns for path in Path("out").rglob("*")} == before
-    assert jausml("generate", "good.xmi", "-o", "out", "-q").stdout == ""
     assert jausml("generate", "good.xmi", "-o", "out", "--check").exit_code == 0
+
+
+def test_quiet_lists_nothing_but_what_a_check_finds(jausml):
+    assert jausml("generate", "good.xmi", "-o", "out", "--quiet").stdout == ""
+    Path("out", "sensor_base.py").unlink()
+    result = jausml("generate", "good.xmi", "-o", "out", "--quiet", "--check")
+    assert result.exit_code == 1
+    assert "create sensor_base.py" in result.stdout
+
+
+def test_many_files_of_a_package_are_one_line(jausml, targets):
+    paths = [f"big/part_{number}.py" for number in range(4)]
+    paths += [f"little/part_{number}.py" for number in range(3)]
+    files = [TextFile(path, "PART = 1\n", path, "m") for path in paths]
+    targets["small"] = Target("small", "Packages.", lambda _: [TextTask(files)])
+    result = jausml("generate", "good.xmi", "-o", "out")
+    assert "create big/ (4 files, new)\n" in result.stdout
+    assert "big/part" not in result.stdout
+    assert "create little/part_2.py (new)\n" in result.stdout
+    listed = jausml("--verbose", "generate", "good.xmi", "-o", "out", "--force").stdout
+    assert "keep   big/part_0.py (unchanged)\n" in listed
 
 
 @pytest.mark.parametrize("mode", ["--check", "--diff", "--dry-run"])
