@@ -63,6 +63,12 @@ def test_the_site_is_built_without_a_warning(tmp_path):
     assert 'href="../../repository/models/library/mappings/"' in page
     assert (site / "repository" / "models" / "library" / "mappings" / "index.html").is_file()
     assert "silenceTimeout" in (site / "search.json").read_text(encoding="utf-8")
+    # A prompt that is copied with its command is no command of the shell. The button marks what
+    # it copies; site.css hides the prompts of what is marked.
+    assert '<span class="gp">$ </span>' in page
+    assert "code[data-md-copying] .gp" in (site / "site.css").read_text(encoding="utf-8")
+    scripts = (site / "assets" / "javascripts").glob("bundle.*.js")
+    assert any("data-md-copying" in each.read_text(encoding="utf-8") for each in scripts)
     for path in site.rglob("*.html"):
         assert _OTHER_SERVER.findall(path.read_text(encoding="utf-8")) == [], path
 
