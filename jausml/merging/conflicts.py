@@ -25,8 +25,8 @@ _RULES = {
     CHANGED_TWICE: RuleInfo(
         "merge: changed on both sides",
         "Both sides of a merge gave an element other values of the same feature, changed the same "
-        "assignment or scale, or added elements of the same name that differ. What our side says "
-        "is kept. Good: write what is meant, and commit.",
+        "assignment or scale, or added elements of the same name that differ. Our side is kept. "
+        "Good: write the intended value, and commit.",
     ),
     GONE_HERE: RuleInfo(
         "merge: removed on one side, used on the other",
@@ -36,8 +36,8 @@ _RULES = {
     ),
     LOST_TARGET: RuleInfo(
         "merge: reference to what is not there",
-        "The other side refers to an element that our side removed, so that this reference could "
-        "not be taken over. Good: refer to another element.",
+        "The other side refers to an element that our side removed, so the merge could not apply "
+        "this reference. Good: refer to another element.",
     ),
     ELSEWHERE: RuleInfo(
         "merge: references of another file do not follow",

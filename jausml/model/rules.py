@@ -34,12 +34,12 @@ _RULES = {
     "JML003": RuleInfo("empty file", "The file has no content at all."),
     "JML004": RuleInfo(
         "not well-formed XML",
-        "An XML parser cannot read the file. The place is where the parser gave up; the cause "
-        "often stands just before it. Nothing else of the file is checked.",
+        "An XML parser cannot read the file. The reported place is where the parser gave up; the "
+        "cause is often just before it. The rest of the file is not checked.",
     ),
     "JML005": RuleInfo(
         "Git LFS pointer",
-        "The file holds what Git LFS leaves when the real content was not fetched.",
+        "The file holds only the pointer of Git LFS, because the real content was not fetched.",
     ),
     "JML006": RuleInfo(
         "unreadable encoding",
@@ -57,7 +57,7 @@ _RULES = {
     ),
     "JML009": RuleInfo(
         "merge conflict markers",
-        "Lines of <<<<<<<, ======= or >>>>>>> were left by a merge.",
+        "A merge left lines of <<<<<<<, ======= or >>>>>>>.",
     ),
     "JML010": RuleInfo(
         "schemaLocation names another file",
@@ -74,7 +74,7 @@ _RULES = {
     "JML012": RuleInfo(
         "text without meaning",
         "Text stands between child elements. Eclipse drops it on the next save: documentation "
-        "belongs into a `documentation` attribute.",
+        "belongs in a `documentation` attribute.",
         Severity.WARNING,
     ),
     "JML013": RuleInfo(
@@ -101,8 +101,9 @@ _RULES = {
     "JML105": RuleInfo("unknown literal", "The enumeration has no such literal."),
     "JML106": RuleInfo(
         "wrong value",
-        "The text is no value of the attribute's data type: integers are digits with an optional "
-        "sign, numbers may have a decimal point and an exponent, booleans are true or false.",
+        "The text is not a value of the attribute's data type: integers are digits with an "
+        "optional sign, numbers may have a decimal point and an exponent, booleans are true or "
+        "false.",
     ),
     "JML107": RuleInfo(
         "value breaks a pattern",
@@ -116,7 +117,7 @@ _RULES = {
     "JML110": RuleInfo("too few values", "A feature has fewer values than its lower bound."),
     "JML111": RuleInfo(
         "several values for one",
-        "A single-valued feature is given more than once. Eclipse keeps the last in silence.",
+        "A single-valued feature is given more than once. Eclipse silently keeps the last one.",
     ),
     "JML112": RuleInfo(
         "feature cannot be set",
@@ -168,13 +169,13 @@ _RULES = {
     ),
     "JML210": RuleInfo(
         "unknown Eclipse project",
-        "A platform:/resource/ href names an Eclipse project. It is looked for by the names in the "
-        "files .project of the project root, of its folders, and of the folders beside the project "
-        "of the model; then by the names of folders. --project NAME=FOLDER says where it is.",
+        "A platform:/resource/ href names an Eclipse project. jausml searches for the name in the "
+        ".project files of the project root, of its folders, and of the folders beside the project "
+        "of the model; then among the names of folders. --project NAME=FOLDER states where it is.",
     ),
     "JML211": RuleInfo(
         "unsupported URI",
-        "The href is of a scheme that names no file, or no URI at all.",
+        "The scheme of the href does not name a file, or the href is not a URI.",
     ),
     "JML212": RuleInfo("no such library model", "The shipped library has no file of this name."),
     "JML213": RuleInfo(
@@ -189,10 +190,10 @@ _RULES = {
     ),
     "JML215": RuleInfo(
         "unknown name",
-        "A reference by name in ros2jaus text names no element of the class that it needs. Names "
-        "are looked for in the document from the inside out, then in the documents that it "
-        "imports, then among the services, messages and types of the shipped library. Bad: "
-        "`peers: sensr` beside `component sensor`. Good: `peers: sensor`.",
+        "A reference by name in ros2jaus text names no element of the class that it needs. jausml "
+        "searches for names in the document from the inside out, then in the documents that it "
+        "imports, then among the services, messages and types of the shipped library. Bad: `peers: "
+        "sensr` beside `component sensor`. Good: `peers: sensor`.",
     ),
     "JML216": RuleInfo(
         "ambiguous name",

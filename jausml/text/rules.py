@@ -14,19 +14,19 @@ if TYPE_CHECKING:
 _RULES = {
     "JML701": RuleInfo(
         "text that cannot be read",
-        "The text does not follow the grammar of ros2jaus at this place. Reading goes on behind "
+        "The text does not follow the grammar of ros2jaus at this place. Reading continues behind "
         "it, so that all such places are found in one run. Bad: `rate 25`. Good: `rate: 25`.",
     ),
     "JML702": RuleInfo(
         "misplaced in the text",
         "A keyword names no class of the metamodels, or an element, a map's clause or a feature "
-        "stands where its kind has no place. Keywords are the classes in small letters. Bad: "
-        "`brigde front { }`. Good: `bridge front { }`.",
+        "stands where its kind has no place. Keywords are the classes in lower case. Bad: `brigde "
+        "front { }`. Good: `bridge front { }`.",
     ),
     "JML703": RuleInfo(
         "documentation of nothing",
-        "A documentation comment stands before something that has no documentation in a model. "
-        "Bad: `/** Ten times a second. */ rate: 10`. Good: `// Ten times a second.` before it.",
+        "A documentation comment precedes something that has no documentation in a model. Bad: "
+        "`/** Ten times a second. */ rate: 10`. Good: `// Ten times a second.` before it.",
         Severity.WARNING,
     ),
     "JML704": RuleInfo(
@@ -84,27 +84,28 @@ _RULES = {
     ),
     "JML713": RuleInfo(
         "facts of a known message",
-        "The message is known; its code and other facts stand in its own model and cannot be "
-        "stated again. Bad: `JAUS SetWrenchEffort { code: 0x0405 }`. Good: `JAUS SetWrenchEffort`.",
+        "The message is known; its code and other facts are in its own model and cannot be stated "
+        "again. Bad: `JAUS SetWrenchEffort { code: 0x0405 }`. Good: `JAUS SetWrenchEffort`.",
     ),
     "JML714": RuleInfo(
         "no text",
-        "The file is not UTF-8 text, is empty where nothing could be meant, or is larger than any "
-        "model. Good: save it as UTF-8.",
+        "The file is not UTF-8 text, is empty, or is larger than any model. Good: save it as "
+        "UTF-8.",
     ),
     "JML715": RuleInfo(
         "connection that may mean several things",
-        "What a bridge, its peers and the map offer mostly leaves one direction and one exchange "
-        "to a connection, which need not be stated then. Here they leave several, which differ in "
-        "what the bridge does. Bad: a bridge that provides VelocityStateSensor, with "
-        "`connection speed { map: velocity_state  peers: vehicle  topic odom }`, where vehicle "
-        "provides it too. Good: the same with `direction: jausToRos`, for what vehicle reports.",
+        "Usually, the services of a bridge and its peers and the map leave only one direction and "
+        "one exchange for a connection, which then need not be stated. Here several are possible, "
+        "and the bridge would behave differently. Bad: a bridge that provides VelocityStateSensor, "
+        "with `connection speed { map: velocity_state  peers: vehicle  topic odom }`, where "
+        "vehicle provides it too. Good: the same with `direction: jausToRos`, for what vehicle "
+        "reports.",
     ),
     "JML716": RuleInfo(
         "bridge of all maps beside a system",
         "The option --bridge-address makes a system with one bridge, which carries all maps of the "
-        "file. A file that has a system says itself what its bridges are. Bad: the option with a "
-        "file that has a component. Good: the option with a file of maps.",
+        "file. A file with a system defines its own bridges. Bad: the option with a file that has "
+        "a component. Good: the option with a file of maps.",
     ),
 }
 

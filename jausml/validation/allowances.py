@@ -45,16 +45,16 @@ _RULES = {
     ),
     "JML802": RuleInfo(
         "allowance that has expired",
-        "The last day of an @allow has passed, so its findings count again. Mend what they tell, "
-        "or look at the reason once more and write a later day. Bad: `until 2020-01-31`. Good: a "
-        "day to come, on which somebody will look again.",
+        "The last day of an @allow has passed, so its findings count again. Fix them, or check the "
+        "reason again and write a later day. Bad: `until 2020-01-31`. Good: a day in the future, "
+        "on which somebody will check again.",
         Severity.WARNING,
     ),
     "JML803": RuleInfo(
         "allowance of nothing",
-        "No finding of the rule is there any more at the element and what it owns, or those that "
-        "are there are errors, which cannot be allowed: nothing is generated of a model with "
-        "errors. An allowance that is left behind would hide the next finding. Good: remove it.",
+        "The element and what it owns no longer have a finding of the rule, or the findings are "
+        "errors, which cannot be allowed: nothing is generated from a model with errors. An "
+        "allowance that is left behind would hide the next finding. Good: remove it.",
         Severity.WARNING,
     ),
 }

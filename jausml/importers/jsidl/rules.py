@@ -20,7 +20,7 @@ _RULES = {
     "JML602": RuleInfo(
         "unknown JSIDL element",
         "AS5684 has no such element, or not at this place. Elements of the editors' namespace "
-        "urn:jaus:jsidl:plus are passed over.",
+        "urn:jaus:jsidl:plus are skipped.",
     ),
     "JML603": RuleInfo(
         "unknown JSIDL attribute",
@@ -28,12 +28,13 @@ _RULES = {
     ),
     "JML604": RuleInfo(
         "missing in JSIDL",
-        "An attribute or a child element that AS5684 demands is not there.",
+        "An attribute or a child element that AS5684 requires is missing.",
     ),
     "JML605": RuleInfo(
         "wrong value in JSIDL",
-        "The text is no value of the attribute: a type name, a number, an expression of numbers, "
-        "constants, + - * / and parentheses, a hexadecimal message code, true or false.",
+        "The text is not a value of the attribute. Values are type names, numbers, expressions of "
+        "numbers and constants with the four operations and parentheses, hexadecimal message "
+        "codes, true and false.",
     ),
     "JML606": RuleInfo(
         "declared twice",
@@ -70,37 +71,37 @@ _RULES = {
     ),
     "JML613": RuleInfo(
         "wire format that cannot be expressed",
-        "The file asks for bytes on the wire that a model cannot say: a header or footer with "
-        "fields of its own, a tag that does not count from 0, or bytes that are always none.",
+        "The file requires bytes on the wire that a model cannot express: a header or footer with "
+        "its own fields, a tag that does not count from 0, or fields that are always empty.",
     ),
     "JML614": RuleInfo("no service", "The files declare types or constants, but no service."),
     "JML620": RuleInfo(
         "another version taken",
-        "A set or service is referred to with a version that is not there; another one was taken.",
+        "A reference to a set or service names a version that is missing; another one was used.",
         Severity.WARNING,
     ),
     "JML621": RuleInfo(
         "value assumed",
-        "AS5684 demands the attribute, but files in the wild leave it out; a default was taken.",
+        "AS5684 requires the attribute, but existing files leave it out; a default was used.",
         Severity.WARNING,
     ),
     "JML622": RuleInfo(
         "transition left out",
-        "The trigger or the target of a transition is not known, so that it could never be taken "
-        "as it is meant. A service of the shipped library has messages, but neither internal "
-        "events nor states.",
+        "The trigger or the target of a transition is unknown, so it could never be taken as "
+        "intended. A service of the shipped library has messages, but neither internal events nor "
+        "states.",
         Severity.WARNING,
     ),
     "JML623": RuleInfo(
         "guard kept as text",
-        "The condition is not made of names, calls, &&, ||, ! and parentheses. It stands in the "
-        "documentation of the transition, which has one condition of a generated name instead.",
+        "The condition is not made of names, calls, &&, ||, ! and parentheses. It is kept in the "
+        "documentation of the transition, which has one condition with a generated name instead.",
         Severity.WARNING,
     ),
     "JML624": RuleInfo(
         "behaviour simplified",
-        "A part of a transition or of a state machine has no counterpart in the model. What is "
-        "kept, and what is lost, is said.",
+        "A part of a transition or of a state machine has no counterpart in the model. The message "
+        "says what is kept and what is lost.",
         Severity.WARNING,
     ),
     "JML625": RuleInfo(
@@ -116,13 +117,13 @@ _RULES = {
     ),
     "JML627": RuleInfo(
         "file passed over",
-        "A file in a folder that was given is no JSIDL. A file that is named itself has to be.",
+        "A file in a given folder is not JSIDL. A file that is named itself has to be.",
         Severity.INFO,
     ),
     "JML628": RuleInfo(
         "header not found",
         "The header of a message refers to a declaration that is not there. The header of every "
-        "message is its code alone (AS5669A), so the message is taken as if it said so.",
+        "message is its code alone (AS5669A), so the message is imported as if it stated that.",
         Severity.WARNING,
     ),
 }

@@ -56,7 +56,7 @@ _RULES = {
     "JML649": RuleInfo(
         "wrong number of sections",
         "A message has one section, a service two (request, response), an action three (goal, "
-        "result, feedback), parted by lines of three hyphens.",
+        "result, feedback), separated by lines of three hyphens.",
     ),
     "JML650": RuleInfo(
         "message type contains itself",
@@ -66,18 +66,17 @@ _RULES = {
     "JML651": RuleInfo("no interface", "The packages define no interfaces."),
     "JML660": RuleInfo(
         "Header without its package",
-        "`Header` alone is how ROS 1 wrote std_msgs/Header, which was taken. ROS 2 demands the "
-        "package.",
+        "ROS 1 wrote `Header` for std_msgs/Header, which was used. ROS 2 requires the package.",
         Severity.WARNING,
     ),
     "JML661": RuleInfo(
         "IDL left out",
-        "A package defines an interface in IDL alone, which the importer does not read.",
+        "A package defines an interface only in IDL, which the importer does not read.",
         Severity.WARNING,
     ),
     "JML662": RuleInfo(
         "package imported along",
-        "A field is of a type of a package that was not asked for and that the shipped library "
+        "The type of a field belongs to a package that was not named and that the shipped library "
         "lacks; the installed package was imported too.",
         Severity.INFO,
     ),

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 def identifiers(subject: Subject) -> Iterator[Finding]:
     """Names of elements that become names in code are of letters, digits and underscores.
 
-    They start with a letter. Those that become names of files are no devices on Windows (con, nul).
-    Names of message fields are converted and may be any text that has a letter.
+    They start with a letter. Those that become names of files are not names of devices on Windows
+    (con, nul). Names of message fields are converted and may be any text that has a letter.
 
     Bad: `<bridgeConnections name="tyre angle">`
 
@@ -78,7 +78,7 @@ def interface_names(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML503", Severity.ERROR, "packages of one name")
 def package_collisions(subject: Subject) -> Iterator[Finding]:
-    """The packages of a system have names of their own, whatever their upper and lower case.
+    """The packages of a system have different names, regardless of upper and lower case.
 
     There is one for each component, bridge and node, and those named <system>_bringup and
     <system>_messages; their names are the names in the model in snake case. The interface packages
@@ -137,7 +137,7 @@ def sibling_names(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML505", Severity.ERROR, "messages of one name in one process")
 def message_names(subject: Subject) -> Iterator[Finding]:
-    """Messages that meet in a process have names of their own, or are the same message.
+    """Messages that meet in a process have different names, or are the same message.
 
     Each becomes a class in the package of the component.
 

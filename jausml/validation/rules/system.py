@@ -26,10 +26,10 @@ _FRAGMENT_SIZES = (64, 4079)
 
 @rule("JML511", Severity.ERROR, "impossible package metadata")
 def metadata(subject: Subject) -> Iterator[Finding]:
-    """What a system says for its packages is what a package.xml can hold (REP 149).
+    """The package metadata of a system is valid in a package.xml (REP 149).
 
-    The version is three numbers joined by dots, the address of the maintainer one of e-mail,
-    the names of maintainer and license are not blank and of one line.
+    The version is three numbers joined by dots, the address of the maintainer is an e-mail address,
+    and the names of maintainer and license are single lines that are not blank.
 
     Bad: `version="1.0"`
 
@@ -106,7 +106,7 @@ def placements(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML514", Severity.WARNING, "hosts that cannot talk to each other")
 def transports(subject: Subject) -> Iterator[Finding]:
-    """Hosts of one system speak JAUS over TCP all, or none of them does.
+    """Either all hosts of a system speak JAUS over TCP, or none of them does.
 
     A host with the transport `jtcp` and one with `judp` or `nodeManager` do not hear each other.
 

@@ -111,7 +111,7 @@ def elements_translated(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML485", Severity.ERROR, "nobody provides the list driver")
 def driver_provided(subject: Subject) -> Iterator[Finding]:
-    """Whoever executes the list of an action connection provides its driver.
+    """The component that executes the list of an action connection provides its driver.
 
     - JAUS to ROS: the bridge does.
     - ROS to JAUS: each peer does, and there is one, or a search for one.
@@ -177,7 +177,7 @@ def action_names(subject: Subject) -> Iterator[Finding]:
 def one_driver_for_a_kind(subject: Subject) -> Iterator[Finding]:
     """The lists of one kind of elements go to one action.
 
-    A bridge has one list; which action executes it is told by what its elements hold.
+    A bridge has one list; the content of its elements determines which action executes it.
 
     Bad: two connections with `direction="jausToRos"` and the map of SetLocalWaypoint
 

@@ -44,10 +44,9 @@ _CORE_CODES = frozenset(CORE_MESSAGES.values())
 def maps_fit(subject: Subject) -> Iterator[Finding]:
     """The maps of a service connection are those of the request and the response of its type.
 
-    The map of what the bridge makes of what it was given has assignments for that direction: from
-    ROS to JAUS for the request of a served service, and from JAUS to ROS for its response; the
-    other way for a service that is called. What a map has is not said again by `message` or
-    `answer`.
+    The map of a message that the bridge makes has assignments for that direction: from ROS to JAUS
+    for the request of a served service, and from JAUS to ROS for its response; the other way for a
+    service that is called. `message` and `answer` do not repeat what a map states.
 
     Bad: `request="lamp_read"` with a map for `std_srvs/Trigger.response`
 
@@ -77,7 +76,7 @@ def maps_fit(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML468", Severity.ERROR, "service without a message that asks")
 def something_asks(subject: Subject) -> Iterator[Finding]:
-    """A service connection says which JAUS message asks: by a map of the request, or by itself.
+    """A service connection names the message that asks: by a map of the request or by `message`.
 
     Bad: a service connection with `type` and `peers` alone
 
@@ -91,7 +90,7 @@ def something_asks(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML469", Severity.ERROR, "no service for the messages of a call")
 def messages_provided(subject: Subject) -> Iterator[Finding]:
-    """Whoever is asked provides a JAUS service that takes what asks and sends what answers.
+    """The component that is asked provides a service that takes the question and answers it.
 
     That is each peer, where the bridge serves a ROS service, and the bridge itself, where it calls
     one. Inherited services count, and so does the same message in another service. The runtime
@@ -129,7 +128,7 @@ def peers_named(subject: Subject) -> Iterator[Finding]:
 def peers_controllable(subject: Subject) -> Iterator[Finding]:
     """A service connection that controls its peers has peers that provide AccessControl.
 
-    Commands wait until control was granted, which such a peer never does (AS5710).
+    Commands wait until control is granted, which such a peer never does (AS5710).
 
     Bad: `control` (true by default) for a command to a peer without AccessControl
 
@@ -151,7 +150,7 @@ def peers_controllable(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML472", Severity.ERROR, "member that tells of no failure")
 def members_tell(subject: Subject) -> Iterator[Finding]:
-    """The members that say whether a call did what it is for, and why not, are a bool and a string.
+    """The members that say whether a call succeeded, and why not, are a bool and a string.
 
     They are members of the response.
 
@@ -172,10 +171,10 @@ def members_tell(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML473", Severity.WARNING, "failures that cannot be told")
 def failures_told(subject: Subject) -> Iterator[Finding]:
-    """The response of a served service says whether the call did what it is for.
+    """The response of a served service says whether the call succeeded.
 
-    Otherwise a call that came to nothing stays without a response, and its client waits until it
-    gives up: a made-up response would tell it that all is well.
+    Otherwise a failed call gets no response, and its client waits until it gives up: a made-up
+    response would report success.
 
     Bad: `type` std_srvs/Trigger without `successMember`
 
@@ -208,7 +207,7 @@ def timeouts(subject: Subject) -> Iterator[Finding]:
 def served_once(subject: Subject) -> Iterator[Finding]:
     """A ROS service of a system has one server.
 
-    Clients are answered by one of several, and nobody knows by which. Names are compared in full:
+    With several servers, it is unknown which one answers a client. Names are compared in full:
     `stop` and `/stop` are one in a bridge without a namespace.
 
     Bad: two service connections with `service="stop"`
@@ -234,7 +233,7 @@ def served_once(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML476", Severity.ERROR, "illegal name of a ROS service")
 def names(subject: Subject) -> Iterator[Finding]:
-    """The name of a ROS service has letters, digits, `_` and `/`, and begins with no digit.
+    """The name of a ROS service has letters, digits, `_` and `/`, and does not begin with a digit.
 
     Bad: `service="switch lamp"`
 

@@ -85,7 +85,8 @@ def message_provided(subject: Subject) -> Iterator[Finding]:
 def peers_named(subject: Subject) -> Iterator[Finding]:
     """A connection that asks for reports or sends messages names its peers, or searches for them.
 
-    Without peers a bridge takes messages from whoever sends them, and reports to whoever asks.
+    Without peers, a bridge accepts messages from every sender, and reports to every component that
+    asks.
 
     Bad: `exchange="periodicEvent"` without `peers`
 
@@ -136,8 +137,8 @@ def query_known(subject: Subject) -> Iterator[Finding]:
 def rate_range(subject: Subject) -> Iterator[Finding]:
     """The rate of periodic events and queries is above 0 and at most 1092 per second (AS5710).
 
-    A rate of 0, the default, stands for the frequency of the bridge, which is not 0 then.
-    Times in seconds are finite and not negative.
+    A rate of 0, the default, means the frequency of the bridge, which is then not 0. Times in
+    seconds are finite and not negative.
 
     Bad: `exchange="periodicEvent" rate="2000"`
 
@@ -160,7 +161,7 @@ def rate_range(subject: Subject) -> Iterator[Finding]:
 def peers_controllable(subject: Subject) -> Iterator[Finding]:
     """A connection that controls its peers has peers that provide AccessControl.
 
-    Commands wait until control was granted, which such a peer never does (AS5710).
+    Commands wait until control is granted, which such a peer never does (AS5710).
 
     Bad: `control` (true by default) for a command to a peer with `coreServices="none"` whose
     services do not inherit AccessControl
@@ -181,7 +182,7 @@ def peers_controllable(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML428", Severity.ERROR, "bridges feed each other")
 def loops(subject: Subject) -> Iterator[Finding]:
-    """What a bridge publishes does not come back to where it came from.
+    """A message that a bridge publishes does not return to its source.
 
     A connection that publishes to a topic and one that subscribes to it carry a message in a
     circle when the second sends the same message to the peer that the first has it from, directly

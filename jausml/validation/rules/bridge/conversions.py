@@ -40,7 +40,7 @@ _OWN_FEATURES = {
 
 @rule("JML414", Severity.ERROR, "conversion used wrongly")
 def conversions(subject: Subject) -> Iterator[Finding]:
-    """A conversion has the arguments and the inputs that it takes, and what it works with.
+    """A conversion has the arguments, the inputs and the features that it needs.
 
     The first one takes the sources, each further one the result of the one before. A quantity of
     the map stands for the one argument of a conversion. `look_up` names a table of the map,
@@ -60,7 +60,7 @@ def conversions(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML441", Severity.ERROR, "expression that cannot be computed")
 def expressions(subject: Subject) -> Iterator[Finding]:
-    """An expression is well-formed and uses names that it knows: sources, functions, pi.
+    """An expression is well-formed and uses known names: sources, functions, pi.
 
     A source is named by the last step of its path, by more of its last steps, or by its whole path;
     a single one is also `value`, and what the conversion before yields is `value` too. In a

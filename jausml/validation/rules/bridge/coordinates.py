@@ -69,7 +69,7 @@ def _exchanged(
 
 @rule("JML459", Severity.WARNING, "absent coordinate published as the origin")
 def absent_coordinates(subject: Subject) -> Iterator[Finding]:
-    """A coordinate that a JAUS report may leave out says what ROS gets then.
+    """The assignment of a coordinate that a JAUS report may leave out says what ROS gets then.
 
     With `whenAbsent="leave"`, which is the default, it stays 0 as ROS makes it: a report without a
     position puts the vehicle on the origin. The height in a local frame may be left out: a vehicle

@@ -50,9 +50,9 @@ def targets_unique(subject: Subject) -> Iterator[Finding]:
 def required_fields(subject: Subject) -> Iterator[Finding]:
     """Each member of a JAUS message that is not optional is assigned, or ignored on purpose.
 
-    It is on the wire in any case, with the smallest legal value when nothing is assigned. The
-    members of a record, of an option or of a list element count once something in it is assigned. A
-    safe value that sets some fields sets the required ones too.
+    It is always on the wire, with the smallest legal value if nothing is assigned. The members of a
+    record, of an option or of a list element count once something in it is assigned. A safe value
+    that sets some fields sets the required ones too.
 
     Bad: a map to SetTravelSpeed without an assignment to Speed
 

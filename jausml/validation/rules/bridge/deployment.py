@@ -53,7 +53,7 @@ _POLICIES: dict[str, object] = {
 def something_carried(subject: Subject) -> Iterator[Finding]:
     """A bridge has a connection: of topics, of a ROS service, or of a ROS action.
 
-    Without any it is a process that does nothing, which nobody means.
+    Without one, it is a process that does nothing.
 
     Bad: a bridge with maps, and no connection
 
@@ -70,8 +70,8 @@ def something_carried(subject: Subject) -> Iterator[Finding]:
 def one_quality(subject: Subject) -> Iterator[Finding]:
     """The connections of a bridge that publish to one topic state one quality of service.
 
-    Each quality of service is a publisher of its own. A subscription that fits one of them alone,
-    such as one that is reliable, gets the messages of its connections and none of the others.
+    Each quality of service has its own publisher. A subscription that fits only one of them, such
+    as a reliable one, gets only the messages of its connections.
 
     Bad: two connections to pose, one of them with `<qos reliability="best_effort"/>`
 

@@ -23,12 +23,12 @@ _FLOW = ("name", "map", "direction", "exchange", "peers", "search", "topics")
 
 @rule("JML463", Severity.WARNING, "feature without effect")
 def features_used(subject: Subject) -> Iterator[Finding]:
-    """A connection states a rate, a priority or an acknowledgement where it has one.
+    """A connection states a rate, a priority or an acknowledgement only where it has an effect.
 
     The rate is that at which a bridge asks: of a periodic event or of queries, from JAUS to ROS. A
     report that the bridge serves comes as often as subscribers ask, and a single message whenever
-    its source sends it. Priority and acknowledgement are for messages that the bridge sends by
-    itself.
+    its source sends it. Priority and acknowledgement are for messages that the bridge sends on its
+    own.
 
     Bad: `exchange="message" rate="5.0"`
 
@@ -103,7 +103,7 @@ def _topics_twice(connection: bridge.Connection, owner: bridge.Bridge) -> Iterat
 
 @rule("JML465", Severity.WARNING, "deadline shorter than the period")
 def deadlines_met(subject: Subject) -> Iterator[Finding]:
-    """The deadline of a topic is no shorter than the time between the messages of its connection.
+    """The deadline of a topic is not shorter than the time between the messages of its connection.
 
     With a shorter one each message is late (ROS 2, requested deadline missed).
 

@@ -28,15 +28,15 @@ _OPPOSITE = "have opposite signs"
 
 @rule("JML433", Severity.ERROR, "axes do not match")
 def frame_mismatch(subject: Subject) -> Iterator[Finding]:
-    """A number goes from axis to axis with the sign that the frames of both ends demand.
+    """A number goes from axis to axis with the sign that the frames of both ends require.
 
     ROS bodies are forward-left-up, JAUS bodies forward-right-down: x stays, y and z change their
     sign, and so do pitch, yaw and their rates. On the earth ROS has east-north-up and JAUS north-
     east-down: x and y change places, z changes its sign, and a heading has another zero. Local
     frames differ in either way, but in one direction of a map in the same way. A body vector does
     not go to axes of the earth without the attitude of the body. The frame is that of the field, or
-    of the field around it; where one end states none, nothing is said. Expressions, tables and
-    methods of the skeleton are the author's business.
+    of the field around it; where one end states none, nothing is reported. Expressions, tables and
+    methods of the skeleton are the author's responsibility.
 
     Bad: `target="twist.linear.y" source="Velocity_Y"`
 

@@ -18,10 +18,11 @@ if TYPE_CHECKING:
 
 @rule("JML455", Severity.WARNING, "report that outlives its sensor")
 def outlived_sensors(subject: Subject) -> Iterator[Finding]:
-    """A report that is made of a ROS topic says after which time the topic is taken for dead.
+    """A report that is made from a ROS topic states the time after which the topic counts as dead.
 
-    Without that time the last message is reported for ever, and a dead sensor looks alive. A topic
-    that holds a state, such as a goal or a map, is told once and stays true: it says so.
+    Without that time, the last message is reported forever, and a dead sensor looks alive. A topic
+    that holds a state, such as a goal or a map, is published once and stays true; state this
+    instead.
 
     Bad: `direction="rosToJaus" exchange="periodicEvent"` where neither the connection nor its map
     has a freshness
@@ -41,7 +42,7 @@ def outlived_sensors(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML456", Severity.ERROR, "freshness used wrongly")
 def freshness_range(subject: Subject) -> Iterator[Finding]:
-    """A freshness is a time in seconds, of a connection that makes a report of ROS topics.
+    """A freshness is a time in seconds, in a connection that makes a report from ROS topics.
 
     Other connections pass each message on when it comes; silenceTimeout says what happens when
     none comes. A report with a silenceTimeout needs no freshness: both say when a topic is dead.

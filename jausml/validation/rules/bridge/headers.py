@@ -25,7 +25,7 @@ def headers_filled(subject: Subject) -> Iterator[Finding]:
     """A ROS message with a header gets its stamp and its frame_id, or leaves them out on purpose.
 
     A stamp of 0 lies in 1970, and tf2 transforms nothing that has no frame: subscribers drop such a
-    message, or worse, do not.
+    message or, even worse, use it.
 
     Bad: a map to nav_msgs/Odometry whose assignments do not name header
 
@@ -54,7 +54,7 @@ def headers_filled(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML461", Severity.ERROR, "frame id with a slash in front")
 def frame_ids(subject: Subject) -> Iterator[Finding]:
-    """The id of a frame begins with no slash: tf2 refuses such ids.
+    """The id of a frame does not begin with a slash, because tf2 refuses such ids.
 
     Bad: `target="header.frame_id" value="/odom"`
 

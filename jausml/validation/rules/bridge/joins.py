@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 @rule("JML442", Severity.ERROR, "join used wrongly")
 def joins(subject: Subject) -> Iterator[Finding]:
-    """A join has a name of its own, a time after which it is stale, and a topic that feeds it.
+    """A join has a unique name, a time after which it is stale, and a topic that feeds it.
 
-    Source paths begin with the name of the join, so that it is none of a field of the main type. A
+    Source paths begin with the name of the join, so it differs from the fields of the main type. A
     connection from ROS to JAUS has one topic for each join of its map, and one or more without a
     join, which the map is for. From JAUS to ROS there is nothing to join.
 
@@ -43,10 +43,10 @@ def joins(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML457", Severity.ERROR, "mandatory field that a silent join would make up")
 def made_up_by_joins(subject: Subject) -> Iterator[Finding]:
-    """A mandatory JAUS field takes a value of a join only where the message cannot do without it.
+    """A mandatory JAUS field that a join feeds has a default, or the message is dropped without it.
 
     While a joined topic is silent, `whenStale="leave"` leaves out the optional fields that it
-    feeds. A mandatory one is there all the same and would be 0, measured by nobody.
+    feeds. A mandatory one is sent anyway, and would be a 0 that nobody measured.
 
     Bad: `target="Attitude_RMS"` from the join imu, where Attitude_RMS is mandatory
 

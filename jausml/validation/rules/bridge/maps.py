@@ -51,7 +51,7 @@ def paths(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML412", Severity.ERROR, "value does not fit the target")
 def types(subject: Subject) -> Iterator[Finding]:
-    """What an assignment yields is of the kind that its target takes.
+    """The result of an assignment has the kind that its target accepts.
 
     Numbers go to numbers, text to text, bool to bool or to an unscaled integer and back, octets of
     a variable-length field to a sequence of uint8 and back. A JAUS TimeStamp becomes a
@@ -82,8 +82,9 @@ def types(subject: Subject) -> Iterator[Finding]:
 def constants(subject: Subject) -> Iterator[Finding]:
     """A constant is a value of its target: a number in its range, true or false, or text.
 
-    So is the `defaultValue` of an assignment with `whenAbsent="useDefault"`, which must state one.
-    Where such an assignment has several sources, it is what an absent one counts for: a number.
+    The same holds for the `defaultValue` of an assignment with `whenAbsent="useDefault"`, which
+    must state one. If such an assignment has several sources, the value is a number that takes the
+    place of an absent source.
 
     Bad: `target="PropulsiveLinearEffortX" value="101"`, where the field ends at 100
 

@@ -26,9 +26,9 @@ _MOST_NOTES = 3
 def left_out_fields(subject: Subject) -> Iterator[Finding]:
     """The policy dropField is for optional fields of JAUS messages.
 
-    A JAUS message has its other fields in any case, and so has a ROS message all of its fields:
-    left out, they would carry a number that nobody measured. The policy of a connection counts for
-    the assignments of its direction that have none of their own.
+    A JAUS message always has its other fields, and a ROS message has all of its fields: instead of
+    being left out, they would carry a number that nobody measured. The policy of a connection
+    applies to the assignments of its direction that state none.
 
     Bad: `outOfRange="dropField"` with `target="Speed"` of SetTravelSpeed, which has no optional
     field
@@ -52,10 +52,9 @@ def left_out_fields(subject: Subject) -> Iterator[Finding]:
 def clamped_values(subject: Subject) -> Iterator[Finding]:
     """The policy clamp is for numbers; values that have names each mean something else.
 
-    The value next to an unknown one is no better than any other, and a text that was cut says
-    something else. Such a message is dropped and counted. An assignment that asks for clamp by
-    itself expects something else. The policy of a connection may be clamp: it counts for the
-    numbers.
+    The value next to an unknown one is no better than any other, and a text that is cut has another
+    meaning. Such a message is dropped and counted, which an assignment that states clamp itself
+    does not expect. The policy of a connection may be clamp, because it applies to the numbers.
 
     Bad: `outOfRange="clamp"` with a target whose value set lists CLOSED and OPEN
 

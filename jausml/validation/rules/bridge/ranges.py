@@ -55,12 +55,11 @@ class _End:
 
 @rule("JML434", Severity.WARNING, "range of the source exceeds that of the target")
 def exceeding_ranges(subject: Subject) -> Iterator[Finding]:
-    """The target carries what the source may give, or the assignment says what becomes of the rest.
+    """The target can carry all values of the source, or the assignment handles the others.
 
     Ranges are followed through the conversions, expressions included. Only what is bounded counts:
     integers, scaled JAUS fields, ROS fields with a stated range, angles, and what clamp leaves; a
-    float64 may be anything and gives no finding. With `outOfRange` of its own the author has
-    decided.
+    float64 may be anything and gives no finding. With its own `outOfRange`, the author has decided.
 
     Bad: `target="Cost" source="/data"` with the conversion scale(2), where occupancy is -1..100 and
     Cost carries 0..254
@@ -80,7 +79,7 @@ def exceeding_ranges(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML435", Severity.ERROR, "nothing that an assignment yields fits")
 def impossible_ranges(subject: Subject) -> Iterator[Finding]:
-    """Some value that an assignment may yield is one that its target carries.
+    """At least one possible result of an assignment is a value that its target can carry.
 
     Bad: `target="Latitude"`, which carries -90..90, with the conversion clamp(100, 200)
 
@@ -132,9 +131,9 @@ def missed_zeros(subject: Subject) -> Iterator[Finding]:
     """A constant 0 goes to a field that has a zero, or the author knows that it has none.
 
     A scaled field with a range such as -100..100 has an even number of steps, none of which is 0:
-    what is sent is half a step beside it, and a receiver that acts on any value but 0 acts. The
-    receiver should have a dead band. A documentation of the assignment silences the rule.
-    The stop of a map is not asked: it has no better value.
+    the value sent is half a step off, so a receiver that acts on every value except 0 acts. The
+    receiver should have a dead band. A documentation of the assignment silences the rule. The rule
+    ignores the stop of a map, which has no better value.
 
     Bad: `<safeValue target="PropulsiveLinearEffortX" value="0"/>`
 

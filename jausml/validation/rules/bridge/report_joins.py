@@ -26,11 +26,11 @@ if TYPE_CHECKING:
 
 @rule("JML494", Severity.ERROR, "report join used wrongly")
 def report_joins(subject: Subject) -> Iterator[Finding]:
-    """A report join has a name of its own, a time after which it is stale, and a use.
+    """A report join has a unique name, a time after which it is stale, and a use.
 
-    Source paths of toRos begin with the name of the join, so that it is none of a field of the main
-    message, nor that of another join. Only a connection of topics from JAUS to ROS feeds it, so
-    that maps of ROS services and actions have none.
+    Source paths of toRos begin with the name of the join, so it differs from the fields of the main
+    message and from other joins. Only a connection of topics from JAUS to ROS feeds it, so that
+    maps of ROS services and actions have none.
 
     Bad: `<reportJoins name="X" .../>` in a map of ReportLocalPose, which has a field X
 
@@ -56,10 +56,10 @@ def report_sources(subject: Subject) -> Iterator[Finding]:
     """A connection from JAUS to ROS says where each joined report of its map comes from, once.
 
     A join without a source comes from the peers of the connection, as a periodic event at its rate.
-    Whoever is asked provides a service that sends the report and takes its query. What several
-    peers of the connection report is not joined: the velocity of one would go with the pose of
-    another. A report that comes less often than it is fresh for is stale in between, which is a
-    warning.
+    The component that is asked provides a service that sends the report and takes its query.
+    Reports of several peers of the connection are not joined, since the velocity of one would be
+    combined with the pose of another. A report with a period longer than its freshness is stale in
+    between, which is a warning.
 
     Bad: `<sources join="velocity" peers="camera"/>`, where camera has no VelocityStateSensor
 
@@ -83,11 +83,11 @@ def report_sources(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML496", Severity.ERROR, "ROS field that a silent report would make up")
 def made_up_by_reports(subject: Subject) -> Iterator[Finding]:
-    """A ROS field takes a value of a joined report only where the message cannot do without it.
+    """A ROS field that a joined report feeds has a default, or the message is dropped without it.
 
-    While a joined report is silent, `whenStale="leave"` leaves its targets as they are made. ROS
-    has no absent numbers: a velocity would be 0, as if somebody had measured that the vehicle
-    stands. A covariance of 0 says by itself that it is unknown, and a sequence may be empty.
+    While a joined report is silent, `whenStale="leave"` leaves its targets at their initial values.
+    ROS has no absent numbers: a velocity would be 0, as if the vehicle were standing still. A
+    covariance of 0 says by itself that it is unknown, and a sequence may be empty.
 
     Bad: `target="twist.twist.linear.x"` from the join velocity, which leaves
 

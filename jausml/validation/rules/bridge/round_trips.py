@@ -37,11 +37,11 @@ _MATRICES = {9: 3, 36: 6}
 
 @rule("JML437", Severity.WARNING, "round trip that does not come back")
 def round_trips(subject: Subject) -> Iterator[Finding]:
-    """What goes from JAUS to ROS comes back as it was, where a map has both directions.
+    """If a map has both directions, a value that goes from JAUS to ROS comes back unchanged.
 
     A field that becomes a ROS attribute from which a field is made is this field, and its numbers
-    differ by one step of the field at most. The way is computed for numbers over the whole range,
-    through units, tables and expressions; what clamp or deadband takes away on purpose does not
+    differ by one step of the field at most. The round trip is computed for numbers over the whole
+    range, through units, tables and expressions; intended changes by clamp or deadband do not
     count.
 
     Bad: `RollRate -> angular.x` and back `angular.x -> PitchRate`

@@ -24,7 +24,7 @@ LEAST_RATE = 0.001
 
 @rule("JML477", Severity.ERROR, "allowed host that is none")
 def allowed_hosts(subject: Subject) -> Iterator[Finding]:
-    """What a bridge allows messages from is an IPv4 address, or a network of such addresses.
+    """An allowed host is an IPv4 address, or a network of such addresses.
 
     A network is written as its first address and the number of bits that its addresses share.
 
@@ -58,7 +58,7 @@ def _fault(text: str) -> str:
 def sources_known(subject: Subject) -> Iterator[Finding]:
     """A bridge that says where messages may come from speaks JAUS over UDP or TCP itself.
 
-    A node manager does not tell where a message comes from.
+    A node manager does not pass on where a message comes from.
 
     Bad: a bridge with `fixedSources="true"` on a host with `transport="nodeManager"`
 
@@ -78,12 +78,12 @@ def sources_known(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML479", Severity.INFO, "command of anybody in control")
 def commanders_known(subject: Subject) -> Iterator[Finding]:
-    """A model says who may command what is on the ROS side.
+    """A model states who may command the ROS side.
 
-    JAUS has no authentication: whoever asks first for control of the bridge, or with a higher
-    authority, gets it, and may then send each command that it takes. `peers` or `search` of the
-    connection say from which components alone it is taken, `allowedHosts` of the bridge from which
-    hosts. A documentation of the connection that says why anybody may silences the rule too.
+    JAUS has no authentication: the first component that requests control of the bridge gets it, or
+    one with a higher authority, and may then send any command that the bridge accepts. `peers` or
+    `search` of the connection restrict the components, and `allowedHosts` of the bridge the hosts.
+    A documentation of the connection that says why anybody may command also silences the rule.
 
     Bad: a connection from SetWrenchEffort to a topic, without peers
 
@@ -109,10 +109,10 @@ def commanders_known(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML480", Severity.ERROR, "cap of what one source sends")
 def rate_caps(subject: Subject) -> Iterator[Finding]:
-    """A rateCap is 0 or at least 0.001 Hz, and stands where messages come unasked.
+    """A rateCap is 0 or at least 0.001 Hz, and is for unrequested messages.
 
-    How many reports come is said by the rate of the event or of the query; what ROS publishes has
-    no source that the bridge could tell.
+    The rate of the event or of the query determines how many reports come; for messages from ROS,
+    the bridge cannot distinguish the sources.
 
     Bad: `direction="rosToJaus" rateCap="100"`
 

@@ -45,7 +45,7 @@ def shaping_range(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML491", Severity.ERROR, "shaping of what is asked for")
 def queries_unshaped(subject: Subject) -> Iterator[Finding]:
-    """A connection that asks by queries says with its rate how many messages come.
+    """A connection that uses queries determines with its rate how many messages come.
 
     Bad: `direction="jausToRos" exchange="query" rate="10" maxRate="5"`
 
@@ -88,11 +88,11 @@ def rates_reached(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML493", Severity.WARNING, "shaping that loses the last word")
 def last_words_kept(subject: Subject) -> Iterator[Finding]:
-    """What stands until there is another passes, however old it is and however many came before.
+    """A message that stays valid until the next one always passes.
 
     A decimation passes one of several messages, and the last one of a command, of a change or of a
     state may be another. A maxRate does not lose it. A state is as old as its last change; an
-    ageLimit takes it for late.
+    ageLimit would treat it as late.
 
     Bad: `decimation="10"` for SetWrenchEffort, or for an everyChangeEvent
 

@@ -18,9 +18,10 @@ if TYPE_CHECKING:
 
 @rule("JML426", Severity.WARNING, "safe value that is never sent")
 def safe_value_used(subject: Subject) -> Iterator[Finding]:
-    """The safe value of what is no command takes effect with a silence time-out only.
+    """A safe value that is not for a command takes effect only with a silence timeout.
 
-    That of a command is sent in any case: when control is lost, in an emergency, at the end.
+    The safe value of a command is always sent: when control is lost, in an emergency, and at the
+    end.
 
     Bad: a report with `safeValue` and without `silenceTimeout`
 
@@ -35,11 +36,12 @@ def safe_value_used(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML451", Severity.ERROR, "command that nothing stops")
 def commands_stop(subject: Subject) -> Iterator[Finding]:
-    """A connection with commands says what happens when whoever commands is lost.
+    """A connection with commands says what happens when their source is lost.
 
-    The last command would stand for ever: a vehicle whose operator has released it, or has died,
-    drives on. Either the connection has a `safeValue`, or its map a stop for the direction, or the
-    last command may stand for a reason: `onSilence` hold and `holdReason`.
+    Otherwise the last command would stay in effect indefinitely: a vehicle drives on although its
+    operator has released it, or has died. Either the connection has a `safeValue`, or its map a
+    stop for the direction, or the last command stays in effect for a stated reason: `onSilence`
+    hold and `holdReason`.
 
     Bad: the map of SetLocalWaypoint, which has no stop, without a word in the connection
 
@@ -60,7 +62,7 @@ def commands_stop(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML452", Severity.ERROR, "hold that is not explained")
 def holds_explained(subject: Subject) -> Iterator[Finding]:
-    """A command that stands although its source is lost does so for a reason, and sends no stop.
+    """A command that outlasts its source does so for a stated reason, and sends no stop.
 
     Bad: `onSilence="hold"` without `holdReason`, or with a `safeValue`
 
@@ -103,7 +105,7 @@ def silence_stops(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML454", Severity.WARNING, "silence time-out within the period")
 def timeouts_outlast_periods(subject: Subject) -> Iterator[Finding]:
-    """A silence time-out is longer than the period of the rate that the connection declares.
+    """A silence timeout is longer than the period of the rate that the connection declares.
 
     Otherwise a source that keeps its rate counts as silent between any two messages.
 

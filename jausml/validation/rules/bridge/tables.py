@@ -27,8 +27,8 @@ _MOST_NAMES = 5
 def tables(subject: Subject) -> Iterator[Finding]:
     """The entries of a table are values of what look_up reads and fills.
 
-    A number stands for itself; the name of an enumerated JAUS value or of a constant of the ROS
-    type stands for its number. Of several entries with one value the first counts; one whose values
+    An entry is a number, or the name of an enumerated JAUS value or of a constant of the ROS type,
+    which means its number. Of several entries with one value the first counts; one whose values
     both stand in earlier entries is never found. Each enumerated value of the source should be in
     the table, since one that is not drops the message.
 

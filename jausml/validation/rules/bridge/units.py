@@ -26,14 +26,13 @@ if TYPE_CHECKING:
 
 @rule("JML431", Severity.ERROR, "units do not match")
 def unit_mismatch(subject: Subject) -> Iterator[Finding]:
-    """What an assignment yields measures the same as its target.
+    """The result of an assignment measures the same quantity as its target.
 
     The unit of a field is its own or that of the field around it. Units of one dimension that
-    differ in scale, such as degree and radian, are converted without being asked; a length never
-    becomes an angle. A conversion that needs a certain unit, such as wrap_angle, is given this
-    unit. Where one end has no unit, or where scale, linear, an expression, a table or a method of
-    the skeleton makes a number of the author's choice, nothing is said; `with_units` states a unit
-    there.
+    differ in scale, such as degree and radian, are converted automatically; a length never becomes
+    an angle. A conversion that needs a certain unit, such as wrap_angle, is given this unit. Where
+    one end has no unit, or where scale, linear, an expression, a table or a method of the skeleton
+    makes a number of the author's choice, nothing is reported; `with_units` states a unit there.
 
     Bad: `target="twist.linear.x" source="YawRate"`
 
@@ -49,7 +48,7 @@ def unit_mismatch(subject: Subject) -> Iterator[Finding]:
 def unknown_unit(subject: Subject) -> Iterator[Finding]:
     """A unit is written in SI symbols or in the words of JAUS.
 
-    A unit that nobody knows is never compared with another, so that mistakes go unnoticed.
+    An unknown unit is never compared with another one, so mistakes go unnoticed.
 
     Bad: `units="m/sec"`
 

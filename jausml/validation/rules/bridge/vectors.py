@@ -24,9 +24,9 @@ _ABSENT = "absent"
 def vectors(subject: Subject) -> Iterator[Finding]:
     """The values of a test vector are values of attributes of the messages that they stand for.
 
-    The given ones are those of the source, the expected ones those of the target. `absent` is for
-    optional fields of a JAUS message. The map has assignments for the direction, and a tolerance is
-    a finite number that is not negative.
+    The given values belong to the source, the expected ones to the target. `absent` is for optional
+    fields of a JAUS message. The map has assignments for the direction, and a tolerance is a finite
+    number that is not negative.
 
     Bad: `<expected path="pose.orientation" value="0.7071"/>`
 

@@ -84,9 +84,9 @@ def address_bytes(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML302", Severity.ERROR, "JAUS address used twice")
 def address_unique(subject: Subject) -> Iterator[Finding]:
-    """Each component of a system has an address of its own; bridges are components too.
+    """Each component of a system has its own address; bridges are components too.
 
-    With one address for two processes a message reaches either of them.
+    If two processes have the same address, a message may reach either of them.
 
     Bad: a component and a bridge, both with `address="100.1.1"`
 
@@ -132,8 +132,9 @@ def component_numbers(subject: Subject) -> Iterator[Finding]:
 def commands_controlled(subject: Subject) -> Iterator[Finding]:
     """A component whose services have commands provides AccessControl.
 
-    Commands are obeyed from the controller alone, and without AccessControl nobody becomes that
-    (AS5710). Commands for everyone are those of published services without AccessControl.
+    A component obeys commands only from its controller, and without AccessControl nobody can become
+    the controller (AS5710). Commands for everyone are those of published services without
+    AccessControl.
 
     Bad: a component with `coreServices="none"` that provides a service of yours with the command
     SetLamp, which inherits nothing
@@ -162,7 +163,7 @@ def commands_controlled(subject: Subject) -> Iterator[Finding]:
 def connection_provided(subject: Subject) -> Iterator[Finding]:
     """The provider of a connection provides a service whose outputs hold the report.
 
-    Services that the provided ones inherit count. A message of another service does when its
+    Services that the provided ones inherit count. A message of another service also counts if its
     code and its layout are the same.
 
     Bad: a connection to ReportLocalPose with a provider that provides VelocityStateSensor alone

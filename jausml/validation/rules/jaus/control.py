@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @rule("JML364", Severity.ERROR, "control that is never granted")
 def authority_suffices(subject: Subject) -> Iterator[Finding]:
-    """A component that controls another has at least the authority that the other one demands.
+    """A component that controls another one has at least the authority that the other one requires.
 
     With less, each RequestControl is rejected for insufficient authority (AS5710, AccessControl),
     and no command passes.

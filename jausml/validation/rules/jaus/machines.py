@@ -38,8 +38,7 @@ _CONTROLLER = "isControllingClient"
 def initial_states(subject: Subject) -> Iterator[Finding]:
     """One of the states that lie side by side is initial: it is entered with what encloses it.
 
-    A state that lies there alone is initial without saying so. Among the states of the core
-    services the core decides.
+    A single state is initial by default. For the states of the core services, the core decides.
 
     Bad: `<states name="Idle"/><states name="Moving"/>`
 
@@ -115,8 +114,8 @@ def messages(subject: Subject) -> Iterator[Finding]:
 def events(subject: Subject) -> Iterator[Finding]:
     """The event of a transition is one of the service or of a service that it inherits.
 
-    AccessControl and Management have the events Timedout, Initialized and Failure. A transition
-    is triggered by a message or by an event, not by both.
+    AccessControl and Management have the events Timedout, Initialized and Failure. A transition is
+    triggered by either a message or an event.
 
     Bad: `<transitions event="LoadLst" .../>`
 
@@ -181,7 +180,7 @@ def reachable(subject: Subject) -> Iterator[Finding]:
 def taken(subject: Subject) -> Iterator[Finding]:
     """Transitions of a state are tried in their order; one without a guard is always taken.
 
-    Of two transitions on the same message with the same guard the first is taken.
+    Of two transitions on the same message with the same guard, the first one is taken.
 
     Bad: a transition on LockBrake without a guard, and a second one on LockBrake after it
 
@@ -197,7 +196,7 @@ def taken(subject: Subject) -> Iterator[Finding]:
 def kinds(subject: Subject) -> Iterator[Finding]:
     """A push has a target, a pop and an internal transition have none; push and pop go together.
 
-    A push remembers the present state, and a pop goes back to it.
+    A push remembers the current state, and a pop returns to it.
 
     Bad: a machine with a transition of `kind="pop"` and none of `kind="push"`
 
@@ -227,9 +226,9 @@ def kinds(subject: Subject) -> Iterator[Finding]:
 def core_states(subject: Subject) -> Iterator[Finding]:
     """A machine named ReceiveFSM extends that of the core services, and keeps to its states.
 
-    States of its own lie inside one of the innermost core states (AS5710, Management). Of the
-    core states, a transition may enter Standby, Failure and Shutdown; into the others leads a
-    message that the core services take. A machine of another name stands for itself.
+    States of its own lie inside one of the innermost core states (AS5710, Management). Of the core
+    states, a transition may enter Standby, Failure and Shutdown; into the others leads a message
+    that the core services take. A machine of another name is independent.
 
     Bad: `<machines name="ReceiveFSM"><states name="Idle"/></machines>`
 
@@ -251,8 +250,8 @@ def core_states(subject: Subject) -> Iterator[Finding]:
 def core_messages(subject: Subject) -> Iterator[Finding]:
     """Messages of the core services and of ListManager are taken by the runtime.
 
-    It does what AS5710 says. A transition of a service on one of them is not generated; entry and
-    exit actions of the core states tell what has happened.
+    The runtime follows AS5710. A transition of a service on one of these messages is not generated;
+    use entry and exit actions of the core states instead.
 
     Bad: in Ready, a transition on Standby with the action stopMotor
 
@@ -277,9 +276,8 @@ def core_messages(subject: Subject) -> Iterator[Finding]:
 def commands(subject: Subject) -> Iterator[Finding]:
     """In a machine that extends the core, the guard says who may give a command.
 
-    Without `isControllingClient` every component may. A machine that stands for itself needs no
-    such guard: there the component obeys commands as it does without a machine, from its
-    controller and mostly in Ready alone.
+    Without `isControllingClient`, every component may. An independent machine needs no such guard:
+    there, as without a machine, the component obeys only its controller, and mostly only in Ready.
 
     Bad: `<transitions message="SetSpeed" target="Moving"/>` in ReceiveFSM
 
@@ -309,7 +307,7 @@ def commands(subject: Subject) -> Iterator[Finding]:
 def bridges(subject: Subject) -> Iterator[Finding]:
     """A bridge translates messages and runs no state machine of the services that it provides.
 
-    Services of the library are left out: a bridge does of them what its maps say.
+    The rule ignores services of the library: a bridge handles those as its maps say.
 
     Bad: a bridge that provides a service with a state machine
 

@@ -49,8 +49,8 @@ def member_kinds(subject: Subject) -> Iterator[Finding]:
     """Records and arrays hold fields; bodies, sequences, lists and variants hold containers.
 
     Containers are records, lists, variants and sequences (AS5684, JSIDL). A container inside a
-    record is an information only: the bytes are those of a sequence with records in turn, but
-    JSIDL cannot say it so.
+    record is an information only: the bytes are those of a sequence with records in turn, but JSIDL
+    cannot express it like this.
 
     Bad: a sequence with a FixedField as its member
 
@@ -99,7 +99,7 @@ def presence_vector(subject: Subject) -> Iterator[Finding]:
 def optional_elsewhere(subject: Subject) -> Iterator[Finding]:
     """Only members of records and sequences can be optional.
 
-    Elsewhere no bit on the wire says whether the field is there, and it always is.
+    Elsewhere no bit on the wire states whether the field is present, so it always is.
 
     Bad: a list element with `optional="true"`
 
@@ -222,8 +222,8 @@ def sizes(subject: Subject) -> Iterator[Finding]:
 def value_sets(subject: Subject) -> Iterator[Finding]:
     """The legal values of a field can occur in its type, and ranges are not empty.
 
-    A range of an integer field holds an integer: what is above 1 and below 2 is nothing. A set that
-    counts from its lower limit is one of integers, and so is the limit (AS5684,
+    A range of an integer field contains an integer: a range above 1 and below 2 is empty. A set
+    that counts from its lower limit is one of integers, and so is the limit (AS5684,
     offset_to_lower_limit).
 
     Bad: `<values xsi:type="jaus:EnumeratedValue" name="BIG" value="256"/>` in a uint8
@@ -249,8 +249,8 @@ def value_sets(subject: Subject) -> Iterator[Finding]:
 def bounds(subject: Subject) -> Iterator[Finding]:
     """A message has at most 10000 fields, 64 deep, and its smallest instance 4194304 values.
 
-    A field counts as often as the types that hold it are used, and arrays in arrays multiply:
-    few lines can ask for more than any machine has.
+    A field counts as often as the types that hold it are used, and arrays in arrays multiply: a few
+    lines can require more memory than any machine has.
 
     Bad: an array of 4194304 records that hold an array of 4194304 numbers
 

@@ -23,7 +23,7 @@ _LIMITS = {"subsystem": 65534, "node": 254}
 
 @rule("JML354", Severity.ERROR, "either named or searched for")
 def named_or_searched(subject: Subject) -> Iterator[Finding]:
-    """The other end of a connection is named, or searched for by its services; not both.
+    """The other end of a connection is either named, or searched for by its services.
 
     A report of another component has a `provider` or a `search`.
 
@@ -52,7 +52,7 @@ def named_or_searched(subject: Subject) -> Iterator[Finding]:
 def search_possible(subject: Subject) -> Iterator[Finding]:
     """A search looks where components can be: subsystem 1..65534, node 1..254, 0 for any.
 
-    One within the own subsystem or node does not ask for the number of another.
+    A search within its own subsystem or node does not name the number of another one.
 
     Bad: `<search services="..." subsystem="65535"/>`
 
@@ -97,9 +97,9 @@ def control_of_all(subject: Subject) -> Iterator[Finding]:
 def subsystem_discovered(subject: Subject) -> Iterator[Finding]:
     """Some component of a subsystem provides Discovery, as components do by default.
 
-    Operator control units that look around by Discovery do not see the subsystem otherwise, nor
-    do searches of other components (AS5710). A subsystem with external components is left out:
-    one of them may answer for it.
+    Otherwise, operator control units that use Discovery do not see the subsystem, and searches of
+    other components do not find it (AS5710). The rule ignores subsystems with external components,
+    since one of them may answer.
 
     Bad: one component, with `coreServices="none"` and without Discovery
 

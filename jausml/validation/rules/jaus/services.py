@@ -48,7 +48,7 @@ def inheritance_cycle(subject: Subject) -> Iterator[Finding]:
 def code_unique(subject: Subject) -> Iterator[Finding]:
     """A message code means one message within a service and those that it inherits.
 
-    The code alone says how a message is to be read. One message may be input and output. For
+    The code alone determines how a message is read. One message may be input and output. For
     services of the library, which are as they were published, this is a warning.
 
     Bad: inputs SetSpeed and SetSteering, both with `code="0x0415"`
@@ -79,9 +79,9 @@ def code_unique(subject: Subject) -> Iterator[Finding]:
 def code_unambiguous(subject: Subject) -> Iterator[Finding]:
     """Messages with one code that meet in a process have one layout and one name.
 
-    A process finds the codec of a message by its code. The messages of a component are those
-    of its services, of the services that it uses, of its connections and of its maps. Two of one
-    service of the library are a warning: it was published so, and CBRNSensor has such a pair.
+    A process finds the codec of a message by its code. The messages of a component are those of its
+    services, of the services that it uses, of its connections and of its maps. Two of one service
+    of the library are a warning: it was published like this, and CBRNSensor has such a pair.
 
     Bad: a component that provides a service of core-1.0 and uses one of core-1.1 whose message
     of the same code has another field

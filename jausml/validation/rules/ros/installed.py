@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 def installed_types(subject: Subject) -> Iterator[Finding]:
     """The ROS types that a model uses are those of the installed packages.
 
-    Generated code counts on the fields of the model: with other ones a topic is not connected, or a
-    message cannot be read. Types of packages that are not installed are not looked at. Installed
-    are those that lie in the share folders of AMENT_PREFIX_PATH or of the running Python; their
-    definition files are read. Defaults may differ.
+    Generated code relies on the fields of the model: with other fields, a topic is not connected,
+    or a message cannot be read. The rule reads the definition files of packages in the share
+    folders of AMENT_PREFIX_PATH or of the running Python, and ignores types of packages that are
+    not installed. Defaults may differ.
 
     Bad: a model of winch_msgs/Winch with a field speed, which winch_msgs has renamed to rope_speed
 

@@ -67,7 +67,7 @@ def ros_names(subject: Subject) -> Iterator[Finding]:
 def topic_types(subject: Subject) -> Iterator[Finding]:
     """All publishers and subscriptions of a topic have one type, bridges included.
 
-    ROS 2 never connects endpoints of different types, and says nothing. Names are compared as
+    ROS 2 never connects endpoints of different types, and does not report it. Names are compared as
     they resolve in the namespaces of their nodes.
 
     Bad: a node that publishes Twist on cmd_vel, and a bridge that subscribes to TwistStamped there
@@ -236,10 +236,10 @@ def constant_values(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML410", Severity.ERROR, "impossible default")
 def default_values(subject: Subject) -> Iterator[Finding]:
-    """The default of a field of an interface is of its type, and a definition can say it.
+    """A default has the type of its field, and can be written in an interface definition.
 
-    Arrays stand as JSON. A text has no # and no line end, which would end it in a definition, and
-    no =, which would make a constant of the field.
+    Arrays are written as JSON. A text contains no # and no line end, which would end it in a
+    definition, and no =, which would turn the field into a constant.
 
     Bad: `<fields xsi:type="ros:PrimitiveField" name="gain" type="uint8" defaultValue="256"/>`
 
