@@ -6,56 +6,78 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.new_places import model_option, pairs, place_for, report, stopping
+from jausml.cli.new_places import model_option, place_for, report, stopping
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from jausml.editing.commands import Command
+    from jausml.editing.commands import Add, Child, Command
     from jausml.projects.places import Opened
-
-_EXAMPLE = "SetLamp:D100"
 
 
 @click.command("service")
 @click.argument("name", metavar="NAME")
 @click.option(
-    "--urn",
-    required=True,
-    metavar="URN",
-    help="URN of the service, such as urn:example:light:Lamp.",
+    "--message",
+    "messages",
+    metavar="WORDS",
+    multiple=True,
+    help="Message in words, such as 'ReportDepth: Depth m 0..100'; may be repeated.",
 )
-@click.option("--inherits", metavar="SERVICE", help="Name or URN of the service that it extends.")
+@click.option("--urn", default="", metavar="URN", help="URN, by default urn:example:SYSTEM:NAME.")
 @click.option(
-    "--takes", metavar="MESSAGE:CODE", multiple=True, help="Message and its code; may be repeated."
-)
-@click.option(
-    "--sends", metavar="MESSAGE:CODE", multiple=True, help="Message and its code; may be repeated."
+    "--inherits",
+    default="",
+    metavar="SERVICE",
+    help="Name or URN of the service that it extends, or none; by default a core service.",
 )
 @model_option
 def command(
-    name: str,
-    urn: str,
-    inherits: str | None,
-    takes: tuple[str, ...],
-    sends: tuple[str, ...],
-    model: Path | None,
+    name: str, messages: tuple[str, ...], urn: str, inherits: str, model: Path | None
 ) -> None:
-    """Add a JAUS service named NAME in its own service set, with empty messages.
+    r"""Add a JAUS service named NAME with messages, in a service set of its own.
+
+    \b
+    WORDS are [command|query|report] MESSAGE [CODE]: FIELD, FIELD, ...
+    A FIELD is its name, with ? if it is optional, and in any order
+      a unit           m, rad/s, meter per second, percent
+      a range          0..100, by a scaled integer if it has a unit
+      listed values    off|on|auto
+      a wire type      uint8 to uint64, int8 to int64, float32, float64,
+                       text, TimeStamp
+      scaled           for a range without a unit
+
+    The name tells the kind: Query and Report, else a command. Each report gets the query that asks
+    for it, each message a code that nothing in the project or the library has. A service with
+    commands inherits Management, one without commands inherits Events, so that reports can be
+    subscribed to. Without --message, the service gets one report as an example.
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
-    from jausml.projects.adding import add
-    from jausml.proposals.parts import new_service
+    from jausml.projects.adding import add, models_beside
+    from jausml.proposals.services import new_service
 
-    inputs, outputs = pairs(takes, ":", _EXAMPLE), pairs(sends, ":", _EXAMPLE)
+    made: list[Add] = []
 
     def commands(at: Opened) -> list[Command]:
-        made = new_service(
-            at.scope, at.system, name, urn, inherits=inherits or "", takes=inputs, sends=outputs
+        own, others = at.system, models_beside(at)
+        made.append(
+            new_service(at.scope, own, name, messages, urn=urn, inherits=inherits, others=others)
         )
-        return [made]
+        return [*made]
 
     with stopping():
         place = place_for(model)
-        report(place, add(place, f"Add service {name}", commands))
+        files = add(place, f"Add service {name}", commands)
+    [service] = made[0].children
+    for each in service.children:
+        click.echo(_told(each))
+    report(place, files)
+
+
+def _told(message: Child) -> str:
+    """Returns a message in a line: its code, its name, and its fields."""
+    fields = [each.values["name"][0] for body in message.children for each in body.children]
+    way = "sends" if message.feature == "outputs" else "takes"
+    head = f"{way} {message.values['code'][0]} {message.values['name'][0]}"
+    return f"{head}: {', '.join(fields)}" if fields else head

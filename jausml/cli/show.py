@@ -204,7 +204,7 @@ def _map_lines(found: FoundMap) -> Iterator[str]:
     yield ""
     yield f"  directions: {', '.join(each.directions) or 'none'}"
     for name, value, units in each.quantities:
-        yield f"  quantity {name}: {value:g} {units}".rstrip() + ", which a connection may override"
+        yield f"  quantity {name}: {value:g} {units}".rstrip() + ", which a bridge may override"
     for name, kind, freshness, stale in (*each.joins, *each.report_joins):
         yield f"  join {name}: {kind}, fresh for {freshness:g} s, then {stale}"
     yield f"  test vectors: {each.vectors}"

@@ -9,6 +9,7 @@ from jausml.editing.commands import EditError
 from jausml.metamodel.classes import bridge
 from jausml.model.names import name_of
 from jausml.model.reading.reader import read_models
+from jausml.model.uris import shipped_as
 from jausml.model.words import snake_case
 from jausml.model.xmi.writer import replace_file
 from jausml.projects.eclipse import MAPPINGS, as_xmi_beside
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
     from jausml.editing.commands import Command
     from jausml.metamodel.classes import system
+    from jausml.model import Model
     from jausml.projects.places import Place
     from jausml.proposals.topics import Crossing, TopicEnd
 
@@ -158,6 +160,13 @@ def _copies(place: Place, chosen: Sequence[Crossing]) -> dict[Path, Path]:
             continue
         found[place.path.parent / MAPPINGS / f"{document.path.stem}.xmi"] = document.path
     return found
+
+
+def models_beside(at: Opened) -> list[Model]:
+    """Returns the other models of the project, without copies of the library."""
+    paths = (each.path for each in at.project.files if each.path != at.place.file)
+    own = (each for each in paths if shipped_as(at.place.root / each) is None)
+    return [at.project.model(each).model for each in own]
 
 
 def bridge_in(at: Opened, name: str, *, map_name: str) -> bridge.Bridge:

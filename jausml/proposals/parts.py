@@ -1,23 +1,18 @@
-"""Parts of a system as commands: components, nodes and services."""
+"""Parts of a system as commands: components and nodes."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from jausml.editing.commands import Add, Child
-from jausml.metamodel.classes import jaus
-from jausml.model.names import name_of
-from jausml.proposals.elements import AnswerError, library
 from jausml.proposals.finding import service_of, type_of
 from jausml.proposals.fresh import free_address, free_name
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable
 
     from jausml.metamodel.classes import system
     from jausml.proposals.elements import Scope
-
-_SERVICE_VERSION = "1.0"
 
 
 def new_component(
@@ -85,51 +80,3 @@ def new_node(
             values = {"name": (names[-1],), "topic": (topic,), "type": (type_,)}
             ends.append(Child(feature, kind, values))
     return Add(scope.ref(whole), "nodes", "ros.Node", {"name": (name,)}, tuple(ends))
-
-
-def new_service(
-    scope: Scope,
-    whole: system.System,
-    name: str,
-    urn: str,
-    *,
-    inherits: str = "",
-    takes: Sequence[tuple[str, str]] = (),
-    sends: Sequence[tuple[str, str]] = (),
-) -> Add:
-    """Returns what makes a service, in a set of its own.
-
-    Args:
-        scope: The model.
-        whole: The system that shall have it.
-        name: Its name.
-        urn: Its URN.
-        inherits: Name or URN of the service that it inherits, empty for none.
-        takes: Names and codes of messages that it takes.
-        sends: Names and codes of messages that it sends.
-
-    Raises:
-        AnswerError: There is no such service, or one has the URN already.
-    """
-    known = (*scope.model.instances(jaus.Service), *library().instances(jaus.Service))
-    if any(each.urn == urn for each in known):
-        raise AnswerError(f"there is a service {urn} already")
-    values = {"name": (name,), "urn": (urn,), "version": (_SERVICE_VERSION,)}
-    if inherits:
-        values["inherits"] = (scope.ref(service_of(scope, inherits)),)
-    messages = tuple(
-        Child(feature, "jaus.MessageDef", {"name": (each,), "code": (_code(code),)})
-        for feature, given in (("inputs", takes), ("outputs", sends))
-        for each, code in given
-    )
-    service = Child("services", "jaus.Service", values, messages)
-    own = {
-        "name": (free_name(name, map(name_of, whole.serviceSets)),),
-        "version": (_SERVICE_VERSION,),
-    }
-    return Add(scope.ref(whole), "serviceSets", "jaus.ServiceSet", own, (service,))
-
-
-def _code(text: str) -> str:
-    """Returns a message code as models write it: `D100` is `0xD100`."""
-    return text if text[:2] in ("0x", "0X") else f"0x{text}"

@@ -149,7 +149,7 @@ def test_a_map_tells_its_quantities_and_how_to_import_it(jausml, tmp_path):
     assert result.stdout.startswith("wrench_effort: SetWrenchEffort (PrimitiveDriver) and geom")
     for line in (
         "  directions: JAUS->ROS, ROS->JAUS\n",
-        "  quantity max_speed: 2 m/s, which a connection may override\n",
+        "  quantity max_speed: 2 m/s, which a bridge may override\n",
         "in text:  import mappings.primitive_driver\n          map: wrench_effort\n",
     ):
         assert line in result.stdout

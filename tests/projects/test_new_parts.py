@@ -15,8 +15,7 @@ NOTATION = pytest.mark.parametrize("notation", ["xmi", "text"])
 def test_parts_of_a_system(rover, jausml, notation):
     model = rover(notation)
     for words in (
-        "service Lamp --urn urn:example:light:Lamp --inherits Management"
-        " --takes SetLamp:D100 --takes QueryLamp:0x2D00 --sends ReportLamp:4D00",
+        "service Lamp --urn urn:example:light:Lamp --inherits Management",
         "component lamp --provides Lamp --provides VelocityStateSensor",
         "node driver --publishes cmd_vel:geometry_msgs/Twist"
         " --subscribes odom:nav_msgs/msg/Odometry --subscribes /odom/valid:std_msgs/Bool",
