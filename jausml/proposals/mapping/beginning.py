@@ -134,7 +134,7 @@ def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
     for way in begun:
         take(completed(scope, made, to_ros=way, ignores=way in found_of))
     doubts += _alike(filled.doubtful, begun)
-    doubts += _of_values(made, begun)
+    doubts += _of_values(made, found_of)
     told = (*opens(made, children, begun), *wish.taken, *map(_told, doubts))
     values = {
         "name": (wish.name,),

@@ -9,6 +9,7 @@ Usage: python sensors.py [SECONDS]
 
 from __future__ import annotations
 
+import contextlib
 import math
 import sys
 import time
@@ -16,6 +17,7 @@ import time
 import rclpy
 from geometry_msgs.msg import PoseStamped, Quaternion
 from nav_msgs.msg import Odometry
+from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from sensor_msgs.msg import Imu, NavSatFix
 from std_msgs.msg import Float64
@@ -92,8 +94,9 @@ def main(arguments: list[str]) -> None:
     end = time.monotonic() + float(arguments[0] if arguments else 60)
     rclpy.init()
     sensors = Sensors()
-    while time.monotonic() < end and rclpy.ok():
-        rclpy.spin_once(sensors, timeout_sec=0.1)
+    with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
+        while time.monotonic() < end and rclpy.ok():
+            rclpy.spin_once(sensors, timeout_sec=0.1)
     rclpy.try_shutdown()
 
 
