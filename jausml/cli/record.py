@@ -168,7 +168,7 @@ def command(
         speaks_ros = bool(definitions or is_any) and _entered(ros, stack, is_wanted=is_any)
         parts = _parts(path, limits, compression, force=force)
         recorder = Recorder(parts, catalogue, definitions, selection)
-        stack.enter_context(recorder.kept(flush_every))
+        stack.enter_context(recorder.kept(flush_every, ros.repeat_latched))
         if speaks_ros:
             ros.begin(recorder.take_topic)
             stack.callback(ros.stop)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,10 +16,13 @@ from jausml.recording.spans import WHOLE
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.recording.mcap_reading import Found
     from jausml.recording.spans import Span
 
 MCAP, SQLITE = ".mcap", ".db3"
 _CDR = "cdr"
+_METADATA = "metadata.yaml"
+_NUMBERS = re.compile("[0-9]+")
 
 
 @dataclass(frozen=True)
@@ -55,7 +60,8 @@ class Bag:
         """Names a recording.
 
         Args:
-            path: An MCAP file, or a bag of rosbag2: its folder, or the file of its storage.
+            path: An MCAP file, or a bag of rosbag2: its folder, or the file of its storage. In a
+                folder that has no metadata yet, since its recorder was cut off, all MCAP files.
             span: Which part of it is read.
         """
         self.others: Counter[str] = Counter()
@@ -80,7 +86,9 @@ class Bag:
             RecordingError: The recording cannot be read, or a library is missing.
         """
         self.others.clear()
-        read = self._mcap if self._path.endswith(MCAP) else self._bag
+        self.fault = ""
+        files = _mcap_files(self._path)
+        read = partial(self._mcap, files) if files else self._bag
         try:
             yield from read()
         except ImportError as error:
@@ -95,15 +103,27 @@ class Bag:
             reason = str(error) or type(error).__name__
             raise RecordingError(f"{self._path} cannot be read: {reason}") from error
 
-    def _mcap(self) -> Iterator[RosMessage]:
-        recording = McapRecording(self._path, self._span)
-        for schema, channel, message in recording.messages():
-            self.reached = recording.reached
+    def _mcap(self, paths: list[str]) -> Iterator[RosMessage]:
+        found = self._span.of(self._found(paths), lambda each: each[2].log_time)
+        for schema, channel, message in found:
             if schema is None or channel.message_encoding != _CDR:
                 self.others[channel.message_encoding] += 1
                 continue
             yield RosMessage(channel.topic, schema.name, message.log_time, message.data)
-        self.fault = recording.fault
+
+    def _found(self, paths: list[str]) -> Iterator[Found]:
+        """Yields what stands in files, one after the other."""
+        for path in paths:
+            recording = McapRecording(path)
+            try:
+                for each in recording.messages():
+                    self.reached = recording.reached
+                    yield each
+                self.fault = recording.fault or self.fault
+            except RecordingError as error:
+                if self.reached is None and path == paths[-1]:
+                    raise
+                self.fault = str(error)
 
     def _bag(self) -> Iterator[RosMessage]:
         from rosbags.rosbag2 import Reader  # noqa: PLC0415 - an extra
@@ -111,3 +131,13 @@ class Bag:
         with Reader(self._path) as reader:
             for connection, time, data in self._span.of(reader.messages(), lambda each: each[1]):
                 yield RosMessage(connection.topic, connection.msgtype, time, bytes(data))
+
+
+def _mcap_files(path: str) -> list[str]:
+    """Returns the MCAP files that are read without what rosbag2 tells of them; none for a bag."""
+    if path.endswith(MCAP) and not Path(path).is_dir():
+        return [path]
+    if not Path(path).is_dir() or (Path(path) / _METADATA).exists():
+        return []
+    found = [str(each) for each in Path(path).glob("*" + MCAP)]
+    return sorted(found, key=lambda each: [int(number) for number in _NUMBERS.findall(each)])

@@ -66,6 +66,7 @@ class McapFile:
         self._writer.start("" if has_jaus else ROS_PROFILE, library_name())
         self._schemas: dict[tuple[str, str], int] = {}
         self._channels: dict[tuple[str, int], int] = {}
+        self._of_jaus: dict[tuple[str, MessageEntry], int] = {}  # a schema takes long to make
 
     def __enter__(self) -> Self:
         return self
@@ -99,9 +100,12 @@ class McapFile:
             source: JAUS id of the component.
             entry: The message.
         """
-        text = json.dumps(schema_of(entry))
-        schema = self._schema(f"jaus.{entry.name}.{entry.code_text}", "jsonschema", text)
-        return self._channel(f"/jaus/{source}/{entry.name}", schema, "json")
+        key = (source, entry)
+        if key not in self._of_jaus:
+            text = json.dumps(schema_of(entry))
+            schema = self._schema(f"jaus.{entry.name}.{entry.code_text}", "jsonschema", text)
+            self._of_jaus[key] = self._channel(f"/jaus/{source}/{entry.name}", schema, "json")
+        return self._of_jaus[key]
 
     def write(self, channel: int, time: int, data: bytes, published: int | None = None) -> None:
         """Writes a message.

@@ -137,17 +137,19 @@ class Parts:
         self.current = Part(first, compression, overwrites=overwrites and not limits.splits)
         self._forget()
 
-    def turn(self) -> None:
-        """Begins new files when it is time."""
+    def turn(self) -> bool:
+        """Begins new files when it is time; returns whether it was."""
         limits, current = self._limits, self.current
         is_full = limits.size is not None and current.size >= limits.size
         is_over = limits.duration is not None
         is_over = is_over and time.monotonic() - current.begun >= (limits.duration or 0.0)
-        if is_full or is_over:
-            self.current.close()
-            self.current = Part(self._numbered(), self._compression, overwrites=False)
-            self.paths.append(self.current.path)
-            self._forget()
+        if not (is_full or is_over):
+            return False
+        self.current.close()
+        self.current = Part(self._numbered(), self._compression, overwrites=False)
+        self.paths.append(self.current.path)
+        self._forget()
+        return True
 
     def _numbered(self) -> Path:
         self._next += 1

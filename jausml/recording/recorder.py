@@ -106,14 +106,15 @@ class Recorder:
         self._lock = Lock()
 
     @contextmanager
-    def kept(self, period: float) -> Iterator[None]:
+    def kept(self, period: float, begun: Callable[[], None]) -> Iterator[None]:
         """Gives the disk what has come, again and again, and ends the files.
 
         Args:
             period: Seconds from one time to the next.
+            begun: Called when further files were begun, on another thread.
         """
         ended = Event()
-        keeper = Thread(target=self._keep, args=(period, ended), daemon=True)
+        keeper = Thread(target=self._keep, args=(period, ended, begun), daemon=True)
         keeper.start()
         try:
             yield
@@ -172,7 +173,7 @@ class Recorder:
                 self.fault = error
                 self.lost += 1
 
-    def _keep(self, period: float, ended: Event) -> None:
+    def _keep(self, period: float, ended: Event, begun: Callable[[], None]) -> None:
         while not ended.wait(period) and self.fault is None:
             now = time.time()
             self._write(self._parts.current.flush)
@@ -182,7 +183,11 @@ class Recorder:
                 self.fault = error
             else:
                 self.reached = now
-                self._write(self._parts.turn)
+                self._write(self._turn, begun)
+
+    def _turn(self, begun: Callable[[], None]) -> None:
+        if self._parts.turn():
+            begun()
 
     def _definition(self, topic: str, kind: str) -> str:
         """Returns the definition of the type of a topic, empty where nobody has one."""

@@ -49,6 +49,8 @@ class RosTopics:
         self.missing: dict[str, str] = {}
         self.wanted = None if wanted is None else frozenset(filter(selection.wants_topic, wanted))
         self._selection = selection
+        self._latched: set[str] = set()
+        self._repeats = False
         self._take: Take = _drop
         self._quiet = QuietNode("record")
 
@@ -73,11 +75,23 @@ class RosTopics:
         self._quiet.node.create_timer(_LOOK, self._look)
         self._quiet.spin()
 
+    def repeat_latched(self) -> None:
+        """Has the latest messages of latched topics come again, from those who publish them.
+
+        So they stand in each of several files. Callable from any thread.
+        """
+        self._repeats = True
+
     def stop(self) -> None:
         """Leaves ROS."""
         self._quiet.close()
 
     def _look(self) -> None:
+        if self._repeats:
+            self._repeats = False
+            for topic in self._latched:  # who subscribes anew is sent them by the middleware
+                self._quiet.node.destroy_subscription(self.heard.pop(topic))
+            self._latched.clear()
         for topic, kind in self._published():
             if topic not in self.heard and topic not in self.missing:
                 self._subscribe(topic, kind)
@@ -102,8 +116,11 @@ class RosTopics:
         if cls is None:
             self.missing[topic] = kind
             return
+        asked = _asked(offered)
+        if _is_latched(asked):
+            self._latched.add(topic)
         self.heard[topic] = self._quiet.node.create_subscription(
-            cls, topic, self._noting(topic, kind), _asked(offered), raw=True
+            cls, topic, self._noting(topic, kind), asked, raw=True
         )
 
     def _noting(self, topic: str, kind: str) -> Callable[[bytes, Any], None]:
@@ -124,12 +141,18 @@ class RosTopics:
         return note
 
 
+def _is_latched(profile: Any) -> bool:
+    from rclpy.qos import DurabilityPolicy  # noqa: PLC0415
+
+    return bool(profile.durability == DurabilityPolicy.TRANSIENT_LOCAL)
+
+
 def _asked(offered: list[Any]) -> Any:
     """Returns the most of quality of service that all publishers offer."""
     from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy  # noqa: PLC0415
 
     is_reliable = all(each.reliability == ReliabilityPolicy.RELIABLE for each in offered)
-    is_latched = all(each.durability == DurabilityPolicy.TRANSIENT_LOCAL for each in offered)
+    is_latched = all(map(_is_latched, offered))
     profile: Any = QoSProfile
     return profile(
         depth=_DEPTH,

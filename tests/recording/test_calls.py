@@ -104,7 +104,7 @@ def test_calls_are_recorded_where_a_node_publishes_them(tmp_path, monkeypatch):
     path, whole = tmp_path / "calls.mcap", tmp_path / "whole.mcap"
     recorder = Recorder(Parts(path, Limits()), Catalogue(read(FLEET)), {}, Selection())
     ros = RosTopics(None, Selection(topics=("/switch/*",)))
-    with Introspected() as node, recorder.kept(0.1):
+    with Introspected() as node, recorder.kept(0.1, ros.repeat_latched):
         ros.open()
         ros.begin(recorder.take_topic)
         try:

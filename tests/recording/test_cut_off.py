@@ -16,6 +16,7 @@ from jausml.recording.bags import Bag
 from jausml.recording.errors import RecordingError
 from jausml.recording.mcap_reading import McapRecording
 from jausml.recording.mcap_writing import COMPRESSIONS, McapFile
+from jausml.recording.spans import Span
 
 EACH, FLUSHES = 3, 4
 SECOND = 10**9
@@ -92,6 +93,22 @@ def test_bags_tell_how_far_they_go(cut):
     assert len(list(bag.messages())) == 2 * EACH
     assert bag.reached == BEGIN + 5 * SECOND
     assert "in the midst of a record" in bag.fault
+
+
+def test_a_bag_without_metadata_is_read_file_by_file(tmp_path):
+    # So rosbag2 leaves a bag whose recorder was killed: only the last file is cut off.
+    data, sizes = recording()
+    for number, length in ((2, len(data)), (10, sizes[0] + 20), (11, 30)):
+        (tmp_path / f"run_{number}.mcap").write_bytes(data[:length])
+    bag = Bag(str(tmp_path))
+    assert len(list(bag.messages())) == EACH * FLUSHES + EACH
+    assert "run_11.mcap cannot be read" in bag.fault
+    part = Bag(str(tmp_path), Span(start=10.0))
+    assert [each.time for each in part.messages()][:2] == [BEGIN + 10 * SECOND, BEGIN + 11 * SECOND]
+    for path in tmp_path.glob("run_*.mcap"):
+        path.write_bytes(data[:30])
+    with pytest.raises(RecordingError, match=r"run_11\.mcap cannot be read"):
+        list(Bag(str(tmp_path)).messages())
 
 
 def test_it_is_made_whole_for_all_who_read_such_files(cut, tmp_path):
