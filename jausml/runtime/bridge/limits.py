@@ -28,6 +28,8 @@ ERROR = "error"
 _LARGEST_SINGLE = 3.4028234663852886e38
 # A conversion in floating point may miss a limit by the last bits of its factors: this part of it.
 _ROUNDING = 2.0**-40
+# Scaled integers of 16 bits miss a value by so little, in parts of the range that a map lets through.
+_SCALED = 0.005
 
 Absent = TypeVar("Absent")
 T = TypeVar("T")
@@ -65,6 +67,25 @@ class Limit(Generic[Absent]):
         if nearest is not None and minimum - slack <= value <= maximum + slack:
             return nearest
         return self._outside(field, f"{value} is outside {minimum} .. {maximum}", nearest)
+
+    def within(self, field: str, value: Number, minimum: Number, maximum: Number) -> Number:
+        """Returns what a map limits on purpose, such as a speed, and counts what is limited.
+
+        Whatever the policy is, the value becomes the nearest one; not a number stays so. What is
+        beyond an end by as little as scaled integers are rounded is not counted.
+
+        Args:
+            field: The field, for counters and log.
+            value: What the conversions before gave.
+            minimum: Least value that the map lets through.
+            maximum: Greatest value that the map lets through.
+        """
+        if minimum <= value <= maximum or value != value:
+            return value
+        slack = _SCALED * (maximum - minimum)
+        if not minimum - slack <= value <= maximum + slack:
+            self._count(CLAMP, field, f"{value} is outside {minimum} .. {maximum} of the map")
+        return min(max(value, minimum), maximum)
 
     def integer(self, field: str, value: float, minimum: int, maximum: int) -> int | Absent:
         """Returns the nearest integer within minimum .. maximum, as the call itself does.

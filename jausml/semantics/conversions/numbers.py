@@ -136,7 +136,6 @@ class Limit(Conversion):
     """The value limited to a maximum in both directions, from minus the maximum to the maximum."""
 
     name = "limit"
-    formula = "{0} if -{1} <= {0} <= {1} else conversions.limit({0}, {1})"
     arguments = (MAXIMUM,)
     units = (OWN, OWN)
     keeps_sign = keeps_quantity = True

@@ -128,6 +128,35 @@ def test_twist_as_bytes(translator: Callable[[str], Translator]) -> None:
         assert flat(order + b"\0\0" + twist).hex(" ") == bytes.fromhex(EFFORT).hex(" ")
 
 
+@pytest.mark.parametrize(
+    ("asked", "driven", "counted"),
+    [(1.5, 1.5, 0), (2.0, 2.0, 0), (2.01, 2.0, 0), (2.03, 2.0, 1), (5.0, 2.0, 1), (-30.0, -2.0, 1)],
+)
+@pytest.mark.parametrize("is_flat", [True, False])
+def test_what_a_map_limits_is_counted(
+    translator: Callable[[str], Translator],
+    is_flat: bool,
+    asked: float,
+    driven: float,
+    counted: int,
+) -> None:
+    """A velocity of JAUS has steps of 0.01 m/s: those around the maximum are no limiting."""
+    bridge = translator("velocity_state_driver").bridge
+    name = "velocity_command_to_ros"
+    command = importlib.import_module("velocity_state_driver_bridge.messages").SetVelocityCommand
+    payload = command(0, asked).encode()
+    statistics = getattr(bridge, name).statistics
+    statistics.out_of_range.clear()
+    limited = statistics.limited
+    if is_flat:
+        made = transcoder(bridge, name)(payload)
+    else:
+        made = getattr(bridge, f"translate_{name}")(command.decode(payload)).to_cdr()
+    assert struct.unpack_from("<d", made, 4)[0] == pytest.approx(driven, abs=0.01)
+    assert statistics.out_of_range == ({("clamp", "linear.x"): 1} if counted else {})
+    assert statistics.limited == limited + counted
+
+
 def twice(each: Any) -> str:
     """A bridge with two connections of a map in each direction."""
     lines = bridge_lines("twins", [each], 0)

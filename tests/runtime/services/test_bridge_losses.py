@@ -126,6 +126,18 @@ def test_what_fits_passes_every_policy(policy, use, expected):
     assert counted == []
 
 
+@pytest.mark.parametrize("policy", [Clamp, DropField, DropMessage, Error])
+def test_what_a_map_limits_on_purpose_is_the_nearest_value_and_counted(policy):
+    counted = []
+    limit = policy(lambda *what: counted.append(what))
+    assert limit.within("F", 3, 0, 2) == 2
+    assert limit.within("F", -INFINITE, -2.0, 2.0) == -2.0
+    assert [what[:2] for what in counted] == [("clamp", "F")] * 2
+    assert counted[0][2] == "3 is outside 0 .. 2 of the map"
+    assert str(limit.within("F", NAN, -2.0, 2.0)) == "nan"
+    assert len(counted) == 2
+
+
 @pytest.mark.parametrize(("use", "nearest"), OUTSIDE)
 def test_what_does_not_fit_is_never_a_wrong_number(use, nearest):
     counted = []

@@ -13,6 +13,7 @@ from jausml.generators.bridge.flat.texts import limit_variable, text_of
 from jausml.semantics.attributes import TIME_STAMP
 from jausml.semantics.conversions import CONVERSIONS
 from jausml.semantics.conversions.conversion import QUATERNION
+from jausml.semantics.conversions.numbers import Clamp
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -204,6 +205,8 @@ class _Lowering(ast.NodeTransformer):
         limit = limit_call(node, self._names.owner)
         if limit is not None and limit.is_range:
             return self._limited(limit)
+        if ast.unparse(node.func) == f"self.{self._names.owner}.{Clamp.name}.within":
+            return self._within(*node.args)
         module, function = chain_of(node.func)
         root, path = chain_of(node.args[0]) if node.args else ("", "")
         if root in self._names.roots and module == "isinstance":
@@ -232,6 +235,18 @@ class _Lowering(ast.NodeTransformer):
         name = given if given.isidentifier() else LIMITED
         test = limit.test(given if given.isidentifier() else f"({LIMITED} := {given})")
         text = f"{limit.fitting(name)} if {test} else {limit.outside(name)}"
+        return ast.parse(text, mode="eval").body
+
+    def _within(self, field: ast.expr, value: ast.expr, *ends: ast.expr) -> ast.expr:
+        """What a map limits on purpose as a comparison: the connection is asked for the others."""
+        self._names.limits.setdefault(Clamp.name)
+        given, *found = (text_of(self._visited(each)) for each in (value, *ends))
+        minimum, maximum = found
+        name = given if given.isidentifier() else LIMITED
+        tested = given if given.isidentifier() else f"({LIMITED} := {given})"
+        arguments = ", ".join((text_of(field), name, minimum, maximum))
+        outside = f"{limit_variable(Clamp.name)}.within({arguments})"
+        text = f"{name} if {minimum} <= {tested} <= {maximum} else {outside}"
         return ast.parse(text, mode="eval").body
 
     def _visited(self, node: ast.expr) -> ast.expr:

@@ -25,7 +25,7 @@ from jausml.languages.expressions import occurrences, parse_expression, source_n
 from jausml.semantics.conversions import conversion_of
 from jausml.semantics.conversions.authored import Expression, LookUp, User, WithUnits
 from jausml.semantics.conversions.conversion import MAXIMUM
-from jausml.semantics.conversions.numbers import Linear, Scale
+from jausml.semantics.conversions.numbers import Clamp, Limit, Linear, Scale
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -163,9 +163,20 @@ class Chain:
             arguments = [self._surroundings.quantity(conversion.quantity, is_maximum=is_maximum)]
         if known.needs_clock:
             arguments.append("near=self.now()")
-        code = call(f"conversions.{known.name}", *(each.code for each in values), *arguments)
+        if isinstance(known, (Clamp, Limit)):
+            code = self._limited(values[0], arguments)
+        else:
+            code = call(f"conversions.{known.name}", *(each.code for each in values), *arguments)
         kinds = [_RESULTS[output] for output in known.outputs]
         return self._results(code, kinds, values)
+
+    def _limited(self, value: Value, ends: Sequence[str]) -> str:
+        """A call of the connection, which counts what the map limits on purpose."""
+        *_, maximum = ends
+        minimum = ends[0] if len(ends) > 1 else f"-{maximum}"
+        clamp = self._body.limit_of(Clamp.name).path
+        field = python_literal(self._target_paths[0])
+        return call(f"{clamp}.within", field, value.code, minimum, maximum)
 
     def _results(self, code: str, kinds: list[str], values: list[Value]) -> list[Value]:
         """The results of a call; several get a local name each."""
