@@ -73,6 +73,35 @@ def test_a_publisher_that_does_not_fit_is_named_with_the_cure_until_it_goes(node
     wait_for(lambda: not tested.faults(topic, publishes=False), "end of the fault")
 
 
+@pytest.mark.parametrize("publishes", [True, False])
+def test_a_topic_of_another_type_is_named_until_it_goes(node, peer, publishes):
+    """As of a base that takes TwistStamped where a Twist is sent: ROS says nothing of it."""
+    from geometry_msgs.msg import Twist, TwistStamped
+
+    tested, topic = node(), Topic("cmd_vel")
+    if publishes:
+        tested.publisher(Twist, topic)
+        other = peer.node.create_subscription(TwistStamped, "cmd_vel", lambda _: None, 1)
+    else:
+        tested.subscribe(Twist, topic, lambda *_: None)
+        other = peer.node.create_publisher(TwistStamped, "cmd_vel", 1)
+    tested.start(pytest.fail)
+    fault, *_ = wait_for(
+        lambda: [
+            e for e in tested.faults(topic, publishes=publishes) if e.text.startswith("/peer")
+        ],
+        "fault",
+    )
+    verb = "subscribes to" if publishes else "publishes"
+    assert (fault.kind, fault.text) == (
+        "other_type",
+        f"/peer {verb} /cmd_vel as geometry_msgs/msg/TwistStamped, which is another type:"
+        " give the map that type, or remap one of them to another topic",
+    )
+    (peer.node.destroy_subscription if publishes else peer.node.destroy_publisher)(other)
+    wait_for(lambda: not tested.faults(topic, publishes=publishes), "end of the fault")
+
+
 def test_the_cure_that_is_named_cures(node, peer):
     from std_msgs.msg import Float64
 

@@ -28,7 +28,7 @@ ERROR = "error"
 _LARGEST_SINGLE = 3.4028234663852886e38
 # A conversion in floating point may miss a limit by the last bits of its factors: this part of it.
 _ROUNDING = 2.0**-40
-# Scaled integers of 16 bits miss a value by so little, in parts of the range that a map lets through.
+# Scaled integers of 16 bits miss a value by so little, as a part of the range of the map.
 _SCALED = 0.005
 
 Absent = TypeVar("Absent")

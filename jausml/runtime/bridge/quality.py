@@ -1,4 +1,4 @@
-"""Quality of service between the two ends of a topic: what keeps them apart, and the cure.
+"""Quality of service and types at the two ends of a topic: what keeps them apart, and the cure.
 
 ROS connects a publisher and a subscription when the one offers all that the other requests, and
 otherwise neither gets anything of the other. The rules are those of DDS; `system_default` stands
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from .topics import Qos
 
 INCOMPATIBLE = "incompatible_qos"
+OTHER_TYPE = "other_type"
 DEADLINE = "deadline_missed"
 LIVELINESS = "liveliness_lost"
 
@@ -91,6 +92,8 @@ class EndpointHealth:
         entity: Its name in `qos_overrides` parameters, e.g. `subscription`.
         others: Returns names and quality of service of the nodes at the other end.
         clock: Monotonic time in seconds.
+        strangers: Returns names and types of the nodes at the other end that have another type,
+            while there are no others: ROS connects neither, and tells nobody.
     """
 
     publishes: bool
@@ -99,6 +102,7 @@ class EndpointHealth:
     entity: str
     others: Callable[[], Iterable[tuple[str, Qos]]]
     clock: Callable[[], float] = time.monotonic
+    strangers: Callable[[], Iterable[tuple[str, str]]] = tuple
     _suspected: str = field(default="", init=False)
     _was_seen: bool = field(default=False, init=False)
     _missed: float = field(default=-math.inf, init=False)
@@ -135,6 +139,7 @@ class EndpointHealth:
         publisher. ROS does not tell of that one, but of each further period without.
         """
         found = self._incompatible() if self._suspected else []
+        found += [TopicFault(OTHER_TYPE, self._strange(*each)) for each in self.strangers()]
         now = self.clock()
         if now - self._missed < self.qos.deadline + 1.0:
             verb = "was published on" if self.publishes else "came on"
@@ -161,6 +166,11 @@ class EndpointHealth:
             text = f"{other} of {self.topic} does not fit by its {self._suspected.lower()}"
             found.append(TopicFault(INCOMPATIBLE, text))
         return found
+
+    def _strange(self, name: str, kind: str) -> str:
+        verb = "subscribes to" if self.publishes else "publishes"
+        cure = "give the map that type, or remap one of them to another topic"
+        return f"{name} {verb} {self.topic} as {kind}, which is another type: {cure}"
 
     def _conflicts(self, other: Qos) -> list[Conflict]:
         return conflicts(self.qos, other) if self.publishes else conflicts(other, self.qos)

@@ -114,6 +114,7 @@ class NodeTopics:
         health.qos = never_waiting(health.qos)
         handle = self._made(internals.Publisher, found, topic, health)
         self._publishers.append(handle)
+        self._watch_types(health, found, handle.get_subscription_count)
         made = NodePublisher(handle, found)
 
         def matched(state: Any) -> None:
@@ -145,6 +146,7 @@ class NodeTopics:
         health = self._watched(topic, deep_enough(topic.qos), publishes=False)
         handle = self._made(internals.Subscription, found, topic, health)
         self._subscriptions.append(handle)
+        self._watch_types(health, found, handle.get_publisher_count)
         qos = health.qos
         # What is latched is as old as it is.
         age_limit = self._age_limit if qos.durability == "volatile" else 0
@@ -168,12 +170,9 @@ class NodeTopics:
 
     def _watched(self, topic: Topic, qos: Qos, *, publishes: bool) -> EndpointHealth:
         """Returns what will know how a publisher or subscription fares, with its final quality."""
-        node = self._node
         with as_parameter_error(f"topic {topic.name!a}: "):
-            name = node.resolve_topic_name(topic.name)
-        find = (
-            node.get_subscriptions_info_by_topic if publishes else node.get_publishers_info_by_topic
-        )
+            name = self._node.resolve_topic_name(topic.name)
+        find = self._finder(publishes=publishes)
         kin = self._kin[name, publishes]
         self._kin[name, publishes] += 1
         entity = ("publisher" if publishes else "subscription") + (f"_{kin + 1}" if kin else "")
@@ -185,6 +184,31 @@ class NodeTopics:
         health.qos = overridden(health, self._parameters.given, self._parameters.declare)
         self._health[topic, publishes] = health
         return health
+
+    def _watch_types(
+        self, health: EndpointHealth, found: type[Any], count: Callable[[], int]
+    ) -> None:
+        """Lets what fares badly know who is at the other end with another type, if nobody else."""
+        find, (package, kind, *_) = (
+            self._finder(publishes=health.publishes),
+            found.__module__.split("."),
+        )
+        own = f"{package}/{kind}/{found.__name__}"
+
+        def strangers() -> list[tuple[str, str]]:
+            if count():
+                return []
+            ends = find(health.topic)
+            return [(_node_name(each), each.topic_type) for each in ends if each.topic_type != own]
+
+        health.strangers = strangers
+
+    def _finder(self, *, publishes: bool) -> Callable[[str], list[Any]]:
+        """Returns what finds the other ends of a topic, by its full name."""
+        node = self._node
+        if publishes:
+            return node.get_subscriptions_info_by_topic  # type: ignore[no-any-return]
+        return node.get_publishers_info_by_topic  # type: ignore[no-any-return]
 
     def _made(self, kind: Any, found: type[Any], topic: Topic, health: EndpointHealth) -> Any:
         """Returns the handle of a new publisher or subscription."""

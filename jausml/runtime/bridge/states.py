@@ -113,8 +113,8 @@ def _stopped(facts: Facts, reason: StopReason) -> Judgement:
     """Returns the state while no message of the source stands."""
     if reason in _SILENCES and facts.is_heard:
         return Judgement(ConnectionPhase.SILENT, reason.value)
-    if reason in (StopReason.START, *_SILENCES):
+    if reason in (StopReason.START, *_SILENCES) or not (facts.is_heard or facts.forbidden):
         return Judgement(ConnectionPhase.WAITING, StopReason.START.value)
     if facts.forbidden:
         return Judgement(ConnectionPhase.REFUSED, facts.forbidden)
-    return Judgement(ConnectionPhase.WAITING, f"no message since: {reason.value}")
+    return Judgement(ConnectionPhase.WAITING, f"no message since the stop: {reason.value}")
