@@ -69,7 +69,8 @@ def _end(topic: GraphTopic) -> TopicEnd:
 
     is_one_way = bool(topic.publishers) is not bool(topic.subscriptions)
     return TopicEnd(
-        topic.name,
+        # Relative to the root, where the bridge is: so a namespace and remappings move it too.
+        topic.name.removeprefix("/"),
         topic.types[0].replace("/msg/", "/", 1),
         bool(topic.subscriptions) if is_one_way else None,
         heard=_heard(topic.publishers),

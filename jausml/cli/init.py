@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from jausml.cli.common import PROBLEMS, EnvironmentFault, find_files
-from jausml.cli.topics import chosen_crossings, told, topic_options, topics_of
+from jausml.cli.topics import chosen_crossings, tell, topic_options, topics_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -66,6 +67,8 @@ def command(
 
     if bool(sources) is not (origin in _EXAMPLES):
         what = f"needs SOURCEs, such as {_EXAMPLES[origin]}" if not sources else "takes no SOURCE"
+        if sources and all(":" in each for each in sources):
+            what += "; did you mean --from topics?"
         raise click.UsageError(f"--from {origin} {what}")
     try:
         wish = Wish(name or name_for(folder), notation == "text", origin == _EMPTY)
@@ -80,7 +83,8 @@ def command(
     except OSError as error:
         raise EnvironmentFault(f"{error.filename} cannot be written: {error.strerror}") from error
     click.echo(f"{len(written)} files in {folder}; next:")
-    click.echo(f"  cd {folder}")
+    if folder.resolve() != Path.cwd().resolve():
+        click.echo(f"  cd {shlex.quote(str(folder))}")
     click.echo("  jausml validate models")
     click.echo(f"  jausml generate {wish.model} -o src")
     click.echo("  jausml run src --for 10")
@@ -97,8 +101,7 @@ def _from_topics(
     maps = library().instances(bridge.AttributeMap)
     chosen = chosen_crossings(topics, maps, side=side, yes=yes)
     written = start_from_topics(folder, wish, chosen, topics)
-    for each in chosen:
-        click.echo(told(each))
+    tell(chosen, topics)
     return written
 
 

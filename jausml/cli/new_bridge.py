@@ -9,7 +9,7 @@ import click
 from jausml.cli.common import FiniteRange
 from jausml.cli.graph import topics_that_run
 from jausml.cli.new_places import model_option, place_for, report, stopping
-from jausml.cli.topics import chosen_crossings, told, topic_options, topics_of
+from jausml.cli.topics import chosen_crossings, tell, topic_options, topics_of
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -73,6 +73,5 @@ def command(
             topics, ready_maps(place), side=side, yes=yes, all_needed=bool(words)
         )
         files = add_bridge(place, name, chosen, topics, address or "")
-    for each in chosen:
-        click.echo(told(each))
+    tell(chosen, topics)
     report(place, files)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli.asking import can_ask, choose
+from jausml.cli.manners import remark
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -127,8 +128,13 @@ def _taken(topic: TopicEnd, ways: Sequence[Crossing], *, yes: bool) -> list[Cros
             raise click.UsageError(f"{topic.name}: no ready map {missing[0]!a}; there are {names}")
         return [by_name[each] for each in topic.maps]
     if yes or len(ways) == 1:
+        if others := ", ".join(name_of(each.map) for each in ways[1:]):
+            used = name_of(ways[0].map)
+            remark(
+                f"{topic.name}: {used} is used; {others} would fit too (name them after a colon)"
+            )
         return [ways[0]]
-    options = [each.says() for each in ways]
+    options = _options(ways)
     if not can_ask():
         listed = "".join(f"\n  {topic.name}:{topic.type}:{each}" for each in options)
         text = f"{topic.name} fits several maps: name one, or take the first by --yes{listed}"
@@ -136,8 +142,55 @@ def _taken(topic: TopicEnd, ways: Sequence[Crossing], *, yes: bool) -> list[Cros
     return [ways[n] for n in choose(f"{topic.name} ({topic.type}) fits several maps:", options)]
 
 
-def told(crossing: Crossing) -> str:
-    """Returns what was made for a topic, as a line for people."""
+def _options(ways: Sequence[Crossing]) -> list[str]:
+    """Returns what to choose from; ways of which the same is said are told apart by their maps."""
+    from jausml.model.names import name_of
+
+    found = []
+    for way in ways:
+        does = way.says().partition(": ")[2]
+        is_alone = sum(each.says().partition(": ")[2] == does for each in ways) == 1
+        about = " ".join(str(way.map.documentation or "").split())
+        found.append(
+            way.says() if is_alone or not about else f"{name_of(way.map)}: {does}. {about}"
+        )
+    return found
+
+
+def tell(chosen: Sequence[Crossing], topics: Sequence[TopicEnd]) -> None:
+    """Says what was made of each topic, and which facts of the vehicle a map has assumed.
+
+    Args:
+        chosen: The ways that were taken.
+        topics: All topics, some of which joins of the maps read.
+    """
+    from jausml.model.names import name_of
+    from jausml.proposals.topics import joins_of
+
+    fed: set[str] = set()
+    for each in chosen:
+        click.echo(_told(each))
+        for join, topic in joins_of(each, topics, fed).items():
+            used = name_of(each.map)
+            click.echo(f"{topic}: ROS -> JAUS, {used}: read as {join} with {each.topic.name}")
+    for quantity, used in _assumed(chosen):
+        unit = f" {quantity.units}" if quantity.units else ""
+        said = f"{name_of(quantity)} of {used} is {quantity.value:g}{unit}"
+        click.echo(f"{said} unless a quantity of the bridge states that of the vehicle")
+
+
+def _assumed(chosen: Sequence[Crossing]) -> list[tuple[bridge.Quantity, str]]:
+    """Returns the numbers of a vehicle that maps assume, each with the name of a map."""
+    from jausml.model.names import name_of
+
+    found: dict[str, tuple[bridge.Quantity, str]] = {}
+    for each in chosen:
+        for quantity in each.map.quantities:
+            found.setdefault(name_of(quantity), (quantity, name_of(each.map)))
+    return list(found.values())
+
+
+def _told(crossing: Crossing) -> str:
     from jausml.proposals.topics import HOLD
 
     arrow = "JAUS -> ROS" if crossing.offer.to_ros else "ROS -> JAUS"

@@ -144,3 +144,11 @@ def test_what_cannot_be_made(tmp_path, folder, options, words):
     done = run("init", tmp_path / folder, *options)
     assert done.exit_code == 2
     assert words in done.output
+
+
+def test_what_comes_next_can_be_pasted(tmp_path, monkeypatch, jausml):
+    monkeypatch.chdir(tmp_path)
+    assert "\n  cd 'my rover'\n" in jausml("init", "my rover").output
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    assert "cd " not in jausml("init", ".").output

@@ -36,7 +36,7 @@ def test_eclipse_opens_services_without_a_word(tmp_path, jausml):
     ("options", "status", "told"),
     [
         (("--from", "topics"), 2, "needs SOURCEs, such as odom:nav_msgs/Odometry"),
-        (("a:geometry_msgs/Twist",), 2, "takes no SOURCE"),
+        (("a:geometry_msgs/Twist",), 2, "takes no SOURCE; did you mean --from topics?"),
         (("--from", "topics", "a:std_msgs/String"), 2, "no ready map carries std_msgs/String"),
         (("--from", "jsidl", WINCH / "Winch.jsidl"), 1, "nothing written"),
         (("--from", "jsidl", "missing.jsidl"), 2, "missing.jsidl"),

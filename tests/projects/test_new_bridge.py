@@ -121,9 +121,25 @@ def test_a_topic_may_feed_the_join_of_another(rover, jausml, notation):
         "--yes",
     )
     assert done.exit_code == 0, done.output
+    assert "imu/data: ROS -> JAUS, global_pose: read as imu with fix" in done.output
+    assert "fix: global_pose is used; global_waypoint_fix would fit too" in done.output
     [(topics, used, *_)] = ways(model)
     assert (topics, used) == (["fix", "imu/data"], "global_pose")
     assert jausml("validate", "models", "--strict").exit_code == 0
+
+
+def test_it_says_which_numbers_of_the_vehicle_a_map_assumes(rover, jausml):
+    rover("text")
+    done = jausml("new", "bridge", "rover", DRIVE, "--yes")
+    assert "max_speed of velocity_command is 2 m/s unless a quantity of the bridge" in done.output
+
+
+def test_ways_that_say_the_same_are_told_apart(rover, jausml):
+    rover("text")
+    done = jausml("new", "bridge", "rover", ODOM)
+    same = "reported as ReportLocalPose of LocalPoseSensor to whoever asks"
+    assert f"{ODOM}:local_pose: {same}. Pose in odom." in done.output
+    assert f"{ODOM}:local_pose_enu: {same}. Pose in a map frame of ROS with x east" in done.output
 
 
 def test_what_nothing_stops_says_so(rover, jausml):
