@@ -1,7 +1,7 @@
 """The command line: one module for each verb, loaded when the verb is used.
 
 Exit status of all verbs: 0 done and no errors, 1 problems of the models or of generated files,
-2 usage or environment, 3 internal error, 141 nobody reads the output any more.
+2 usage or environment, 3 internal error, 130 interrupted, 141 nobody reads the output any more.
 """
 
 from __future__ import annotations
@@ -77,8 +77,9 @@ LASTING = {
 
 ENVIRONMENT_FAULT = 2
 INTERNAL_ERROR = 3
+INTERRUPTED = 128 + signal.SIGINT
 READER_GONE = 128 + signal.SIGPIPE
-"""As shells tell of a program that ended so: no problem of the models."""
+"""As shells tell of a program that a signal ended: no problem of the models."""
 
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
@@ -132,14 +133,7 @@ class Verbs(click.Group):
         return [*verbs, *click.Command.shell_complete(self, ctx, incomplete)]
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
-        """Generate ROS 2 <-> JAUS bridges and JAUS components from models.
-
-        Results go to stdout, everything else to stderr. On terminals, output is coloured unless
-        NO_COLOR is set, and a step that takes more than a second shows its progress.
-
-        Exit status: 0 done, 1 problems in the input, 2 usage or environment, 3 internal error, 141
-        the reader of the output has gone.
-        """
+        """Runs the command line; characters that a terminal cannot show are escaped."""
         for stream in (sys.stdout, sys.stderr):
             if hasattr(stream, "reconfigure"):
                 stream.reconfigure(errors="backslashreplace")
@@ -157,6 +151,9 @@ class Verbs(click.Group):
                 return super().invoke(ctx)
         except (click.exceptions.Exit, click.ClickException, click.Abort):
             raise
+        except KeyboardInterrupt:
+            click.echo(err=True)  # a terminal shows ^C
+            ctx.exit(INTERRUPTED)
         except Exception as error:
             if ctx.params["debug"]:
                 traceback.print_exc()
@@ -201,8 +198,8 @@ def main(context: click.Context, quiet: bool, verbose: bool, debug: bool) -> Non
     Results go to stdout, everything else to stderr. On terminals, output is coloured unless
     NO_COLOR is set, and a step that takes more than a second shows its progress.
 
-    Exit status: 0 done, 1 problems in the input, 2 usage or environment, 3 internal error, 141 the
-    reader of the output has gone.
+    Exit status: 0 done, 1 problems in the input, 2 usage or environment, 3 internal error, 130
+    interrupted, 141 the reader of the output has gone.
     """
     if quiet and verbose:
         raise click.UsageError("--quiet and --verbose exclude each other")
@@ -226,7 +223,20 @@ def program() -> None:
         gc.disable()
         # Else the collector looks at all of them at the end.
         atexit.register(gc.freeze)
-    main(prog_name="jausml")
+    try:
+        main(prog_name="jausml")
+    except SystemExit as end:
+        if end.code == INTERRUPTED:
+            _end_by_interrupt()
+        raise
+
+
+def _end_by_interrupt() -> None:
+    """Ends this process as an interrupt does by itself: a loop of a shell then ends too."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    os.kill(os.getpid(), signal.SIGINT)
 
 
 def _open_closed_streams() -> None:

@@ -20,6 +20,7 @@ from jausml.cli.common import (
     reading_options,
 )
 from jausml.cli.imported import counted, say, write_document
+from jausml.cli.manners import painted_findings
 from jausml.cli.options import quiet_option
 
 if TYPE_CHECKING:
@@ -108,7 +109,9 @@ def _report(result: ReadResult, source: str, *, quiet: bool) -> None:
     report = Report(result.model, (source,), tuple(result.diagnostics))
     shown = [each for each in report.diagnostics if each.severity is not Severity.INFO]
     if shown:
-        click.echo(text.render(Report(result.model, (source,), tuple(shown))), nl=False)
+        click.echo(
+            painted_findings(text.render(Report(result.model, (source,), tuple(shown)))), nl=False
+        )
     if result.has_errors:
         say(f"{text.summary(report)}; nothing written", quiet=quiet)
         raise click.exceptions.Exit(PROBLEMS)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli.common import PROBLEMS, EnvironmentFault, find_models, reading_options, write_report
-from jausml.cli.manners import step
+from jausml.cli.manners import painted_findings, step
 
 if TYPE_CHECKING:
     from jausml.cli.common import Reading
@@ -68,13 +68,13 @@ def command(model: str, view: str, output: str, theme: str, reading: Reading) ->
         graph = graph_of(report.model, view, report.diagnostics)
     except UnknownViewError as error:
         if report.has_errors:
-            click.echo(text.render(report), nl=False, err=True)
+            click.echo(painted_findings(text.render(report)), nl=False, err=True)
         raise EnvironmentFault(str(error)) from error
     with step("drawing"):
         picture = _rendered(graph, suffix, theme)
     write_report(picture, output)
     if report.has_errors:
-        click.echo(text.render(report), nl=False, err=True)
+        click.echo(painted_findings(text.render(report)), nl=False, err=True)
         click.echo(text.summary(report), err=True)
         raise click.exceptions.Exit(PROBLEMS)
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli.common import PROBLEMS, find_models, reading_options
+from jausml.cli.manners import painted
 from jausml.cli.options import (
     format_option,
     interface_option,
@@ -78,7 +79,8 @@ def _as_text(found: Sequence[Check]) -> str:
         if each.topic != topic:
             topic = each.topic
             lines += ["", topic] if lines else [topic]
-        lines.append(f"  {each.verdict.value:<8} {each.name}: {each.text}")
+        verdict = each.verdict.value
+        lines.append(f"  {painted(verdict, f'{verdict:<8}')} {each.name}: {each.text}")
         if each.cure:
             lines.append(f"  {'':<8} -> {each.cure}")
     return "\n".join([*lines, "", ", ".join(_count(found, word) for word in _COUNTED)])

@@ -15,7 +15,7 @@ from jausml.cli.common import (
     one_model,
     reading_options,
 )
-from jausml.cli.manners import manners, remark, step
+from jausml.cli.manners import manners, painted_findings, remark, step
 from jausml.cli.options import quiet_option
 
 if TYPE_CHECKING:
@@ -164,7 +164,7 @@ def _valid_model(read: ReadResult, *, strict: bool) -> Model:
 
     with step("checking the model"):
         report = check(read)
-    click.echo(text.render(report), nl=False, err=True)
+    click.echo(painted_findings(text.render(report)), nl=False, err=True)
     if report.has_errors or (strict and report.has_warnings):
         click.echo(f"{text.summary(report)}; nothing generated", err=True)
         raise click.exceptions.Exit(PROBLEMS)

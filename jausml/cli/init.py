@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli.common import PROBLEMS, EnvironmentFault, find_files
+from jausml.cli.manners import painted_findings
 from jausml.cli.topics import chosen_crossings, tell, topic_options, topics_of
 
 if TYPE_CHECKING:
@@ -122,7 +123,7 @@ def _imported(paths: Sequence[str]) -> ImportResult:
     result = import_jsidl(files, candidates=find_files(folders, JSIDL_SUFFIXES))
     report = findings_of(result)
     if report.diagnostics:
-        click.echo(text.render(report), nl=False, err=True)
+        click.echo(painted_findings(text.render(report)), nl=False, err=True)
     if report.has_errors or not result.sets:
         click.echo("nothing written", err=True)
         raise click.exceptions.Exit(PROBLEMS)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 import threading
 import time
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 PATIENCE = 1.0
 """Seconds that a step may take before a terminal shows that it goes on."""
 _PERIOD = 0.25
+_COLOURS = {"error": "red", "warning": "yellow", "note": "cyan", "ok": "green"}
+_SEVERITY = re.compile("^(.*?): (error|warning|note): ", re.MULTILINE)
 _CLEAR = "\r\x1b[K"
 
 
@@ -44,6 +47,25 @@ def manners() -> Manners:
 def colour_allowed() -> bool:
     """Whether terminals may be coloured: not where NO_COLOR is set (no-color.org)."""
     return not os.environ.get("NO_COLOR")
+
+
+def painted(word: str, shown: str = "") -> str:
+    """Returns a verdict in its colour; terminals alone are given it (click).
+
+    Args:
+        word: `error`, `warning`, `note` or `ok`.
+        shown: What is shown instead of the word, for example the word and blanks.
+    """
+    return click.style(shown or word, fg=_COLOURS[word], bold=word == "error")
+
+
+def painted_findings(text: str) -> str:
+    """Returns the findings of a report with their severities in colour.
+
+    Args:
+        text: The findings, a line each: place, severity and message.
+    """
+    return _SEVERITY.sub(lambda found: f"{found[1]}: {painted(found[2])}: ", text)
 
 
 def remark(text: str) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli.common import PROBLEMS, SUFFIXES, reading_options
+from jausml.cli.manners import painted_findings
 from jausml.cli.systems import assumption_options, whole_number
 
 if TYPE_CHECKING:
@@ -106,5 +107,5 @@ def _write(read: Model, model: str, output: str, reading: Reading, *, force: boo
     say(f"{shown}: {state}", quiet=False)
     report = check(read_models([output], notations=NOTATIONS, **reading))
     if report.has_errors:
-        click.echo(text.render(report), nl=False, err=True)
+        click.echo(painted_findings(text.render(report)), nl=False, err=True)
         raise click.exceptions.Exit(PROBLEMS)

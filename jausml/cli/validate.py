@@ -18,7 +18,7 @@ from jausml.cli.common import (
     reading_options,
     write_report,
 )
-from jausml.cli.manners import step
+from jausml.cli.manners import painted_findings, step
 from jausml.cli.options import format_option, quiet_option
 
 if TYPE_CHECKING:
@@ -86,6 +86,8 @@ def command(
     rendered = (
         sarif.render(report, help_uri) if help_uri is not None else RENDERERS[output_format](report)
     )
+    if output is None and output_format == "text":
+        rendered = painted_findings(rendered)
     write_report(rendered, output)
     if not quiet:
         click.echo(text.summary(report), err=True)

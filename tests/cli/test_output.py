@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import shlex
+import signal
 import subprocess
 import sys
 
 import pytest
+from terminal import at_terminal
 
 JAUSML = f"{shlex.quote(sys.executable)} -m jausml"
 
@@ -56,3 +58,36 @@ def test_a_reader_that_has_gone_is_no_problem_of_the_models(words):
     finally:
         os.close(writer)
     assert (result.returncode, result.stderr) == (141, b"")
+
+
+def test_an_interrupt_ends_as_shells_expect(folder):
+    """A loop of a shell ends with a program that died of the signal, and goes on otherwise."""
+    command = [sys.executable, "-m", "jausml", "validate", "good.xmi", "pipe.xmi"]
+    os.mkfifo(folder / "pipe.xmi")  # is read until the signal comes
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        with (folder / "pipe.xmi").open("w"):
+            process.send_signal(signal.SIGINT)
+            output, errors = process.communicate(timeout=100)
+    finally:
+        process.kill()
+        process.wait()
+    assert (process.returncode, output, errors) == (-signal.SIGINT, "", "\n")
+
+
+@pytest.mark.usefixtures("folder")
+def test_an_interrupt_within_another_program_is_a_status(jausml, monkeypatch):
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("jausml.validation.engine.validate", interrupted)
+    assert jausml("validate", "good.xmi").exit_code == 130
+
+
+@pytest.mark.parametrize("value", ["", "1"])
+def test_severities_have_colours_on_terminals(folder, value):
+    command = (sys.executable, "-m", "jausml", "validate", "bad.xmi")
+    with at_terminal(*command, cwd=folder, environment={"NO_COLOR": value}) as terminal:
+        shown = terminal.read_all()
+    assert ("\x1b[31m\x1b[1merror\x1b[0m: JML425" in shown) == (not value), shown
+    assert ("\x1b" in shown) == (not value)
