@@ -58,6 +58,8 @@ def command(base: str, ours: str, theirs: str, file: str | None, output: str | N
         write_report(data, output)
         _fail(f"{named}:1:1: error: {AS_LINES} merged as lines: {error}")
     write_report(outcome.data, output)
+    for each in outcome.left_out:
+        click.echo(f"{named}: note: a comment of theirs is left out: {each}", err=True)
     if outcome.findings:
         _fail(*(line for each in outcome.findings for line in lines_of(each)))
 

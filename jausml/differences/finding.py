@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from typing import Any
 
-    from jausml.metamodel import FeatureTable
+    from jausml.metamodel import ClassTable, FeatureTable
     from jausml.metamodel.classes.ecore import EObject
     from jausml.model.model import Model
 
@@ -34,6 +34,16 @@ _PHRASES = {
     each: (f"no longer {each}", f"now {each}")
     for each in ("provides", "uses", "controls", "inherits")
 }
+
+
+def is_ordered(table: ClassTable, feature: FeatureTable) -> bool:
+    """Tells whether the order of the parts of an element means something.
+
+    Args:
+        table: The class of the element.
+        feature: The feature that holds the parts.
+    """
+    return any(f"{each.qualified_name}.{feature.name}" in _ORDERED for each in table.supertypes)
 
 
 def changes(
@@ -93,10 +103,7 @@ class _Finding:
                 yield self._whole(Kind.ADDED, each)
             else:
                 yield from self._pair(before, each)
-        declared = {
-            f"{each.qualified_name}.{feature.name}" for each in self._class_of(other).supertypes
-        }
-        if declared & _ORDERED:
+        if is_ordered(self._class_of(other), feature):
             yield from self._order(one, other, ours, feature)
 
     def _order(

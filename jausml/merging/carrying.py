@@ -210,7 +210,8 @@ class Carrying:
             return  # it went with something else
         for each in referrers(ref, self._draft()):
             if each.element not in leaving:
-                what = f"it was removed by them, and {each.label} refers to it"
+                label = self._sides.label(element)
+                what = f"{label} was removed by them, and {each.label} refers to it"
                 self.conflicts.append(Conflict(GONE_HERE, element, what))
                 return
         self._do(Remove(ref))

@@ -46,8 +46,9 @@ _RULES = {
     ),
     AS_LINES: RuleInfo(
         "merge: merged as lines",
-        "One of the three states cannot be read as a model, or has references that lead nowhere, "
-        "so the file was merged as git merges lines. Good: look at the result, and validate it.",
+        "One of the three states cannot be read as a model, or has references that lead nowhere "
+        "and do not name an id in another file, so the file was merged as git merges lines. Good: "
+        "look at the result, and validate it.",
     ),
 }
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -11,17 +13,22 @@ from jausml.merging.carrying import Carrying
 from jausml.merging.conflicts import ELSEWHERE, MERGE_RULES, Conflict
 from jausml.merging.planning import planned
 from jausml.merging.sides import Sides
+from jausml.merging.stand_ins import stand_ins
 from jausml.model import refs
 from jausml.model.diagnostics import Diagnostic, Location, Severity
 from jausml.model.reading.reader import read_models
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Container, Mapping
     from pathlib import Path
 
     from jausml.editing.records import Stored
     from jausml.model.model import Model
     from jausml.model.reading.reader import ReadResult
+
+_HALF_DONE = ("JML108", "JML110")
+"""The rules of values that are still to come: all that is there was read."""
+_COMMENT = re.compile(rb"<!--(.*?)-->", re.DOTALL)
 
 
 class UnmergeableError(Exception):
@@ -35,10 +42,12 @@ class Merged:
     Attributes:
         data: The file: ours, with what theirs did where that goes.
         findings: The conflicts, at their places in the file or in others.
+        left_out: XML comments of theirs that are not in the merge, since they are of no element.
     """
 
     data: bytes
     findings: tuple[Diagnostic, ...]
+    left_out: tuple[str, ...] = ()
 
 
 def merged(file: str, root: Path, base: bytes, ours: bytes, theirs: bytes) -> Merged:
@@ -57,16 +66,18 @@ def merged(file: str, root: Path, base: bytes, ours: bytes, theirs: bytes) -> Me
     """
     reader = Reader(root)
     files = _files(root, file, ours)
-    mine = _whole("our side", reader.read(file, files))
-    was, other = (
-        _whole(
-            name,
-            read_models(
-                [root / file], project_root=root, notations=NOTATIONS, contents={root / file: data}
-            ),
-        )
-        for name, data in (("the base", base), ("their side", theirs))
+    results = [_read(root, file, each, {}) for each in (base, ours, theirs)]
+    absent = [each for one in results for each in one.lost if each.path != root / file]
+    others = stand_ins(absent, results[0].model.metamodels)
+    if others:
+        results = [_read(root, file, each, others) for each in (base, ours, theirs)]
+        names = {path.relative_to(root).as_posix(): data for path, data in others.items()}
+        files |= {name: stored(name, data, 0) for name, data in names.items()}
+    names_of = ("the base", "our side", "their side")
+    was, _, other = (
+        _whole(name, each, root, others) for name, each in zip(names_of, results, strict=True)
     )
+    mine = reader.read(file, files).model
     kinds = [[each.eClass for each in m.documents[0].roots] for m in (was, mine, other)]
     if not kinds[0] or kinds[0] != kinds[1] or kinds[0] != kinds[2]:
         raise UnmergeableError("the roots of the three states are not of the same classes")
@@ -79,7 +90,14 @@ def merged(file: str, root: Path, base: bytes, ours: bytes, theirs: bytes) -> Me
         raise UnmergeableError(str(error)) from error
     conflicts = [*plan.conflicts, *carrying.conflicts]
     conflicts += _elsewhere(files, carrying.files, file, mine)
-    return Merged(carrying.files[file].data, _findings(conflicts, carrying, file))
+    known = {*_comments(base), *_comments(ours)}
+    left_out = tuple(each for each in _comments(theirs) if each not in known)
+    return Merged(carrying.files[file].data, _findings(conflicts, carrying, file), left_out)
+
+
+def _comments(data: bytes) -> list[str]:
+    found = _COMMENT.findall(data.replace(b"\0", b""))
+    return [" ".join(each.decode("utf-8", "replace").split()) for each in found]
 
 
 def _files(root: Path, file: str, ours: bytes) -> dict[str, Stored]:
@@ -89,11 +107,22 @@ def _files(root: Path, file: str, ours: bytes) -> dict[str, Stored]:
     return {**found, file: stored(file, ours, 0)}
 
 
-def _whole(name: str, result: ReadResult) -> Model:
-    """Returns a state that was read without errors."""
+def _read(root: Path, file: str, data: bytes, others: Mapping[Path, bytes]) -> ReadResult:
+    path = root / file
+    contents = {**others, path: data}
+    return read_models([path], project_root=root, notations=NOTATIONS, contents=contents)
+
+
+def _whole(name: str, result: ReadResult, root: Path, others: Container[Path]) -> Model:
+    """Returns a state that was read without errors but those of stand-ins."""
+    ours = {each.display for each in result.model.documents if each.path in others}
     for each in result.diagnostics:
-        if each.severity is Severity.ERROR:
-            raise UnmergeableError(f"{name}: {each.rule} {each.message}")
+        if each.severity is not Severity.ERROR or each.rule in _HALF_DONE:
+            continue
+        if each.location.path not in ours:
+            place = f"line {each.location.line}: " if each.location.line else ""
+            told = each.message.replace(f"{root}{os.sep}", "")
+            raise UnmergeableError(f"{name}: {place}{each.rule} {told}")
     return result.model
 
 

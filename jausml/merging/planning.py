@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from jausml.differences.telling import NOTHING, element_words, feature_text, words
+from jausml.differences.finding import is_ordered
+from jausml.differences.telling import NOTHING, feature_text, words
 from jausml.merging.conflicts import CHANGED_TWICE, GONE_HERE, Conflict
 from jausml.metamodel import FeatureKind
 from jausml.metamodel.classes import bridge, jaus
@@ -100,7 +101,9 @@ class _Planner:
         is_whole = isinstance(base, _WHOLE) and not isinstance(base, bridge.ListAssignment)
         if is_whole and not sides.is_same(base, ours, sides.ours):
             if not sides.is_alike(ours, theirs):
-                self._clash(ours, "", f"{self._label(ours)} was changed on both sides")
+                mine, other = self._told(base, ours), self._told(base, theirs)
+                what = f"{self._label(ours)} was changed on both sides"
+                self._clash(ours, "", f"{what}: ours: {mine}; theirs: {other}")
             return
         for feature in sides.features(base):
             if feature.kind is FeatureKind.CONTAINMENT:
@@ -139,7 +142,8 @@ class _Planner:
             elif here is not None:
                 self._gone_there(each, here, is_one=not feature.many)
             elif there is not None and not self._sides.is_same(each, there, self._sides.theirs):
-                what = f"{self._label(each)} was removed by us and changed by them"
+                told = self._told(each, there)
+                what = f"{self._label(each)} was removed by us and changed by them: {told}"
                 self.plan.conflicts.append(Conflict(GONE_HERE, ours, what, feature.name))
         self._added(ours, theirs, feature)
         self._ordered(base, ours, theirs, feature)
@@ -148,7 +152,8 @@ class _Planner:
         if self._sides.is_same(base, ours, self._sides.ours):
             (self.plan.replaced if is_one else self.plan.removed).append(ours)
         else:
-            what = f"{self._label(ours)} was removed by them and changed by us"
+            told = self._told(base, ours)
+            what = f"{self._label(ours)} was removed by them and changed by us: {told}"
             self.plan.conflicts.append(Conflict(GONE_HERE, ours, what))
 
     def _added(self, ours: EObject, theirs: EObject, feature: FeatureTable) -> None:
@@ -167,8 +172,9 @@ class _Planner:
                 new.remove(twin)
                 self._paired(twin, each)
                 if not self._sides.is_alike(twin, each):
+                    told = self._sides.told(twin, self._sides.ours, each, self._sides.theirs)
                     what = f"{self._label(twin)} was added on both sides, and is not the same"
-                    self._clash(twin, "", what)
+                    self._clash(twin, "", f"{what}: from ours to theirs: {told}")
 
     def _twin(self, theirs: EObject, new: Sequence[EObject]) -> EObject | None:
         """Returns what our side added that is the same element, or bears the same name."""
@@ -216,6 +222,8 @@ class _Planner:
         if there in (common, here):
             return
         if here != common:
+            if not is_ordered(self._sides.table(base), feature):
+                return
             what = (
                 f"{words(feature.name)} of {self._label(ours)} stand in another order on each side"
             )
@@ -234,7 +242,9 @@ class _Planner:
     def _clash(self, element: EObject, feature: str, message: str) -> None:
         self.plan.conflicts.append(Conflict(CHANGED_TWICE, element, message, feature))
 
-    def _label(self, obj: Any) -> str:
-        name = getattr(obj, "name", None) or getattr(obj, "target", None)
-        what = element_words(self._sides.table(obj))
-        return f"{what} '{name}'" if name else what
+    def _told(self, base: EObject, obj: EObject) -> str:
+        side = self._sides.ours if obj in self._ours.olds else self._sides.theirs
+        return self._sides.told(base, None, obj, side)
+
+    def _label(self, obj: EObject) -> str:
+        return self._sides.label(obj)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
+from jausml.differences.finding import changes
 from jausml.differences.matching import Matching
+from jausml.differences.telling import element_words
 from jausml.editing.forest import attribute_values
 from jausml.metamodel import FeatureKind
 from jausml.metamodel.filling import contents
@@ -19,6 +21,9 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes.ecore import EObject
     from jausml.model.model import Model
     from jausml.model.refs import Ref
+
+_MOST_TOLD = 3
+"""Changes of one element that a conflict tells."""
 
 Value: TypeAlias = "EObject | str | None"
 """What can be compared whatever the side: a value as XMI writes it; an element, as that of the
@@ -118,6 +123,32 @@ class Sides:
             if not all(self.is_alike(o, t) for o, t in zip(here, there, strict=True)):
                 return False
         return True
+
+    def label(self, obj: Any) -> str:
+        """Returns an element in words: what it is, and its name."""
+        name = getattr(obj, "name", None) or getattr(obj, "target", None)
+        what = element_words(self.table(obj))
+        return f"{what} '{name}'" if name else what
+
+    def told(self, one: EObject, old: Side | None, other: EObject, new: Side) -> str:
+        """Returns in words what makes another element of one.
+
+        Args:
+            one: The element.
+            old: The side that has it, None for the base.
+            other: The other element, of the same class.
+            new: The side that has that.
+        """
+        before = self.base if old is None else old.model
+        found = changes(before, new.model, [(one, other)])
+        texts = [
+            each.text if each.new_element is other else f"{each.element} {each.path}: {each.text}"
+            for each in found
+        ]
+        if not texts:
+            return "documentation, ids or the order of parts"
+        more = [f"and {len(texts) - _MOST_TOLD} more"] if len(texts) > _MOST_TOLD else []
+        return ", ".join([*texts[:_MOST_TOLD], *more])
 
 
 def _roots(base: Model, side: Model) -> list[tuple[EObject, EObject]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -119,7 +120,7 @@ def test_a_file_that_is_no_model_is_merged_as_lines(repository):
     repository.commit("theirs", MINIMAL.replace(RATE, 'rate="50.0"'))
     repository.git("checkout", "-q", "ours")
     told = repository.git("merge", "--no-edit", "theirs", status=1)
-    assert "models/robot.xmi:1:1: error: JML815 merged as lines: our side: JML" in told
+    assert "models/robot.xmi:1:1: error: JML815 merged as lines: our side: line 2: JML" in told
     text = repository.model.read_text(encoding="utf-8")
     assert "<sistem:" in text
     assert 'rate="50.0"' in text
@@ -129,3 +130,45 @@ def test_a_file_that_comes_is_told_as_such(repository):
     (repository.folder / "models" / "other.xmi").write_text(MINIMAL, encoding="utf-8")
     repository.git("add", ".")
     assert "+ models/other.xmi: added" in repository.git("diff", "--cached", "--ext-diff")
+
+
+def test_what_theirs_refers_to_in_a_file_of_its_own_comes_with_it(repository):
+    """git merges file by file, and the maps that `jausml new bridge` writes are not there yet."""
+    repository.git("checkout", "-q", "-b", "theirs", "main")
+    model = str(repository.model)
+    for each in ("scan:sensor_msgs/LaserScan:laser_scan", "odom:nav_msgs/Odometry:local_pose"):
+        repository.run("jausml", "new", "bridge", each.partition(":")[0], each, "-m", model)
+    repository.git("add", ".")
+    repository.git("commit", "-q", "-m", "theirs")
+    repository.git("checkout", "-q", "-b", "ours", "main")
+    repository.run(
+        "jausml", "new", "bridge", "fix", "fix:sensor_msgs/NavSatFix", "--yes", "-m", model
+    )
+    repository.git("add", ".")
+    repository.git("commit", "-q", "-m", "ours")
+    repository.git("merge", "-q", "--no-edit", "theirs")
+    text = repository.model.read_text(encoding="utf-8")
+    for each in ("range_sensor.xmi#laser_scan", "local_pose_sensor.xmi#local_pose"):
+        assert f'<map href="mappings/{each}"/>' in text
+    told = repository.run("jausml", "validate", "models", status=1)
+    assert set(re.findall(r"error: (JML\d+)", told)) == {"JML302"}, told  # both took a free address
+
+
+def test_a_model_that_moved_is_merged_with_what_changed_in_its_former_place(repository):
+    deeper = MINIMAL.replace(LIBRARY_URI, "../../library/")
+    repository.model.write_text(MINIMAL.replace(LIBRARY_URI, "../library/"), encoding="utf-8")
+    shutil.copytree(ROOT / "models" / "library", repository.folder / "library")
+    repository.git("add", ".")
+    repository.git("commit", "-q", "-m", "with a library")
+    repository.commit("changed", repository.model.read_text("utf-8").replace(RATE, 'rate="25.0"'))
+    repository.git("checkout", "-q", "-b", "moved", "main")
+    (repository.folder / "models" / "deeper").mkdir()
+    repository.git("mv", "models/robot.xmi", "models/deeper/robot.xmi")
+    moved = repository.folder / "models" / "deeper" / "robot.xmi"
+    moved.write_text(deeper, encoding="utf-8")
+    repository.git("commit", "-q", "-a", "-m", "moved")
+    repository.git("merge", "-q", "--no-edit", "changed")
+    assert moved.read_text("utf-8") == deeper.replace(RATE, 'rate="25.0"')
+    repository.git("checkout", "-q", "changed")
+    repository.git("merge", "-q", "--no-edit", "moved~1")
+    assert "no problems" in repository.run("jausml", "validate", "models")

@@ -103,6 +103,7 @@ def test_elements_of_one_name_that_differ_are_a_conflict(merge):
     text, (finding,) = merge(MINIMAL, ours, theirs)
     assert text == ours
     assert "host 'left' was added on both sides, and is not the same" in finding.message
+    assert finding.message.endswith("from ours to theirs: interface 10.0.0.1 -> 10.0.0.2")
 
 
 COMPONENT = """  <components{} name="second" address="10.1.7" type="vehicle">
@@ -180,7 +181,7 @@ def test_what_ours_removed_and_theirs_changed_stays_away_and_is_told(merge):
     text, (finding,) = merge(base, MINIMAL, theirs)
     assert text == MINIMAL
     assert finding.rule == "JML812"
-    assert "host 'left' was removed by us and changed by them" in finding.message
+    assert "host 'left' was removed by us and changed by them: interface 10" in finding.message
 
 
 def test_what_theirs_removed_and_ours_refers_to_anew_stays(merge):
@@ -208,7 +209,9 @@ def test_an_assignment_is_one_thing(merge):
     theirs = replaced(base, ('source="YawRate"', 'source="RollRate"'))
     text, (finding,) = merge(base, ours, theirs)
     assert text == ours
-    assert finding.message == "field assignment 'twist.angular.z' was changed on both sides"
+    assert finding.message.startswith("field assignment 'twist.angular.z' was changed on both")
+    assert "ours: " in finding.message
+    assert "theirs: " in finding.message
     text, findings = merge(base, replaced(base, RATE), theirs)
     assert (text, findings) == (replaced(theirs, RATE), ())
 
@@ -241,6 +244,44 @@ def test_an_order_that_theirs_changed(merge):
     assert (text, findings) == (replaced(theirs, RATE), ())
 
 
+def test_an_order_that_means_nothing_is_no_conflict(merge):
+    hosts = [HOSTS.format(name, n) for n, name in enumerate(("left", "middle", "right"), 1)]
+    orders = ((0, 1, 2), (1, 0, 2), (0, 2, 1))
+    base, ours, theirs = (
+        replaced(MINIMAL, (END, "".join(hosts[n] for n in order) + END)) for order in orders
+    )
+    assert merge(base, ours, theirs) == (ours, ())
+
+
+def test_what_is_not_in_another_file_yet_can_be_referred_to(merge, tmp_path):
+    """git has not merged the other file when it asks for this one."""
+    one = '<maps xmi:id="{0}" name="{0}"/>'.format
+    head = MINIMAL[: MINIMAL.index("<system:")] + "<bridge:MapLibrary"
+    head += MINIMAL[MINIMAL.index("<system:System") + len("<system:System") :].partition(">")[0]
+    head = head.replace('"minimal"', '"maps"')
+    (tmp_path / "maps.xmi").write_text(f"{head}>{one('a')}</bridge:MapLibrary>", encoding="utf-8")
+    line = (
+        '<bridgeConnections name="{0}"><map href="{1}.xmi#{0}"/><topics name="{0}"/>'
+        "</bridgeConnections>"
+    ).format
+    end = "  </bridges>"
+    base = replaced(MINIMAL, (end, f"{line('a', 'maps')}{end}"))
+    theirs = replaced(base, (end, f"{line('b', 'maps')}{line('c', 'more')}{end}"))
+    text, findings = merge(base, replaced(base, RATE), theirs)
+    assert findings == ()
+    assert 'rate="25.0"' in text
+    for each in ("maps.xmi#a", "maps.xmi#b", "more.xmi#c"):
+        assert text.count(f'<map href="{each}"/>') == 1
+
+
+def test_comments_that_theirs_added_are_told(tmp_path):
+    added = replaced(MINIMAL, ("  <bridges", "  <!-- of\n theirs -->\n  <bridges"), RATE)
+    states = (each.encode() for each in (MINIMAL, MINIMAL, added))
+    outcome = merged("model.xmi", tmp_path.resolve(), *states)
+    assert outcome.left_out == ("of theirs",)
+    assert outcome.data.decode() == replaced(MINIMAL, RATE)
+
+
 def test_another_file_whose_references_would_shift_is_named(merge, tmp_path):
     head = MINIMAL[: MINIMAL.index("  <components")].replace(' xmi:id="minimal"', "")
     placement = (
@@ -268,6 +309,12 @@ def test_a_state_that_cannot_be_read_whole_is_not_merged(merge, spoilt, where, t
     states[spoilt] = text
     with pytest.raises(UnmergeableError, match=where):
         merge(*states)
+
+
+def test_half_done_work_is_merged(merge):
+    base = replaced(MINIMAL, ('      <topics name="velocity"/>\n', ""))
+    text, findings = merge(base, replaced(base, RATE), replaced(base, ADDRESS))
+    assert (text, findings) == (replaced(base, RATE, ADDRESS), ())
 
 
 def test_each_way_gives_the_same_model(merge):

@@ -27,12 +27,31 @@ from jausml.model.xmi.parsing import Node, parse
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
+    from jausml.metamodel import FeatureTable
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.model.notation import Fault, Notation, Written
     from jausml.model.reading.elements import Reference
     from jausml.model.reading.shelf import Shelf
 
 _BESIDE = "JML103"
 """The rule of what is written beside the features of an element, which are read all the same."""
+
+
+@dataclass(frozen=True, slots=True)
+class LostReference:
+    """A reference that leads to no element.
+
+    Attributes:
+        owner: The element that refers.
+        feature: The reference.
+        path: The file that is referred to, whether it is there or not; None for no file.
+        fragment: The fragment or id in it; empty for a reference by name.
+    """
+
+    owner: EObject
+    feature: FeatureTable
+    path: Path | None
+    fragment: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,11 +62,13 @@ class ReadResult:
         model: The elements that could be built, which is all of them when there are no errors.
         diagnostics: The findings, sorted by file, line, column and rule.
         project_root: The folder that hrefs could not leave.
+        lost: The references that lead to no element.
     """
 
     model: Model
     diagnostics: list[Diagnostic] = field(default_factory=list)
     project_root: Path = field(default_factory=Path)
+    lost: tuple[LostReference, ...] = ()
 
     @property
     def has_errors(self) -> bool:
@@ -93,10 +114,12 @@ def read_models(
     given = (metamodels or load_metamodels(), uris, notations, contents or {})
     with without_collector():
         try:
-            model, diagnostics = _Reading(*given, shelf).run(names)
+            reading = _Reading(*given, shelf)
+            model, diagnostics = reading.run(names)
         except NotShareableError:
-            model, diagnostics = _Reading(*given, None).run(names)
-    return ReadResult(model, diagnostics, root)
+            reading = _Reading(*given, None)
+            model, diagnostics = reading.run(names)
+    return ReadResult(model, diagnostics, root, reading.lost)
 
 
 class _Reading:
@@ -125,6 +148,7 @@ class _Reading:
         self._references: list[Reference | Mention] = []
         self._written: dict[Document, Written] = {}
         self._names = NameFinder(self._model, self._open_library)
+        self.lost: tuple[LostReference, ...] = ()
 
     def run(self, names: Sequence[str]) -> tuple[Model, list[Diagnostic]]:
         targets = [self._uris.given(name, self._contents) for name in names]
@@ -139,6 +163,7 @@ class _Reading:
         by_name = NameResolution(self._names, self._problems, self._explain)
         resolution = Resolution(self._model, self._problems, self._open, by_name)
         resolution.run(self._references)
+        self.lost = tuple(map(self._lost, resolution.lost))
         for document, written in self._written.items():
             self._report(document, written.check())
         read = [each for each in self._model.documents if each not in self._taken]
@@ -148,6 +173,14 @@ class _Reading:
             faulty = {each.location.path for each in diagnostics}
             self._shelf.put(self._model, self._opened, faulty)
         return self._model, diagnostics
+
+    def _lost(self, reference: Reference) -> LostReference:
+        document = reference.place.document
+        target = self._uris.resolve(reference.uri, document) if reference.uri else None
+        path = target.path if isinstance(target, FileTarget) else None
+        if not reference.uri and not reference.name:
+            path = document.path
+        return LostReference(reference.owner, reference.feature, path, reference.fragment)
 
     def _open_all(self) -> None:
         """Opens the documents that others import or refer to."""

@@ -67,6 +67,8 @@ class Resolution:
         self._following: set[Node] = set()
         self._circular: set[Node] = set()
         self._suggestions = 0
+        self.lost: list[Reference] = []
+        """The references that lead to no element, in the order in which they were resolved."""
 
     def run(self, references: Sequence[Reference | Mention]) -> None:
         """Resolves references, in the order in which they are written.
@@ -99,6 +101,7 @@ class Resolution:
         target = reference.direct or self._target(reference)
         if target is None:
             self._problems.spoil(reference.owner, reference.feature.name)
+            self.lost.append(reference)
         elif reference.feature.kind is FeatureKind.CONTAINMENT:
             self._contain(reference, target)
         elif reference.feature.kind is FeatureKind.CONTAINER:
