@@ -47,7 +47,7 @@ lint: $(READY)  ## format, lint, types, layers
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-format: $(READY)  ## lay out the code and mend what can be mended
+format: $(READY)  ## lay out the code and fix what can be fixed
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 

@@ -91,7 +91,7 @@ def udp_socket(port: int = 0, timeout: float = 0.0) -> socket.socket:
 
     Args:
         port: Its port; 0 for any.
-        timeout: Seconds that it waits for a datagram; 0 for ever.
+        timeout: Seconds that it waits for a datagram; 0 means forever.
     """
     sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     sock.bind((LOOPBACK, port))

@@ -35,7 +35,7 @@ TEST_TOOLS = ("hypothesis", "pytest", "pytest-timeout", "pytest-xdist", "pyyaml"
 
 
 class NotReleasableError(Exception):
-    """A step found what must be mended before a release."""
+    """A step found what must be fixed before a release."""
 
 
 def run(*command: str | Path, cwd: Path = ROOT) -> str:

@@ -233,4 +233,4 @@ def _why(splits: Iterable[Sequence[Part]]) -> str:
         )
     faults = [f"{mixed} heavy groups stay beside commands"] if mixed else []
     faults += [f"a group alone takes more than {limit}"] if excess else []
-    return f"more bridges would mend nothing: {' and '.join(faults)}"
+    return f"more bridges would fix nothing: {' and '.join(faults)}"

@@ -79,7 +79,7 @@ class Subscription:
         """Returns the next report.
 
         Args:
-            timeout: Seconds to wait; None waits for ever.
+            timeout: Seconds to wait; None waits forever.
 
         Raises:
             TimeoutError: None came in time, or the subscription is closed.

@@ -220,7 +220,7 @@ def _generated(model: Model, selection: Selection, folder: Path, **options: Any)
         raise EnvironmentFault(f"cannot write into {folder}: {error}") from error
     except WriteError as error:
         message = f"cannot write into {folder}: {error}"
-        rest = "some files may be written already; mend this and run it again"
+        rest = "some files may be written already; fix this and run it again"
         raise EnvironmentFault(f"{message} ({rest})") from error
     except GenerationError as error:
         # A target's view found what no rule demands.

@@ -250,7 +250,7 @@ def _pause(pace: Pace, key: str) -> None:
 
 
 def _rounds(bag: Bag, pace: Pace, stop: Event, *, is_loop: bool) -> Iterator[RosMessage]:
-    """Yields the messages of a recording when their time has come, once or for ever."""
+    """Yields the messages of a recording when their time has come, once or forever."""
     is_next = True
     while is_next and not stop.is_set():
         is_next = False

@@ -75,7 +75,7 @@ class Draft:
         if file not in self.models:
             raise EditError(f"{file or ref!r} is no model file of the opened folder")
         if self.files[file].is_stale:
-            raise EditError(f"{file} cannot be parsed as it is: mend it first")
+            raise EditError(f"{file} cannot be parsed as it is: fix it first")
         return file
 
     def element(self, ref: Ref) -> tuple[EObject, Model]:

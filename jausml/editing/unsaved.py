@@ -57,7 +57,7 @@ class Unsaved:
         """
         home, _ = refs.split(element)
         if not can_be_parsed(home, self._draft.files[home].data):
-            raise EditError(f"{home} cannot be parsed as it is: mend it first")
+            raise EditError(f"{home} cannot be parsed as it is: fix it first")
         carry_out([Rename(element, name)], self._draft)
         changed = {each.file: each.steps for each in self._draft.changes()}
         return {

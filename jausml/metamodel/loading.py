@@ -189,7 +189,7 @@ def _with_subpackages(epackage: Any) -> Iterator[Any]:
 def _resolve_proxies(packages: Iterable[PackageTable]) -> None:
     """Replaces what is left of pyecore's proxies by what they stand for.
 
-    A type that another .ecore declares stays an EProxy for ever, and every later type check
+    A type that another .ecore declares stays an EProxy forever, and every later type check
     would pay for it.
     """
     for package in packages:

@@ -119,7 +119,7 @@ class Subject:
     def severity(self, element: EObject) -> Severity | None:
         """Returns how grave a fault of an element's definition is: a warning in the library.
 
-        The library has the published services as they are. Whoever uses them cannot mend them,
+        The library has the published services as they are. Whoever uses them cannot fix them,
         and the other messages of the service are as good as any.
 
         Returns:

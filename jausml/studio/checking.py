@@ -134,7 +134,7 @@ class Checking(threading.Thread):
         """Waits for wishes until it is closed.
 
         Collects garbage too, in pauses, so that nobody waits for that. What has outlived a rest is
-        looked at no more until the next one: most of it, such as the library, stays for ever.
+        looked at no more until the next one: most of it, such as the library, stays forever.
         """
         was_enabled = gc.isenabled()
         gc.disable()

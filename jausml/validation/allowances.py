@@ -196,7 +196,7 @@ def _divided(
 
 def _expired(each: _Allowance) -> Diagnostic:
     message = f"the allowance of {each.rule} ended on {each.until}: {show(each.reason)}"
-    hint = "mend what it is about, or write a later day"
+    hint = "fix the cause, or write a later day"
     return _finding("JML802", each.location, message, hint, (each.element, each.fragment))
 
 
@@ -204,7 +204,7 @@ def _unused(each: _Allowance) -> Diagnostic:
     message = f"no finding of {each.rule} is here that could be allowed"
     hint = "remove the allowance"
     if each.refused:
-        message, hint = f"{each.rule} is an error here, which cannot be allowed", "mend it"
+        message, hint = f"{each.rule} is an error here, which cannot be allowed", "fix it"
     return _finding("JML803", each.location, message, hint, (each.element, each.fragment))
 
 

@@ -39,7 +39,7 @@ class Finding:
         hint: What to do about it, or empty.
         related: Elements that explain the finding.
         severity: How grave it is where that is not what the rule says of its findings: a fault of
-            a published service set is one that whoever uses the set cannot mend.
+            a published service set is one that whoever uses the set cannot fix.
     """
 
     element: EObject

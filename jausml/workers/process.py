@@ -57,7 +57,7 @@ class Worker:
             encoding="utf-8",
         )
         self._words: deque[str] = deque(maxlen=_MOST_WORDS)
-        # Whoever fills a pipe that nobody reads waits for ever.
+        # Whoever fills a pipe that nobody reads waits forever.
         self._listener = threading.Thread(target=self._listen, name="worker", daemon=True)
         self._listener.start()
 

@@ -83,7 +83,7 @@ def test_text_with_errors_is_placed_and_nothing_is_written(jausml, folder):
 
 @pytest.mark.usefixtures("folder")
 def test_models_that_break_rules_are_converted(jausml):
-    """Who turns a draft into text wants to mend it there."""
+    """Who turns a draft into text wants to fix it there."""
     assert jausml("validate", "bad.xmi").exit_code == 1
     assert jausml("convert", "bad.xmi", "bad.ros2jaus").exit_code == 0
 

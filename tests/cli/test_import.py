@@ -142,7 +142,7 @@ def test_rules_of_the_importer_are_explained(jausml):
 
 
 def test_what_is_no_file_is_neither_read_nor_replaced(jausml, folder):
-    """A device may give bytes without end, a pipe none for ever."""
+    """A device may give bytes without end, a pipe none forever."""
     os.mkfifo("pipe")
     result = jausml("import", "jsidl", folder, "-o", "pipe")
     assert result.exit_code == 2

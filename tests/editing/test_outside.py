@@ -145,7 +145,7 @@ def test_a_broken_file_keeps_its_last_model_and_is_never_overwritten(project):
     result = project.model("robot.xmi")
     assert (result.model.root.nodes[0].name, result.has_errors) == ("driver", True)
     assert "JML004" in [each.rule for each in result.diagnostics]
-    with pytest.raises(EditError, match="mend"):
+    with pytest.raises(EditError, match="fix"):
         project.do([Rename(NODE, "x")], "rename")
     assert text(project) == BROKEN
     save(project, OTHER)

@@ -38,7 +38,7 @@ def test_a_broken_text_is_written_and_its_model_stays(project):
     assert (project.root / FILE).read_text() == TEXT + "component leg {"
     assert names(project) == ["arm"]
     assert [(each.is_stale, each.is_dirty) for each in project.files] == [(True, True)]
-    with pytest.raises(EditError, match="mend it first"):
+    with pytest.raises(EditError, match="fix it first"):
         project.do([Set(f"{FILE}#//@components.0", "address", ("1.1.9",))], "edit")
     write(project, TEXT + "component leg {}")
     assert names(project) == ["arm", "leg"]

@@ -1,4 +1,4 @@
-"""`jausml doctor`: what a machine lacks, and how to mend it."""
+"""`jausml doctor`: what a machine lacks, and how to fix it."""
 
 from __future__ import annotations
 

@@ -107,8 +107,8 @@ def test_it_does_not_hold_beside(tmp_path):
 
 
 def test_what_is_mended_leaves_an_allowance_of_nothing(tmp_path):
-    mended = DOUBTFUL.replace('<safeValue target="twist.linear.x" value="0"/>', "")
-    report = report_on(tmp_path, said("Ten times a second.", ALLOW, mended))
+    fixed = DOUBTFUL.replace('<safeValue target="twist.linear.x" value="0"/>', "")
+    report = report_on(tmp_path, said("Ten times a second.", ALLOW, fixed))
     (found,) = report.diagnostics
     assert (found.rule, found.element) == ("JML803", "minimal/sensor_bridge/velocity")
     assert report.model.documents[0].data.splitlines()[found.location.line - 1].find(b"@allow") > 0

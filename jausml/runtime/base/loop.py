@@ -194,7 +194,7 @@ class Loop:
         return self._turn(timeout, is_only=True)
 
     def runs_here(self) -> bool:
-        """Tell whether the caller is on the thread of the loop: who waits there waits for ever."""
+        """Tell whether the caller is on the thread of the loop: who waits there waits forever."""
         return threading.get_ident() == self._runner
 
     def next_due(self) -> float | None:

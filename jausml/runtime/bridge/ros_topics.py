@@ -78,7 +78,7 @@ class NodeTopics:
             loop: The loop on which, or with whose lock, messages are taken.
             waiting: How to wait for topics.
             parameters: The parameters of the node.
-            age_limit: Nanoseconds that a message may wait in the queue of a topic; 0 is for ever.
+            age_limit: Nanoseconds that a message may wait in the queue of a topic; 0 means forever.
 
         Raises:
             ParameterError: Only a listener would do, and there is none.

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 CLOCK_TIMEOUT = 3.0
 """Real seconds without a word on `/clock` after which commands are stopped.
 
-A simulation that rests goes on to say the time; one that is gone would let commands stand for ever.
+A simulation that rests goes on to say the time; one that is gone would let commands stand forever.
 """
 
 _LEAST_RATE, _GREATEST_RATE = 0.1, 1092.0

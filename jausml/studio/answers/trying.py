@@ -236,7 +236,7 @@ def _code(scope: Scope, used: bridge.AttributeMap, *, to_ros: bool) -> BridgeCod
         return trial_bridge(scope.model.metamodels, used, to_ros=to_ros)
     except Exception as error:
         # Generators take models without errors; what an editor holds may have any.
-        raise AnswerError(f"'{used.name}' cannot be tried before its errors are mended") from error
+        raise AnswerError(f"'{used.name}' cannot be tried before its errors are fixed") from error
 
 
 class _Process(Worker):

@@ -16,7 +16,7 @@ from jausml.validation.engine import check
 RULES = Path(__file__).resolve().parents[2] / "cases" / "rules"
 CASES = sorted(each for each in RULES.iterdir() if each.name[:6] in CURES)
 UNCOVERED = {
-    # What the error of a path or of a conversion hides is found when that is mended.
+    # What the error of a path or of a conversion hides is found when that is fixed.
     ("JML411", "JML433"),
     ("JML433", "JML437"),
 }

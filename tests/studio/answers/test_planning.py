@@ -17,7 +17,7 @@ GENERATED = "vehicle/vehicle/vehicle_base.py"
 
 @pytest.fixture(scope="module")
 def workspace(tmp_path_factory):
-    """A generated workspace, which the tests in turn change and mend."""
+    """A generated workspace, which the tests in turn change and fix."""
     out = tmp_path_factory.mktemp("car") / "src"
     planned = plan(read(CAR), out)
     assert {each.action for each in planned.files} == {"create"}

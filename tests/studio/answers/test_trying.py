@@ -135,7 +135,7 @@ def test_a_map_with_errors_is_not_tried(trials, case, name, to_ros):
     path = RULES / case / "bad.xmi"
     scope = Scope(read_models([path]).model, path.parent)
     found = trials.run(scope, map_of(scope, name), {}, to_ros=to_ros)
-    assert found.error == f"'{name}' cannot be tried before its errors are mended"
+    assert found.error == f"'{name}' cannot be tried before its errors are fixed"
 
 
 @pytest.mark.slow

@@ -338,7 +338,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
             way = self._routes.get(packet.destination)
             ways = [] if way is None or way is origin else [way]
         ways = [each for each in ways if each.is_neighbour or origin.is_neighbour]
-        # Owners that know each other by several ways must not pass a message round for ever.
+        # Owners that know each other by several ways must not pass a message round forever.
         if not ways or (
             packet.acknowledge < AckNak.NAK and self._relayed.is_duplicate(packet, self.loop.now())
         ):

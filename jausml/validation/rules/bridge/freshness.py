@@ -35,7 +35,7 @@ def outlived_sensors(subject: Subject) -> Iterator[Finding]:
         if not is_report(connection) or holds_state(connection) or connection.silenceTimeout:
             continue
         if not freshness_of(connection):
-            message = f"'{connection.name}' reports the last message of its topic for ever"
+            message = f"'{connection.name}' reports the last message of its topic forever"
             hint = "state a freshness, or whenStale keep where the topic holds a state"
             yield Finding(connection, message, "freshness", hint)
 
