@@ -100,11 +100,17 @@ def command(
 
 def _against(report: Report, path: Path, *, is_written: bool) -> tuple[Report, int]:
     """Returns a report without what a baseline lists, which is written first if that is wanted."""
+    from collections import Counter
+
     from jausml.validation import baseline
 
     name = click.format_filename(path)
     if is_written:
-        write_report(baseline.written(report.diagnostics, path), str(path))
+        try:
+            former = baseline.read(path)
+        except (OSError, baseline.BaselineError):
+            former = Counter()  # what cannot be read is written anew
+        write_report(baseline.written(report, former, path), str(path))
     try:
         return baseline.without_known(report, baseline.read(path), path)
     except OSError as error:

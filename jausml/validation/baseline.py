@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, TypeAlias
 from jausml.validation.report import Ground, SetAside
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
     from pathlib import Path
 
     from jausml.model.diagnostics import Diagnostic
@@ -68,14 +67,16 @@ def _entry(entry: object) -> tuple[Identity, int]:
     raise BaselineError(f"'findings' has what is no finding: {str(entry)[:60]!a}")
 
 
-def written(diagnostics: Iterable[Diagnostic], path: Path) -> str:
-    """Returns a baseline that lists findings.
+def written(report: Report, former: Counter[Identity], path: Path) -> str:
+    """Returns a baseline that lists the findings of a report.
 
     Args:
-        diagnostics: The findings.
+        report: The report.
+        former: What the baseline listed before; of files that the report is not about it stays.
         path: Where it will stand; the files that it names are relative to its folder.
     """
-    counted = Counter(_identity(each, path) for each in diagnostics)
+    counted = Counter(_identity(each, path) for each in report.diagnostics)
+    counted += _elsewhere(former, report, path)
     entries = [
         dict(zip(_PARTS, identity, strict=True)) | ({"count": count} if count > 1 else {})
         for identity, count in sorted(counted.items(), key=lambda each: _by_file(each[0]))
@@ -86,6 +87,8 @@ def written(diagnostics: Iterable[Diagnostic], path: Path) -> str:
 
 def without_known(report: Report, known: Counter[Identity], path: Path) -> tuple[Report, int]:
     """Returns a report in which known findings do not count, and how many of them are gone.
+
+    Those of files that the report is not about are not gone.
 
     Args:
         report: The report.
@@ -104,12 +107,32 @@ def without_known(report: Report, known: Counter[Identity], path: Path) -> tuple
         else:
             standing.append(each)
     aside.sort(key=lambda each: each.diagnostic.sort_key)
-    return replace(report, diagnostics=tuple(standing), set_aside=tuple(aside)), left.total()
+    gone = left - _elsewhere(known, report, path)
+    return replace(report, diagnostics=tuple(standing), set_aside=tuple(aside)), gone.total()
+
+
+def _elsewhere(known: Counter[Identity], report: Report, path: Path) -> Counter[Identity]:
+    """Returns what is known of files that are there and that a report is not about."""
+    seen = {_relative(file, path) for file in report.files}
+    return Counter(
+        {
+            identity: count
+            for identity, count in known.items()
+            if identity[1] not in seen and (path.parent / identity[1]).exists()
+        }
+    )
 
 
 def _identity(each: Diagnostic, path: Path) -> Identity:
-    file = os.path.relpath(os.path.realpath(each.location.path), os.path.realpath(path.parent))
-    return each.rule, PurePath(file).as_posix(), _POSITION.sub("[]", each.element), each.message
+    file = _relative(each.location.path, path)
+    return each.rule, file, _POSITION.sub("[]", each.element), each.message
+
+
+def _relative(file: str | Path, path: Path) -> str:
+    """Returns the path of a file from the folder of a baseline."""
+    return PurePath(
+        os.path.relpath(os.path.realpath(file), os.path.realpath(path.parent))
+    ).as_posix()
 
 
 def _by_file(identity: Identity) -> tuple[str, ...]:

@@ -77,6 +77,25 @@ def test_what_is_mended_is_told(jausml, folder):
     assert "known.json: 1 finding of it is gone: write it anew" in result.stderr
 
 
+def test_a_part_of_the_models_says_nothing_of_the_others(jausml, folder, baseline):
+    result = jausml("validate", "doubtful.xmi", "--baseline", baseline, "--strict")
+    assert (result.exit_code, result.stderr) == (0, "no problems in 1 file; 1 known\n")
+    (folder / "bad.xmi").unlink()
+    result = jausml("validate", "doubtful.xmi", "--baseline", baseline)
+    assert "1 finding of it is gone" in result.stderr
+
+
+def test_a_part_of_the_models_is_written_anew(jausml, folder, baseline):
+    before = baseline.read_text()
+    for name in ("doubtful.xmi", "good.xmi"):
+        result = jausml("validate", name, "--baseline", baseline, "--write-baseline")
+        assert (result.exit_code, baseline.read_text()) == (0, before)
+    (folder / "bad.xmi").unlink()
+    jausml("validate", "doubtful.xmi", "--baseline", baseline, "--write-baseline")
+    listed = json.loads(baseline.read_text())["findings"]
+    assert [each["file"] for each in listed] == ["doubtful.xmi"]
+
+
 @pytest.mark.parametrize(
     ("content", "why"),
     [
