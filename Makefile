@@ -7,7 +7,7 @@ READY := .venv/.ready
 unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: help demo quick test test-slow coverage live lint format bench docs fuzz emf reference \
-	types release-check faults soak experiment studio clean
+	types release-check faults soak experiment studio studio-check wheel clean
 
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -59,8 +59,19 @@ faults: $(READY)  ## every fault with real processes, some twelve minutes; write
 	JAUSML_FAULTS=benchmarks/faults.json $(BIN)/python -m pytest -p no:xdist --durations=10 tests/faults
 	$(BIN)/python benchmarks/fault_page.py --check
 
-studio: $(READY)  ## build the page of `jausml studio` with npm, and test it; node comes from PyPI if there is none
+studio: $(READY)  ## build the page of `jausml studio` with npm; node comes from PyPI if there is none
+	$(BIN)/python tools/build_studio.py --no-check
+
+studio-check: $(READY)  ## the same, after the linter, the types and the tests of the page
 	$(BIN)/python tools/build_studio.py
+
+# What an earlier build left would be packed too.
+wheel:  ## a wheel with the page of the studio, in wheels/, within a minute
+	test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	$(BIN)/python tools/build_studio.py --no-check
+	rm -rf build wheels/jausml-*.whl
+	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir wheels .
+	rm -rf build jausml.egg-info
 
 MINUTES ?= 60
 
@@ -96,4 +107,4 @@ release-check: $(READY)  ## version, changelog, wheel, sdist and the lowest depe
 	$(BIN)/python tools/release_check.py
 
 clean:  ## remove what make has made
-	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis site demo-out experiment-out jausml/studio/page studio/node_modules
+	rm -rf .venv build dist wheels *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis site demo-out experiment-out jausml/studio/page studio/node_modules

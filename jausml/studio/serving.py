@@ -37,7 +37,10 @@ def require_page() -> None:
         PageMissingError: It is not.
     """
     if not (PAGE / "index.html").is_file():
-        raise PageMissingError("the page of the studio is not built: run `make studio`")
+        raise PageMissingError(
+            "the page of the studio is missing: run `make studio` in the checkout of jausml,"
+            " or install the wheel that `make wheel` builds there"
+        )
 
 
 def serve(session: Session, host: str, port: int, opened: Callable[[str], None]) -> None:

@@ -22,6 +22,10 @@ ROS_VARIABLES = (
     "CYCLONEDDS_URI",
     "FASTDDS_DEFAULT_PROFILES_FILE",
     "FASTRTPS_DEFAULT_PROFILES_FILE",
+    "ROS_DISTRO",
+    "ROS_SECURITY_ENABLE",
+    "ROS_SECURITY_KEYSTORE",
+    "ROS_SECURITY_STRATEGY",
 )
 
 
@@ -106,15 +110,42 @@ def test_options_that_mean_nothing(arguments, words):
         ("RMW_IMPLEMENTATION", "rmw_nobody_cpp", "middleware", "error"),
         ("CYCLONEDDS_URI", "file:///nowhere/dds.xml", "middleware settings", "error"),
         ("FASTDDS_DEFAULT_PROFILES_FILE", __file__, "middleware settings", "ok"),
+        ("ROS_DISTRO", "jazzy", "rclpy", "ok"),
+        ("ROS_DISTRO", "humble", "rclpy", "warning"),
+        ("ROS_SECURITY_ENABLE", "true", "security", "error"),
     ],
 )
 def test_settings_of_ros(doctor, monkeypatch, variable, value, name, verdict):
-    if name == "middleware":
+    if name in ("middleware", "rclpy"):
         pytest.importorskip("rclpy")
     monkeypatch.setenv(variable, value)
     status, checks = doctor("--port", free_port())
     assert checks["ros", name]["verdict"] == verdict
     assert status == (verdict == "error")
+
+
+@pytest.mark.parametrize(
+    ("made", "strategy", "verdict"),
+    [("keys", "", "error"), ("keys/enclaves", "", "warning"), ("keys/enclaves", "Enforce", "ok")],
+)
+def test_keys_of_ros(doctor, monkeypatch, tmp_path, made, strategy, verdict):
+    (tmp_path / made).mkdir(parents=True)
+    monkeypatch.setenv("ROS_SECURITY_ENABLE", "true")
+    monkeypatch.setenv("ROS_SECURITY_KEYSTORE", str(tmp_path / "keys"))
+    monkeypatch.setenv("ROS_SECURITY_STRATEGY", strategy)
+    _, checks = doctor("--port", free_port())
+    assert checks["ros", "security"]["verdict"] == verdict
+
+
+def test_extras_are_those_that_verbs_need(doctor, monkeypatch, tmp_path):
+    _, checks = doctor("--port", free_port())
+    assert {name for topic, name in checks if topic == "python"} == {
+        *("version", "diagram", "studio", "editor", "top", "record"),
+    }
+    monkeypatch.setattr("jausml.live.machine.python._PAGE", tmp_path / "index.html")
+    _, checks = doctor("--port", free_port())
+    assert checks["python", "studio"]["verdict"] == "note"
+    assert "make wheel" in checks["python", "studio"]["cure"]
 
 
 def test_messages_that_nobody_installed(doctor, tmp_path):

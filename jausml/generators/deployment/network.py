@@ -127,7 +127,7 @@ def _unreachable(hosts: Iterable[Host]) -> Iterator[tuple[Host, str, str]]:
     for each in hosts:
         address = ipaddress.IPv4Address(each.interface)
         fault = f"host '{each.name}' has the interface {address}"
-        if address.is_loopback or address.is_unspecified:
+        if address.is_loopback:
             yield each, "interface", f"{fault}, which no other host reaches"
         elif (owner := owners.setdefault(address, each)) is not each:
             yield each, "interface", f"{fault}, which is that of '{owner.name}'"

@@ -5,8 +5,10 @@ from __future__ import annotations
 import platform
 import sys
 from importlib.util import find_spec
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+import jausml
 from jausml import __version__
 from jausml.live.machine.check import Check, Verdict
 
@@ -21,7 +23,10 @@ _EXTRAS = (
     ("studio", "starlette", "`jausml studio`"),
     ("editor", "pygls", "`jausml language-server`"),
     ("top", "textual", "the view of `jausml top`"),
+    ("record", "mcap", "`jausml record`"),
 )
+_PAGE = Path(jausml.__file__).parent / "studio" / "page" / "index.html"
+"""What the studio shows; it is built, and a wheel may have been made without."""
 
 
 def checks() -> Iterator[Check]:
@@ -36,5 +41,8 @@ def checks() -> Iterator[Check]:
         if find_spec(module) is None:
             cure = f"pip install 'jausml[{extra}]'"
             yield Check("python", extra, Verdict.NOTE, f"{purpose} is not installed", cure)
+        elif extra == "studio" and not _PAGE.is_file():
+            cure = "run `make studio` in the checkout of jausml, or install its `make wheel`"
+            yield Check("python", extra, Verdict.NOTE, f"{purpose} has no page", cure)
         else:
             yield Check("python", extra, Verdict.OK, f"{purpose} is installed")

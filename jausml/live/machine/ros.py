@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 _TOPIC = "ros"
 _LARGEST_DOMAIN, _LARGEST_SAFE_DOMAIN = 232, 101
 _RANGES = ("SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
+_DISTRIBUTION = "jazzy"
 _DEFAULT_MIDDLEWARE = "rmw_fastrtps_cpp"
 _PROFILES = (
     "FASTDDS_DEFAULT_PROFILES_FILE",
@@ -38,15 +39,23 @@ def checks(packages: Iterable[str]) -> Iterator[Check]:
         text = "Python finds no rclpy: bridges do not start; JAUS alone works"
         yield Check(_TOPIC, "rclpy", Verdict.WARNING, text, cure)
     else:
-        distribution = os.environ.get("ROS_DISTRO", "")
-        named = f"rclpy is installed{f', ROS_DISTRO is {distribution}' if distribution else ''}"
-        yield Check(_TOPIC, "rclpy", Verdict.OK, named)
+        yield _rclpy()
         yield _middleware()
     yield _domain()
     yield from _discovery()
     yield from _profiles()
+    yield from _security()
     yield _shared_memory()
     yield from _packages(packages)
+
+
+def _rclpy() -> Check:
+    distribution = os.environ.get("ROS_DISTRO", "")
+    named = f"rclpy is installed{f', ROS_DISTRO is {distribution}' if distribution else ''}"
+    if distribution in ("", _DISTRIBUTION):
+        return Check(_TOPIC, "rclpy", Verdict.OK, named)
+    cure = f"source /opt/ros/{_DISTRIBUTION}/setup.bash: bridges are made for ROS 2 Jazzy"
+    return Check(_TOPIC, "rclpy", Verdict.WARNING, named, cure)
 
 
 def _middleware() -> Check:
@@ -118,6 +127,27 @@ def _profiles() -> Iterator[Check]:
                 f"{name} names {path}, which is no file",
                 "correct it or unset it: the middleware may not start",
             )
+
+
+def _security() -> Iterator[Check]:
+    """Looks at what SROS 2 is told; whether the keys fit, it says itself when a node starts."""
+    name = "security"
+    if os.environ.get("ROS_SECURITY_ENABLE", "").lower() != "true":
+        return
+    keystore = os.environ.get("ROS_SECURITY_KEYSTORE", "")
+    enclaves = Path(keystore) / "enclaves"
+    if not keystore:
+        text = "ROS_SECURITY_ENABLE is true, but ROS_SECURITY_KEYSTORE is not set"
+        yield Check(_TOPIC, name, Verdict.ERROR, text, "set it to the folder of the keys")
+    elif not os.access(enclaves, os.R_OK | os.X_OK):
+        text = f"ROS_SECURITY_KEYSTORE has no folder {enclaves} that can be read"
+        cure = "correct it, or let the user of the processes read the keys"
+        yield Check(_TOPIC, name, Verdict.ERROR, text, cure)
+    elif os.environ.get("ROS_SECURITY_STRATEGY") != "Enforce":
+        text = "ROS_SECURITY_STRATEGY is not Enforce: nodes without keys run unprotected"
+        yield Check(_TOPIC, name, Verdict.WARNING, text, "set ROS_SECURITY_STRATEGY=Enforce")
+    else:
+        yield Check(_TOPIC, name, Verdict.OK, f"keys are in {keystore}")
 
 
 def _shared_memory() -> Check:

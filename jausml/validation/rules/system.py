@@ -51,9 +51,9 @@ def metadata(subject: Subject) -> Iterator[Finding]:
 def network(subject: Subject) -> Iterator[Finding]:
     """The ROS domain is 0..101; a host has an IPv4 address, a UDP port and a multicast group.
 
-    An interface has an address of its own: no group, no broadcast. Higher domains reach into
-    the ephemeral ports of Linux. Multicast groups are 224.0.0.0..239.255.255.255 (RFC 5771),
-    times to live 0..255. Packets carry 64..4079 bytes; peers cut larger ones.
+    An interface has an address of its own: no group, no broadcast, not 0.0.0.0. Higher domains
+    reach into the ephemeral ports of Linux. Multicast groups are 224.0.0.0..239.255.255.255
+    (RFC 5771), times to live 0..255. Packets carry 64..4079 bytes; peers cut larger ones.
 
     Bad: `<hosts name="onboard" multicastGroup="10.0.0.1"/>`
 
@@ -66,7 +66,7 @@ def network(subject: Subject) -> Iterator[Finding]:
         yield from _range(host, "multicastTtl", host.multicastTtl, 0, _HIGHEST_TTL)
         yield from _range(host, "fragmentSize", host.fragmentSize, *_FRAGMENT_SIZES)
         interface = _ipv4(host.interface)
-        if interface is None or interface.is_multicast or interface.is_reserved:
+        if interface is None or _is_of_many(interface):
             what = "no IPv4 address" if interface is None else "no address of one computer"
             message = f"interface {host.interface!a} of '{host.name}' is {what}"
             yield Finding(host, message, "interface")
@@ -129,6 +129,10 @@ def _range(
     if not lower <= value <= upper:
         message = f"{feature} {value} of '{element.name}' is not in {lower}..{upper}"
         yield Finding(element, message, feature)
+
+
+def _is_of_many(address: ipaddress.IPv4Address) -> bool:
+    return address.is_unspecified or address.is_multicast or address.is_reserved
 
 
 def _ipv4(text: str) -> ipaddress.IPv4Address | None:
