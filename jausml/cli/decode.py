@@ -34,7 +34,13 @@ if TYPE_CHECKING:
 
 _BYTE = re.compile(r"(?:0[xX])?[0-9A-Fa-f]{2}")
 
+_PART = re.compile(r"(?:0[xX])?(?:[0-9A-Fa-f]{2}){1,14}")
+"""Hex that is too short for a datagram: one byte before the message, and its header of 14."""
+
 _ARGUMENT = "argument "
+
+_BEGINNING = 1024
+"""Bytes of a file that tell whether it is text."""
 
 Line = tuple[str, str]
 """Where a line stands, and its text."""
@@ -43,7 +49,9 @@ Line = tuple[str, str]
 @click.command("decode")
 @click.argument("inputs", nargs=-1, metavar="[HEX...|FILE|-]")
 @click.option("--datagram", is_flag=True, help="Read the hex as whole JUDP datagrams with headers.")
-@click.option("--pcap", metavar="FILE", help="Read a capture (pcap or pcapng); - reads stdin.")
+@click.option(
+    "--pcap", metavar="FILE", help="Read a capture (pcap or pcapng, also gzipped); - reads stdin."
+)
 @click.option("--listen", is_flag=True, help="Listen to the multicast group without taking part.")
 @click.option(
     "--service",
@@ -108,16 +116,17 @@ def command(
     elif pcap is not None:
         reading.capture(pcap, options["port"])
     else:
-        reading.lines(_lines(inputs), are_datagrams=datagram)
+        reading.lines(_lines(inputs, are_datagrams=datagram), are_datagrams=datagram)
     if output.has_failed:
         raise click.exceptions.Exit(PROBLEMS)
 
 
-def _lines(inputs: tuple[str, ...]) -> Iterator[Line]:
+def _lines(inputs: tuple[str, ...], *, are_datagrams: bool) -> Iterator[Line]:
     """Yields the lines of arguments and files; stdin when there are none."""
     if not inputs and sys.stdin.isatty():
         raise click.UsageError("give HEX, a FILE, - for stdin, --pcap or --listen")
-    if len(inputs) > 1 and all(map(_BYTE.fullmatch, inputs)):
+    part = _PART if are_datagrams else _BYTE
+    if len(inputs) > 1 and all(map(part.fullmatch, inputs)):
         yield "arguments", " ".join(inputs)
         return
     for number, text in enumerate(inputs or (STDIN,), 1):
@@ -144,11 +153,13 @@ def _refuse_capture(path: str) -> None:
     if path != STDIN and Path(path).is_file():
         try:
             with Path(path).open("rb") as stream:
-                beginning = stream.read(4)
+                beginning = stream.read(_BEGINNING)
         except OSError as error:
             raise EnvironmentFault(f"{shown_path(path)}: {reason_of(error)}") from error
-        if is_capture(beginning):
+        if is_capture(beginning[:4]):
             raise click.UsageError(f"{shown_path(path)} is a capture, no hex: use --pcap")
+        if b"\0" in beginning:
+            raise click.UsageError(f"{shown_path(path)} is neither text with hex nor a capture")
 
 
 class _Output:
@@ -233,6 +244,7 @@ class _Reading:
     def lines(self, lines: Iterable[Line], *, are_datagrams: bool) -> None:
         """Shows lines of hex: payloads, or datagrams with their headers."""
         from jausml.live.messages import MessageError
+        from jausml.live.traffic.observing import is_datagram
 
         found = islice(self._bytes(lines), self._count)
         if are_datagrams:
@@ -242,7 +254,8 @@ class _Reading:
             try:
                 self._output.message(self._catalogue.decode(payload, *self._meaning))
             except MessageError as error:
-                self._output.problem(place, str(error))
+                hint = "; it has the form of a datagram: --datagram" if is_datagram(payload) else ""
+                self._output.problem(place, f"{error}{hint}")
 
     def _bytes(self, lines: Iterable[Line]) -> Iterator[tuple[str, bytes]]:
         """Yields the bytes of lines that have some."""
@@ -254,8 +267,8 @@ class _Reading:
                 data = parse_hex(line)
             except TrafficError as error:
                 is_argument = place.startswith(_ARGUMENT)
-                hint = ", and there is no such file" if is_argument else ""
-                self._output.problem(place, f"{error}{hint}")
+                hint = "neither a file nor hex: " if is_argument else ""
+                self._output.problem(place, f"{hint}{error}")
                 continue
             if data:
                 yield place, data

@@ -13,14 +13,15 @@ from jausml.cli.messages import STDIN, model_option, open_catalogue, read_lines,
 
 
 @click.command("encode")
-@click.argument("path", default=STDIN, metavar="[FILE|-]")
+@click.argument("path", default=STDIN, metavar="[JSON|FILE|-]")
 @model_option
 def command(path: str, models: tuple[str, ...]) -> None:
     """Turn messages in JSON into hex, one message per line.
 
-    A line is an object as `jausml decode --format json` prints it: "message" (name) or "code",
-    "fields", and a "service" (with "service_version") if several messages have the name. `_pv` may
-    be omitted. Without a file, reads stdin.
+    A line of a file, or an argument, is an object as `jausml decode --format json` prints it:
+    "message" (name) or "code", "fields", and a "service" (with "service_version") if several
+    messages have the name. `_pv`, and the name of the one record of a body, may be omitted. Without
+    an argument, reads stdin.
 
     Exit status: 0 done, 1 a line is wrong (the others are encoded), 2 usage or an unreadable file,
     3 internal error.
@@ -29,14 +30,16 @@ def command(path: str, models: tuple[str, ...]) -> None:
 
     failed = False
     catalogue = open_catalogue(models)
-    for number, line in enumerate(read_lines(path), 1):
+    is_message = path.lstrip().startswith("{")
+    name = "argument" if is_message else shown_path(path)
+    for number, line in enumerate([path] if is_message else read_lines(path), 1):
         if not line.strip():
             continue
         try:
             write(catalogue.encode(_message(line)).hex())
         except (MessageError, _LineError) as error:
             failed = True
-            click.echo(f"{shown_path(path)}:{number}: {error}", err=True)
+            click.echo(f"{name}:{number}: {error}", err=True)
     if failed:
         raise click.exceptions.Exit(PROBLEMS)
 

@@ -102,6 +102,7 @@ def test_lines_as_windows_writes_them(jausml, tmp_path, verb):
 
 def test_a_line_without_end_is_refused(jausml, tmp_path):
     with (tmp_path / "zeros").open("wb") as stream:
+        stream.write(b"0" * 1024)
         stream.truncate(1 << 27)
     result = jausml("decode", "zeros")
     assert result.exit_code == 2
@@ -111,16 +112,39 @@ def test_a_line_without_end_is_refused(jausml, tmp_path):
 def test_an_argument_that_is_neither_file_nor_hex(jausml):
     result = jausml("decode", "nope.hex")
     assert result.exit_code == 1
-    reason = "argument 1: column 1: 'n' is no hexadecimal digit, and there is no such file"
+    reason = "argument 1: neither a file nor hex: column 1: 'n' is no hexadecimal digit"
     assert result.stderr.splitlines() == [reason]
 
 
-@pytest.mark.parametrize("magic", ["d4c3b2a1", "0a0d0d0a"])
+@pytest.mark.parametrize("magic", ["d4c3b2a1", "0a0d0d0a", "1f8b0800"])
 def test_a_capture_among_hex_is_told(jausml, tmp_path, magic):
     (tmp_path / "drive").write_bytes(bytes.fromhex(magic) + bytes(100))
     result = jausml("decode", "drive")
     assert result.exit_code == 2
     assert "drive is a capture, no hex: use --pcap" in result.stderr
+
+
+def test_what_is_neither_text_nor_a_capture_is_told_once(jausml, tmp_path):
+    (tmp_path / "yard.mcap").write_bytes(b"\x89MCAP0\r\n\x01\x1b\0\0\n\0\n")
+    result = jausml("decode", "yard.mcap")
+    assert result.exit_code == 2
+    assert "yard.mcap is neither text with hex nor a capture" in result.stderr
+
+
+WHOLE_DATAGRAM = "02 00 1000 01 0201c800 01016500 0220 0700"
+
+
+def test_a_datagram_among_messages_is_recognized(jausml):
+    result = jausml("decode", WHOLE_DATAGRAM)
+    assert result.exit_code == 1
+    assert "it has the form of a datagram: --datagram" in result.stderr
+
+
+def test_a_datagram_in_several_arguments(jausml):
+    result = jausml("decode", "--datagram", *WHOLE_DATAGRAM.split())
+    assert objects(result)[0]["message"]["message"] == "QueryStatus"
+    twice = jausml("decode", "--datagram", WHOLE_DATAGRAM, WHOLE_DATAGRAM)
+    assert len(objects(twice)) == 2
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no full device")  # noqa: PTH110
@@ -427,6 +451,14 @@ def test_encode_takes_what_decode_prints(jausml):
     assert (result.exit_code, result.stdout.split()) == (0, hexes)
     printed = jausml("decode", "--datagram", DATAGRAM.hex()).stdout
     assert jausml("encode", "-", text=printed).stdout == "0220\n"
+
+
+@pytest.mark.parametrize("fields", ['{"Speed": 1.5}', '{"TravelSpeedRec": {"Speed": 1.5}}'])
+def test_encode_takes_an_argument_and_needs_no_name_of_the_one_record(jausml, fields):
+    result = jausml("encode", f'{{"message": "SetTravelSpeed", "fields": {fields}}}')
+    assert (result.exit_code, result.stdout) == (0, "0a042c01\n")
+    wrong = jausml("encode", '{"message": "SetTravelSpeed", "fields": {"Sped": 1}}')
+    assert "argument:1: TravelSpeedRec.Sped: unknown field; did you mean Speed?" in wrong.stderr
 
 
 def test_encode_tells_each_bad_line_and_goes_on(jausml, tmp_path):

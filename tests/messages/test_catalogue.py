@@ -76,7 +76,8 @@ def test_a_service_has_the_messages_that_it_inherits(catalogue):
         ("ReportStatu", None, "did you mean ReportStatus"),
         ("reportstatus", None, "did you mean ReportStatus"),
         ("ReportStatus", "GlobalPoseSensor", "urn:jaus:jss:core:Management/1.0"),
-        ("0xFFFF", None, "no message '0xFFFF'"),
+        ("0xFFFF", None, "no message has the code 0xFFFF"),
+        ("0240", None, "no message has the code 0x0240; with its bytes swapped it is ReportStatus"),
     ],
 )
 def test_unknown_messages(catalogue, name, service, suggestion):

@@ -161,7 +161,7 @@ def test_the_name_of_a_value_stands_for_it(kinds, catalogue):
         (
             "CreateEvent",
             {},
-            "CreateEventRec: this field is absent, it takes an object of Req",
+            "CreateEventRec.RequestID: this field is absent, it takes 0 .. 255",
         ),
     ],
 )

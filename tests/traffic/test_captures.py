@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gzip
 import io
 import struct
 
@@ -82,12 +83,23 @@ def test_each_section_has_its_own_byte_order_and_interfaces():
     assert [(f.link_type, f.data) for f in read(data)] == [(1, b"a"), (101, b"b")]
 
 
+@pytest.mark.parametrize("parts", [1, 2])
+def test_compressed_captures(parts):
+    """As logging leaves them; a file that was compressed piece by piece has several members."""
+    data = pcap(FRAMES)
+    half = len(data) // parts
+    packed = gzip.compress(data[:half]) + (gzip.compress(data[half:]) if parts > 1 else b"")
+    assert read(packed) == read(data)
+
+
 @pytest.mark.parametrize(
     ("data", "reason"),
     [
         (b"", "the file ends within the file header (at byte 0 of the file)"),
         (b"GET / HTTP", "neither pcap nor pcapng: it begins with 47 45 54 20"),
-        (b"\x1f\x8b\x08\0", "the file is compressed: run gunzip on it first"),
+        (b"\x1f\x8b\x08\0", "the compressed file is damaged or cut off (at byte 0"),
+        (gzip.compress(pcap(FRAMES), mtime=0)[:-20], "the compressed file is damaged or cut"),
+        (gzip.compress(b"GET / HTTP", mtime=0), "neither pcap nor pcapng: it begins with 47"),
         (pcap([])[:20], "the file ends within the file header (at byte 0"),
         (pcap(FRAMES)[:30], "the file ends within the header of frame 1 (at byte 24"),
         (pcap(FRAMES)[:45], "the file ends within frame 1 (at byte 24"),

@@ -225,6 +225,8 @@ class Catalogue:
         found = self.named(name_or_code)
         what = name_or_code if isinstance(name_or_code, str) else f"0x{name_or_code:04X}"
         if not found:
+            if _CODE.fullmatch(what):
+                raise self._unknown(int(what, 16))
             raise UnknownMessageError(f"no message {shown(what)}", self._similar(what, service))
         return self._only(what, found, service)
 
@@ -323,7 +325,8 @@ class Catalogue:
 
         Args:
             message: An object with `message` (name) or `code`, and `fields`; a `service` and
-                `service_version` choose between several meanings.
+                `service_version` choose between several meanings. The one record of a body need
+                not be named.
 
         Raises:
             EncodeError: The object or a field is wrong.
@@ -342,7 +345,7 @@ class Catalogue:
         fields = message.get("fields", {})
         if not isinstance(fields, dict):
             raise EncodeError(f"{shown(fields)} is not an object of fields", "fields")
-        return entry.encode(fields)
+        return entry.encode(entry.completed(fields))
 
     def _meant(self, message: Mapping[str, Any]) -> MessageEntry:
         name, code = message.get("message"), message.get("code")

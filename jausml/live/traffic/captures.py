@@ -1,13 +1,15 @@
-"""Capture files: pcap and pcapng, read as a stream so that `tcpdump -w -` can be piped in.
+"""Capture files: pcap and pcapng, also gzipped, as streams so that `tcpdump -w -` can be piped in.
 
 Formats: draft-ietf-opsawg-pcap and draft-ietf-opsawg-pcapng.
 """
 
 from __future__ import annotations
 
+import gzip
 import struct
+import zlib
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, BinaryIO, cast
 
 from jausml.live.traffic.errors import CaptureError
 
@@ -62,7 +64,7 @@ def read_frames(stream: BinaryIO) -> Iterator[Frame]:
     """Yields the frames of a capture as they come.
 
     Args:
-        stream: A pcap or pcapng file.
+        stream: A pcap or pcapng file; it may be compressed by gzip.
 
     Raises:
         CaptureError: It is something else, malformed, or ends within a frame; the frames before
@@ -70,23 +72,42 @@ def read_frames(stream: BinaryIO) -> Iterator[Frame]:
     """
     file = _File(stream)
     magic = file.read(4, "the file header")
+    if magic.startswith(_GZIP):
+        again = cast("BinaryIO", _Again(magic, stream))
+        file = _File(cast("BinaryIO", gzip.GzipFile(fileobj=again, mode="rb")))
+        magic = file.read(4, "the file header")
     if magic in _PCAP:
         yield from _pcap(file, *_PCAP[magic])
     elif magic == _SECTION_HEADER.to_bytes(4, "big"):
         yield from _Pcapng(file).frames()
-    elif magic.startswith(_GZIP):
-        raise CaptureError("the file is compressed: run gunzip on it first", 0)
     else:
         raise CaptureError(f"neither pcap nor pcapng: it begins with {magic.hex(' ')}", 0)
 
 
 def is_capture(beginning: bytes) -> bool:
-    """Tells whether a file begins as a capture does.
+    """Tells whether a file begins as a capture does, or as a compressed one.
 
     Args:
         beginning: Its first four bytes.
     """
-    return beginning in _PCAP or beginning == _SECTION_HEADER.to_bytes(4, "big")
+    is_plain = beginning in _PCAP or beginning == _SECTION_HEADER.to_bytes(4, "big")
+    return is_plain or beginning.startswith(_GZIP)
+
+
+class _Again:
+    """A stream of which the beginning was read already."""
+
+    def __init__(self, beginning: bytes, stream: BinaryIO) -> None:
+        self._beginning = beginning
+        self._stream = stream
+
+    def read(self, size: int = -1) -> bytes:
+        """Returns the beginning, in pieces, then what the stream gives."""
+        if not self._beginning:
+            return self._stream.read(size)
+        end = len(self._beginning) if size < 0 else size
+        given, self._beginning = self._beginning[:end], self._beginning[end:]
+        return given
 
 
 class _File:
@@ -125,14 +146,20 @@ class _File:
         return data or None
 
     def _read_fully(self, size: int) -> bytes:
-        data = self._stream.read(size)
+        data = self._read(size)
         while 0 < len(data) < size:  # a pipe gives what it has
-            more = self._stream.read(size - len(data))
+            more = self._read(size - len(data))
             if not more:
                 break
             data += more
         self.offset += len(data)
         return data
+
+    def _read(self, size: int) -> bytes:
+        try:
+            return self._stream.read(size)
+        except (EOFError, zlib.error, gzip.BadGzipFile):
+            raise CaptureError("the compressed file is damaged or cut off", self.offset) from None
 
 
 def _pcap(file: _File, order: str, ticks_each_second: int) -> Iterator[Frame]:
