@@ -23,15 +23,18 @@ def document(roots: Sequence[EObject], model: Model, output: str) -> bytes:
     Args:
         roots: The elements.
         model: Knows their ids and where others stand.
-        output: The file that is to hold them.
+        output: The file that is to hold them; its ending says in which notation.
 
     Raises:
-        click.ClickException: XMI cannot say what they hold.
+        click.ClickException: The notation cannot say what they hold.
     """
     from jausml.model.xmi.writer import UnwritableError, to_xmi
+    from jausml.text.notation import SUFFIX
+    from jausml.text.writing.unparsing import to_text
 
+    write = to_text if output.endswith(SUFFIX) else to_xmi
     try:
-        return to_xmi(roots, model, output).encode("utf-8")
+        return write(roots, model, output).encode("utf-8")
     except UnwritableError as error:
         shown = click.format_filename(output)
         raise click.ClickException(f"cannot write {shown}: {error}") from error

@@ -30,6 +30,14 @@ def test_a_folder_becomes_a_model_that_is_valid(jausml, folder):
     assert sorted(path.name for path in folder.iterdir()) == ["winch", "winch.xmi"]
 
 
+def test_the_ending_of_the_output_says_its_notation(jausml, folder):
+    done = jausml("import", "jsidl", "winch", "-o", "winch.ros2jaus")
+    assert done.exit_code == 0, done.stderr
+    assert "service Winch" in (folder / "winch.ros2jaus").read_text()
+    done = jausml("validate", "winch.ros2jaus", "--strict")
+    assert done.exit_code == 0, done.stdout
+
+
 def test_the_same_import_writes_the_same_bytes(jausml, folder):
     for name in ("a.xmi", "b.xmi"):
         assert jausml("import", "jsidl", "winch", "-o", name).exit_code == 0

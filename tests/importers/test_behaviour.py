@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from jsidl_support import good, marked, service, winch
+from jsidl_support import good, marked, run, service, winch
 
 RECEIVE = '<parameter type="{}" value="msg"/>'
 MACHINE = '<start state_machine_name="M" state_name="{start}"/><state_machine name="a.b.M">{states}'
@@ -150,3 +150,25 @@ def test_machines_can_be_left_out():
     made = good(machine(state(on("QueryLamb", "<new:internal/>"))), behaviour=False)
     assert list(made.machines) == []
     assert [each.name for each in made.events] == ["Burnt"]
+
+
+INHERITS = """<references>
+    <inherits_from name="management" id="urn:jaus:jss:core:Management" version="1.1"/>
+  </references>"""
+
+
+def test_a_transition_on_what_the_runtime_takes_is_left_out():
+    """It would never be taken, and warned about at each check (JML350)."""
+    states = state(on("a.management.Standby", "<simple/>") + on("SetLamp", "<internal/>"))
+    text = service(references=INHERITS, behaviour=MACHINE.format(start="S", states=states))
+    made = run(text)
+    transitions = only_service(made).machines[0].states[0].transitions
+    assert [each.message.name for each in transitions] == ["SetLamp"]
+    assert [(each.rule, each.message) for each in made.diagnostics if each.rule == "JML624"] == [
+        ("JML624", "Standby is taken by Management of the runtime, not by a transition")
+    ]
+
+
+def only_service(made):
+    (root,) = made.sets
+    return root.services[0]

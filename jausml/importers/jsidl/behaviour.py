@@ -169,7 +169,7 @@ class BehaviourBuilder:
 
     def _transition(self, place: Place) -> jaus.Transition | None:
         trigger = self._trigger(place)
-        if trigger is None:
+        if trigger is None or self._is_served(place, trigger.get("message")):
             return None
         kind, target = self._kind(place)
         guard, said = self._guard(place)
@@ -183,6 +183,15 @@ class BehaviourBuilder:
             documentation=joined(documentation(place.node), said),
             actions=self._actions(place, has_sender="message" in trigger),
         )
+
+    def _is_served(self, place: Place, message: jaus.MessageDef | None) -> bool:
+        """Reports a transition that would never be taken, as the runtime takes its message."""
+        owner = self._known.served.get(message) if message is not None else None
+        if message is None or owner is None:
+            return False
+        text = f"{message.name} is taken by {owner} of the runtime, not by a transition"
+        self._findings.report("JML624", place, text, "the transition is left out")
+        return True
 
     def _trigger(self, place: Place) -> dict[str, Any] | None:
         """Returns the features that name the trigger, None when it is not known."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from jausml.semantics.core_services import SERVED_BY_RUNTIME
 from jausml.semantics.inherited_machines import CORE_EVENTS
 
 if TYPE_CHECKING:
@@ -37,14 +38,19 @@ class KnownNames:
         inputs: Messages that the service takes by name, inherited ones included.
         outputs: Messages that the service sends by name, inherited ones included.
         events: Names of its internal events, inherited ones and those of the core included.
+        served: Inherited messages that the runtime takes, with the names of their services.
     """
 
     def __init__(self, service: jaus.Service, declared: Container[str]) -> None:
         self.inputs: dict[str, jaus.MessageDef] = {}
         self.outputs: dict[str, jaus.MessageDef] = {}
         self.events: set[str] = set(CORE_EVENTS)
+        self.served: dict[jaus.MessageDef, str] = {}
         self._declared = declared
+        is_core = service.urn in SERVED_BY_RUNTIME
         for each in lineage(service):
+            if each.urn in SERVED_BY_RUNTIME and not is_core:
+                self.served |= dict.fromkeys(each.inputs, each.name)
             for message in each.inputs:
                 self.inputs.setdefault(message.name, message)
             for message in each.outputs:
