@@ -162,13 +162,8 @@ def test_a_transition_on_what_the_runtime_takes_is_left_out():
     states = state(on("a.management.Standby", "<simple/>") + on("SetLamp", "<internal/>"))
     text = service(references=INHERITS, behaviour=MACHINE.format(start="S", states=states))
     made = run(text)
-    transitions = only_service(made).machines[0].states[0].transitions
+    transitions = made.sets[0].services[0].machines[0].states[0].transitions
     assert [each.message.name for each in transitions] == ["SetLamp"]
     assert [(each.rule, each.message) for each in made.diagnostics if each.rule == "JML624"] == [
         ("JML624", "Standby is taken by Management of the runtime, not by a transition")
     ]
-
-
-def only_service(made):
-    (root,) = made.sets
-    return root.services[0]
