@@ -7,21 +7,42 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.common import EnvironmentFault
+from jausml.cli.common import EnvironmentFault, FiniteRange
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from jausml.live.systems.ros_graph import GraphEnd, GraphTopic
     from jausml.proposals.topics import TopicEnd
 
 
-def topics_that_run(words: Sequence[str], seconds: float) -> list[TopicEnd]:
+def graph_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Adds the options of looking at what runs to a verb."""
+    from_graph = click.option(
+        "--from-graph",
+        is_flag=True,
+        help="Use the topics that exist in ROS now: all, or those named by arguments "
+        "TOPIC[:MAP,...].",
+    )
+    seconds = click.option(
+        "--for",
+        "seconds",
+        type=FiniteRange(0.1, 600),
+        default=10.0,
+        show_default=True,
+        metavar="SECONDS",
+        help="Longest time to look at the running system.",
+    )
+    return from_graph(seconds(command))
+
+
+def topics_that_run(words: Sequence[str], seconds: float, namespace: str = "") -> list[TopicEnd]:
     """Returns topics that run now, after it has listed all of them.
 
     Args:
         words: Those that are meant, as `TOPIC` or `TOPIC:MAP,...`; all without any.
         seconds: How long to look at most.
+        namespace: That of the bridge, to which names are relative where they can be.
 
     Raises:
         EnvironmentFault: ROS cannot be used here, or nothing runs.
@@ -38,7 +59,7 @@ def topics_that_run(words: Sequence[str], seconds: float) -> list[TopicEnd]:
         raise EnvironmentFault(f"no topic runs here (looked for {seconds:g} s)")
     for each in running:
         click.echo(_line(each))
-    known = {each.name: _end(each) for each in running if len(each.types) == 1}
+    known = {each.name: _end(each, namespace) for each in running if len(each.types) == 1}
     if not words:
         return list(known.values())
     return [_named(word, known) for word in words]
@@ -63,14 +84,14 @@ def _line(topic: GraphTopic) -> str:
     return f"{topic.name}  {kinds}  from {nodes(topic.publishers)} to {nodes(topic.subscriptions)}"
 
 
-def _end(topic: GraphTopic) -> TopicEnd:
+def _end(topic: GraphTopic, namespace: str) -> TopicEnd:
     """Returns a topic with the direction and quality of service that its ends leave."""
     from jausml.proposals.topics import TopicEnd
 
     is_one_way = bool(topic.publishers) is not bool(topic.subscriptions)
     return TopicEnd(
-        # Relative to the root, where the bridge is: so a namespace and remappings move it too.
-        topic.name.removeprefix("/"),
+        # Relative to where the bridge is: so another namespace moves it too.
+        topic.name.removeprefix(f"/{namespace.strip('/')}/" if namespace.strip("/") else "/"),
         topic.types[0].replace("/msg/", "/", 1),
         bool(topic.subscriptions) if is_one_way else None,
         heard=_heard(topic.publishers),

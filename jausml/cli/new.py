@@ -8,6 +8,7 @@ import click
 
 _KINDS = {
     "bridge": "A bridge of topics, or of what runs in ROS.",
+    "connection": "Further topics for a bridge.",
     "component": "A JAUS component.",
     "node": "A node of ROS.",
     "map": "A map between a JAUS message and a ROS type.",

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.common import FiniteRange
-from jausml.cli.graph import topics_that_run
+from jausml.cli.graph import graph_options, topics_that_run
 from jausml.cli.new_places import model_option, place_for, report, stopping
 from jausml.cli.topics import chosen_crossings, tell, topic_options, topics_of
 
@@ -21,20 +20,7 @@ if TYPE_CHECKING:
 @click.option(
     "--topics", "by_topics", is_flag=True, help="Read the arguments as topics (the default)."
 )
-@click.option(
-    "--from-graph",
-    is_flag=True,
-    help="Use the topics that exist in ROS now: all, or those named by arguments TOPIC[:MAP,...].",
-)
-@click.option(
-    "--for",
-    "seconds",
-    type=FiniteRange(0.1, 600),
-    default=10.0,
-    show_default=True,
-    metavar="SECONDS",
-    help="Longest time to look at the running system.",
-)
+@graph_options
 @click.option("--address", metavar="ID", help="JAUS id; by default, a free one.")
 @topic_options
 @model_option
@@ -66,9 +52,9 @@ def command(
         raise click.UsageError("--topics and --from-graph exclude each other")
     if not words and not from_graph:
         raise click.UsageError("name topics, such as cmd_vel:geometry_msgs/Twist")
-    topics = topics_that_run(words, seconds) if from_graph else topics_of(words)
     with stopping():
         place = place_for(model)
+        topics = topics_that_run(words, seconds) if from_graph else topics_of(words)
         chosen = chosen_crossings(
             topics, ready_maps(place), side=side, yes=yes, all_needed=bool(words)
         )

@@ -15,7 +15,7 @@ from jausml.model.xmi.writer import replace_file
 from jausml.projects.eclipse import MAPPINGS, as_xmi_beside
 from jausml.projects.errors import ProjectError
 from jausml.projects.places import Opened, opened
-from jausml.proposals.bridges import new_bridge
+from jausml.proposals.bridges import new_bridge, new_connections
 from jausml.proposals.bridging import bridges_of, offer_of
 from jausml.proposals.elements import AnswerError, Scope, library
 from jausml.proposals.fresh import participant_name
@@ -69,8 +69,6 @@ def add_bridge(
 ) -> tuple[str, ...]:
     """Adds a bridge with a connection for each way that was chosen.
 
-    Text imports the ready maps. Eclipse reads no text, so XMI gets copies of them beside it.
-
     Args:
         place: The model, which is made when it is missing.
         name: Name of the bridge.
@@ -85,27 +83,87 @@ def add_bridge(
         ProjectError: It cannot be added; nothing was written.
         OSError: A file cannot be read or written.
     """
+
+    def made(at: Opened, scope: Scope, ways: Sequence[Crossing]) -> Sequence[Command]:
+        whole = at.system
+        if name in [name_of(each) for each in whole.bridges]:
+            raise ProjectError(
+                f"{name_of(whole)} has something of the name {name} already; "
+                f"jausml new connection --bridge {name} adds topics to it"
+            )
+        check_name(name, whole)
+        return [new_bridge(scope, whole, name, ways, topics=topics, address=address)]
+
+    return _carry(place, f"Add bridge {name}", chosen, made)
+
+
+def add_connections(
+    place: Place, name: str, chosen: Sequence[Crossing], topics: Sequence[TopicEnd]
+) -> tuple[str, ...]:
+    """Adds a connection for each way that was chosen to a bridge, with the services of them.
+
+    Args:
+        place: The model.
+        name: Name of the bridge; empty for the only one.
+        chosen: The ways.
+        topics: All topics, which may feed the joins of maps.
+
+    Returns:
+        The files that were written, relative to the folder of the project.
+
+    Raises:
+        ProjectError: It cannot be added; nothing was written.
+        OSError: A file cannot be read or written.
+    """
+
+    def made(at: Opened, scope: Scope, ways: Sequence[Crossing]) -> Sequence[Command]:
+        owner = bridge_in(at, name)
+        for each in ways:
+            if _carries(owner, each):
+                used = name_of(each.map)
+                raise ProjectError(f"{name_of(owner)} carries {each.topic.name} by {used} already")
+        return new_connections(scope, owner, ways, topics)
+
+    return _carry(place, "Add connections", chosen, made)
+
+
+def _carries(owner: bridge.Bridge, crossing: Crossing) -> bool:
+    return any(
+        name_of(each.map) == name_of(crossing.map)
+        and crossing.topic.name in [topic.name for topic in each.topics]
+        for each in owner.bridgeConnections
+        if each.map is not None
+    )
+
+
+def _carry(
+    place: Place,
+    label: str,
+    chosen: Sequence[Crossing],
+    made: Callable[[Opened, Scope, Sequence[Crossing]], Sequence[Command]],
+) -> tuple[str, ...]:
+    """Adds what carries topics by ready maps; returns the files that were written.
+
+    Text imports the ready maps. Eclipse reads no text, so XMI gets copies of them beside it.
+    """
     copies = {} if place.is_text else _copies(place, chosen)
-    made = [path for path in copies if not path.exists()]
-    for path in made:
+    new = [path for path in copies if not path.exists()]
+    for path in new:
         path.parent.mkdir(parents=True, exist_ok=True)
         replace_file(path, as_xmi_beside(copies[path], path, place.root).encode())
 
     def commands(at: Opened) -> Sequence[Command]:
-        whole = at.system
-        check_name(name, whole)
         models = [read_models([path], project_root=place.root).model for path in copies]
         scope = Scope(at.scope.model, place.root, tuple(models))
-        ways = [_present(each, scope) for each in chosen]
-        return [new_bridge(scope, whole, name, ways, topics=topics, address=address)]
+        return made(at, scope, [_present(each, scope) for each in chosen])
 
     try:
-        files = add(place, f"Add bridge {name}", commands)
+        files = add(place, label, commands)
     except BaseException:
-        for path in made:
+        for path in new:
             path.unlink(missing_ok=True)
         raise
-    return (*files, *(each.relative_to(place.root).as_posix() for each in made))
+    return (*files, *(each.relative_to(place.root).as_posix() for each in new))
 
 
 def check_name(name: str, whole: system.System) -> None:
@@ -169,13 +227,13 @@ def models_beside(at: Opened) -> list[Model]:
     return [at.project.model(each).model for each in own]
 
 
-def bridge_in(at: Opened, name: str, *, map_name: str) -> bridge.Bridge:
-    """Returns the bridge of a model that gets a map.
+def bridge_in(at: Opened, name: str, *, map_name: str = "") -> bridge.Bridge:
+    """Returns the bridge of a model that gets something.
 
     Args:
         at: The model.
         name: Its name; empty for the only one.
-        map_name: The name of the map.
+        map_name: The name of the map that it gets, if it gets one.
 
     Raises:
         ProjectError: There is none, there are several, or it has a map of the name.
@@ -189,3 +247,19 @@ def bridge_in(at: Opened, name: str, *, map_name: str) -> bridge.Bridge:
     names = ", ".join(map(name_of, found)) or "none"
     which = f"no bridge {name!a}" if name else "not one bridge" if found else "no bridge"
     raise ProjectError(f"{at.place.file} has {which}; there are: {names}")
+
+
+def namespace_of(place: Place, name: str) -> str:
+    """Returns the ROS namespace of a bridge of a model, empty for the root.
+
+    Args:
+        place: The model.
+        name: Name of the bridge; empty for the only one.
+
+    Raises:
+        ProjectError: There is no such bridge.
+        OSError: The file cannot be read.
+    """
+    if not place.path.exists():
+        raise ProjectError(f"{place.path} does not exist, so it has no bridge")
+    return str(bridge_in(opened(place), name).namespace or "")

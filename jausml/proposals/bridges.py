@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.editing.commands import Add, Child
+from jausml.editing.commands import Add, Child, Set
 from jausml.model.names import name_of
 from jausml.model.words import snake_case
-from jausml.proposals.bridging import Draft, peer_of
+from jausml.proposals.bridging import Draft, has_message, peer_of
 from jausml.proposals.fresh import free_address, free_name
 from jausml.proposals.topics import joins_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.metamodel.classes import system
+    from jausml.editing.commands import Command
+    from jausml.metamodel.classes import bridge, system
     from jausml.proposals.elements import Scope
     from jausml.proposals.topics import Crossing, TopicEnd
 
@@ -46,8 +47,53 @@ def new_bridge(
         services = [each.offer.service for each in chosen if each.offer.is_provided is is_used]
         if services:
             values[feature] = tuple(dict.fromkeys(map(scope.ref, services)))
-    connections: list[Child] = []
-    names: list[str] = []
+    made = _connections(scope, "", chosen, topics)
+    connections = [Child(each.feature, each.kind, each.values, each.children) for each in made]
+    return Add(scope.ref(whole), "bridges", "bridge.Bridge", values, tuple(connections))
+
+
+def new_connections(
+    scope: Scope, owner: bridge.Bridge, chosen: Sequence[Crossing], topics: Sequence[TopicEnd] = ()
+) -> list[Command]:
+    """Returns what adds a connection for each chosen way to a bridge, and the services of them.
+
+    Args:
+        scope: The model.
+        owner: The bridge.
+        chosen: The ways.
+        topics: All topics, which may feed the joins of maps.
+    """
+    place = scope.ref(owner)
+    made: list[Command] = []
+    for feature, is_used in (("provides", False), ("uses", True)):
+        known = list(getattr(owner, feature))
+        wanted = [each.offer for each in chosen if each.offer.is_provided is is_used]
+        missing = [each.service for each in wanted if not has_message(known, each.message)]
+        if missing:
+            refs = (scope.ref(each) for each in (*known, *missing))
+            made.append(Set(place, feature, tuple(dict.fromkeys(refs))))
+    taken = [name_of(each) for each in owner.bridgeConnections]
+    return [*made, *_connections(scope, place, chosen, topics, taken)]
+
+
+def _connections(
+    scope: Scope,
+    place: str,
+    chosen: Sequence[Crossing],
+    topics: Sequence[TopicEnd],
+    taken: Sequence[str] = (),
+) -> list[Add]:
+    """Returns what makes a connection for each way.
+
+    Args:
+        scope: The model.
+        place: Ref of the bridge that shall have them; empty for one that is made with them.
+        chosen: The ways.
+        topics: All topics, which may feed the joins of maps.
+        taken: The names of the connections that the bridge has already.
+    """
+    found: list[Add] = []
+    names = list(taken)
     fed: set[str] = set()
     for each in chosen:
         names.append(free_name(_connection_name(each, chosen), names))
@@ -62,9 +108,8 @@ def new_bridge(
             joins_of(each, topics, fed),
             each.hold,
         )
-        made = draft.connection(scope, "", scope.ref(each.map))
-        connections.append(Child(made.feature, made.kind, made.values, made.children))
-    return Add(scope.ref(whole), "bridges", "bridge.Bridge", values, tuple(connections))
+        found.append(draft.connection(scope, place, scope.ref(each.map)))
+    return found
 
 
 def _connection_name(crossing: Crossing, chosen: Sequence[Crossing]) -> str:

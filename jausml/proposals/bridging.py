@@ -302,12 +302,17 @@ def _with_service(scope: Scope, owner: bridge.Bridge, offer: Offer) -> list[Comm
     """Lets a bridge provide or use the service of a message."""
     feature = "uses" if offer.is_provided else "provides"
     known = list(getattr(owner, feature))
-    reached = with_inherited(known)
-    messages = [each for one in reached for each in (*one.inputs, *one.outputs)]
-    if find_same(offer.message, messages) is not None:
+    if has_message(known, offer.message):
         return []
     values = tuple(scope.ref(each) for each in known)
     return [Set(scope.ref(owner), feature, (*values, scope.ref(offer.service)))]
+
+
+def has_message(services: Iterable[jaus.Service], message: jaus.MessageDef) -> bool:
+    """Tells whether services, or those that they inherit, have a message."""
+    reached = with_inherited(services)
+    messages = [each for one in reached for each in (*one.inputs, *one.outputs)]
+    return find_same(message, messages) is not None
 
 
 def _new_bridge(scope: Scope, owner: EObject, offer: Offer) -> Add:

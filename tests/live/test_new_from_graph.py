@@ -97,3 +97,15 @@ def test_it_lists_what_runs_and_proposes_a_bridge(tmp_path, monkeypatch):
     other = new("/car/odom:velocity_state", "--model", "other.ros2jaus")
     assert other.exit_code == 0, other.output
     assert "velocity_state: reported as ReportVelocityState" in other.output
+    words = ("--from-graph", "--for", "60", "/car/odom:velocity_state", "--model", "car.ros2jaus")
+    further = CliRunner().invoke(main, ["new", "connection", *words])
+    assert further.exit_code == 0, further.output
+    text = (tmp_path / "car.ros2jaus").read_text("utf-8")
+    (tmp_path / "car.ros2jaus").write_text(text.replace("address:", "namespace: car\naddress:"))
+    inside = CliRunner().invoke(
+        main, ["new", "connection", *words[:3], "/car/odom:local_pose_enu", *words[4:]]
+    )
+    assert "odom: ROS -> JAUS, local_pose_enu" in inside.output
+    model = read_models([tmp_path / "car.ros2jaus"], notations=NOTATIONS).model
+    [made] = model.instances(bridge.Bridge, library=False)
+    assert [each.topics[0].name for each in made.bridgeConnections][-2:] == ["car/odom", "odom"]

@@ -150,6 +150,54 @@ def test_what_nothing_stops_says_so(rover, jausml):
     assert jausml("validate", "models", "--strict").exit_code == 0
 
 
+@NOTATION
+def test_a_bridge_gets_further_topics(rover, jausml, notation):
+    model = rover(notation)
+    assert jausml("new", "bridge", "rover", DRIVE, ODOM, "--yes").exit_code == 0
+    done = jausml("new", "connection", f"{ODOM}:velocity_state", "scan:sensor_msgs/LaserScan")
+    assert done.exit_code == 0, done.output
+    assert "odom: ROS -> JAUS, velocity_state: reported as ReportVelocityState" in done.output
+    # Its message belongs to a service that the bridge provides already.
+    done = jausml("new", "connection", "report:geometry_msgs/Twist:velocity_command_report")
+    assert done.exit_code == 0, done.output
+    assert [(topics, used) for topics, used, *_ in ways(model)] == [
+        (["cmd_vel"], "velocity_command"),
+        (["odom"], "local_pose"),
+        (["odom"], "velocity_state"),
+        (["scan"], "laser_scan"),
+        (["report"], "velocity_command_report"),
+    ]
+    made = the_bridge(model)
+    assert [each.name for each in made.bridgeConnections][1:3] == ["odom", "odom_2"]
+    provided = ["VelocityStateDriver", "LocalPoseSensor", "VelocityStateSensor", "RangeSensor"]
+    assert list(map(name_of, made.provides)) == provided
+    done = jausml("validate", "models", "--strict")
+    assert done.exit_code == 0, done.output
+    assert jausml("generate", model, "-o", "src").exit_code == 0
+
+
+def test_of_several_bridges_one_gets_the_topics(rover, jausml):
+    model = rover("text")
+    done = jausml("new", "connection", DRIVE, "--yes")
+    assert (done.exit_code, "has no bridge; there are: none" in done.output) == (2, True)
+    for name, topic in (("front", DRIVE), ("rear", "scan:sensor_msgs/LaserScan")):
+        assert jausml("new", "bridge", name, topic, "--yes").exit_code == 0
+    before = model.read_bytes()
+    for words, told in [
+        ((ODOM,), "has not one bridge; there are: front, rear"),
+        ((ODOM, "--bridge", "middle"), "no bridge 'middle'; there are: front, rear"),
+        ((DRIVE, "--bridge", "front"), "front carries cmd_vel by velocity_command already"),
+        ((), "Missing argument"),
+    ]:
+        done = jausml("new", "connection", *words, "--yes")
+        assert (done.exit_code, told in done.output) == (2, True), done.output
+    done = jausml("new", "bridge", "front", ODOM, "--yes")
+    assert "jausml new connection --bridge front adds topics to it" in done.output
+    assert model.read_bytes() == before
+    assert jausml("new", "connection", ODOM, "--bridge", "rear", "--yes").exit_code == 0
+    assert jausml("validate", "models", "--strict").exit_code == 0
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [
