@@ -29,6 +29,9 @@ FORMATS = ("text", "json", "svg", "html")
 _PICTURES = ("svg", "html")
 _COLOURS = {"added": "green", "removed": "red"}
 _SIGNS = {"added": "+", "removed": "-", "renamed": "~", "changed": "~", "ordered": "~"}
+_SAME_MEANING = (
+    "no differences in meaning; --no-ext-diff shows layout, comments, ids and documentation"
+)
 
 
 @click.command("diff")
@@ -52,6 +55,12 @@ _SIGNS = {"added": "+", "removed": "-", "renamed": "~", "changed": "~", "ordered
     metavar="FILE",
     help="File whose states OLD and NEW are; references are resolved from its folder.",
 )
+@click.option(
+    "--new-as",
+    "renamed",
+    metavar="FILE",
+    help="The same for NEW alone, if it was renamed.",
+)
 @reading_options
 def command(
     old: str,
@@ -61,6 +70,7 @@ def command(
     output: str | None,
     fail_on: str,
     file: str | None,
+    renamed: str | None,
     reading: Reading,
 ) -> None:
     """Show what changed from OLD to NEW, in terms of the models.
@@ -86,14 +96,12 @@ def command(
         click.echo(f"+ {file}: added" if old == os.devnull else f"- {file}: removed")
         return
     with ExitStack() as stack:
-        (before, old_folder), (after, new_folder) = (
-            _read(each, file, reading, stack) for each in (old, new)
-        )
+        before, old_folder = _read(old, file, reading, stack)
+        after, new_folder = _read(new, renamed or file, reading, stack)
         pairs = paired_roots(before.model, after.model, old_folder, new_folder)
-        found = changes(before.model, after.model, pairs)
+        found = changes(before.model, after.model, pairs, (*before.lost, *after.lost))
         for name, result in ((old, before), (new, after)):
-            if result.has_errors:
-                click.echo(f"warning: {name} has errors; what can be read was compared", err=True)
+            _warn(name, result)
         if output_format in _PICTURES:
             roots = [(a, b) for a, b in pairs if a is not None and b is not None]
             matching = Matching(before.model, after.model, roots)
@@ -102,10 +110,39 @@ def command(
         elif output_format == "json":
             text = json.dumps(_as_json(found), indent=2, ensure_ascii=False) + "\n"
         else:
-            text = "".join(f"{line}\n" for line in (*map(_line, found), _summary(found)))
+            shown = [] if file is None else [_title(file, renamed)]
+            end = _summary(found)
+            if not found and _unread(before, after):
+                end = "nothing was compared"
+            elif not found and file is not None:
+                end = _SAME_MEANING
+            text = "".join(f"{line}\n" for line in (*shown, *map(_line, found), end))
         write_report(click.unstyle(text) if output is not None else text, output)
     if (fail_on == "any" and found) or (fail_on == "breaking" and any(e.breaks for e in found)):
         raise click.exceptions.Exit(PROBLEMS)
+
+
+def _title(file: str, renamed: str | None) -> str:
+    """Returns the line by which a reader of `git diff` knows the file."""
+    title = f"{file} -> {renamed}" if renamed else file
+    return click.style(title, bold=True)
+
+
+def _unread(*states: ReadResult) -> bool:
+    return any(not each.readable for state in states for each in state.model.documents)
+
+
+def _warn(name: str, result: ReadResult) -> None:
+    """Tells the first error of a state, and how many more there are."""
+    from jausml.model.diagnostics import Severity
+
+    errors = [each for each in result.diagnostics if each.severity is Severity.ERROR]
+    if not errors:
+        return
+    first = errors[0]
+    more = f", and {len(errors) - 1} more" if len(errors) > 1 else ""
+    click.echo(f"warning: {name} has errors; what can be read was compared", err=True)
+    click.echo(f"  {first.location}: {first.rule} {first.message}{more}", err=True)
 
 
 def _read(

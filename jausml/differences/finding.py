@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.differences.breaking import breaks
@@ -9,7 +11,6 @@ from jausml.differences.change import Change, Kind
 from jausml.differences.matching import Matching, address, owned, values
 from jausml.differences.telling import (
     element_words,
-    feature_text,
     is_sign_change,
     statement,
     value_text,
@@ -20,12 +21,13 @@ from jausml.metamodel import FeatureKind
 from jausml.metamodel.classes import bridge, jaus
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
     from typing import Any
 
     from jausml.metamodel import ClassTable, FeatureTable
     from jausml.metamodel.classes.ecore import EObject
     from jausml.model.model import Model
+    from jausml.model.reading.reader import LostReference
 
 _ORDERED = {"jaus.Record.fields", "jaus.Sequence.fields", "jaus.Variant.options"}
 """Owned parts whose order is that on the wire."""
@@ -46,8 +48,22 @@ def is_ordered(table: ClassTable, feature: FeatureTable) -> bool:
     return any(f"{each.qualified_name}.{feature.name}" in _ORDERED for each in table.supertypes)
 
 
+@dataclass(frozen=True)
+class _Missing:
+    """What a reference names that leads to no element."""
+
+    fragment: str
+
+    @property
+    def name(self) -> str:
+        return f"{self.fragment} (not found)"
+
+
 def changes(
-    old: Model, new: Model, roots: Sequence[tuple[EObject | None, EObject | None]]
+    old: Model,
+    new: Model,
+    roots: Sequence[tuple[EObject | None, EObject | None]],
+    lost: Iterable[LostReference] = (),
 ) -> list[Change]:
     """Returns what changed, in the order of the new state; what was removed comes at its owner.
 
@@ -57,15 +73,24 @@ def changes(
         old: The old state.
         new: The new state.
         roots: Root elements that belong together; None for one that the other state lacks.
+        lost: The references of both states that lead to no element. They are compared by what they
+            name.
     """
-    return list(_Finding(old, new, roots).run())
+    return list(_Finding(old, new, roots, lost).run())
 
 
 class _Finding:
     def __init__(
-        self, old: Model, new: Model, roots: Sequence[tuple[EObject | None, EObject | None]]
+        self,
+        old: Model,
+        new: Model,
+        roots: Sequence[tuple[EObject | None, EObject | None]],
+        lost: Iterable[LostReference],
     ) -> None:
         self._old, self._new = old, new
+        self._lost: dict[tuple[EObject, str], list[_Missing]] = defaultdict(list)
+        for each in lost:
+            self._lost[each.owner, each.feature.name].append(_Missing(each.fragment))
         self._roots = roots
         both = [(one, other) for one, other in roots if one is not None and other is not None]
         self._matching = Matching(old, new, both)
@@ -120,12 +145,15 @@ class _Finding:
 
     def _values(self, one: EObject, other: EObject, feature: FeatureTable) -> Iterator[Change]:
         ours, theirs = values(one, feature), values(other, feature)
+        missing = [self._lost.get((each, feature.name), []) for each in (one, other)]
+        ours = [*ours, *(_found(each, theirs, self._new) for each in missing[0])]
+        theirs = [*theirs, *(_found(each, ours, self._old) for each in missing[1])]
         known = [self._matching.news.get(each, each) if address(each) else each for each in ours]
         lost = [a for a, b in zip(ours, known, strict=True) if not _holds(theirs, b)]
         added = [each for each in theirs if not _holds(known, each)]
         if not lost and not added and len(ours) == len(theirs):
             return
-        old, new = feature_text(one, feature), feature_text(other, feature)
+        old, new = (" ".join(map(value_text, each)) for each in (ours, theirs))
         kind = Kind.RENAMED if feature.name == "name" else Kind.CHANGED
         text = with_unit(feature.name, old, new)
         if kind is Kind.RENAMED:
@@ -225,6 +253,14 @@ def _holds(found: list[Any], value: Any) -> bool:
     return any(
         value is each or (address(each) == where if where else each == value) for each in found
     )
+
+
+def _found(missing: _Missing, others: list[Any], model: Model) -> Any:
+    """Returns the element that the other state finds by the same fragment, else what is missing."""
+    for each in others:
+        if address(each) and missing.fragment in (model.identifier(each), model.path_of(each)):
+            return each
+    return missing
 
 
 def _methods(obj: EObject) -> set[str]:

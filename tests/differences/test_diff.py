@@ -227,7 +227,33 @@ def test_a_broken_model_is_told_and_compared_as_far_as_it_can_be_read(tmp_path):
     done = CliRunner().invoke(main, ["diff", str(old), str(new)])
     assert done.exit_code == 0
     assert "new.xmi has errors; what can be read was compared" in done.stderr
-    assert "no longer provides PrimitiveDriver" in done.stdout
+    assert "has no element 'CrimitiveDriver'" in done.stderr
+    assert "which bridge uses; now provides CrimitiveDriver (not found)" in done.stdout
+
+
+def test_a_reference_that_leads_nowhere_says_what_it_said(tmp_path):
+    """A state without its library, as of another folder, is compared by what it names."""
+    old, new = tmp_path / "old.xmi", tmp_path / "new.xmi"
+    old.write_text(CATVEHICLE, encoding="utf-8")
+    text = CATVEHICLE.replace(LIBRARY_URI, "../nowhere/")
+    new.write_text(replaced(text, 'address="100.1.1"', 'address="100.1.9"'), encoding="utf-8")
+    for one, other in ((old, new), (new, old)):
+        done = CliRunner().invoke(main, ["diff", str(one), str(other)])
+        assert done.stdout.endswith("\n1 change, 1 breaks peers\n"), done.stdout
+        assert "JML2" in done.stderr
+    done = CliRunner().invoke(main, ["diff", "--fail-on", "any", str(new), str(new)])
+    assert (done.exit_code, done.stdout) == (0, "no differences\n")
+
+
+@pytest.mark.parametrize("is_new", [True, False])
+def test_of_a_file_that_is_no_xml_nothing_is_said(tmp_path, is_new):
+    good, bad = tmp_path / "good.xmi", tmp_path / "bad.xmi"
+    good.write_text(CATVEHICLE, encoding="utf-8")
+    bad.write_text(CATVEHICLE.replace("</nodes>", "</nods>", 1), encoding="utf-8")
+    states = (good, bad) if is_new else (bad, good)
+    done = CliRunner().invoke(main, ["diff", *map(str, states)])
+    assert (done.exit_code, done.stdout) == (0, "nothing was compared\n")
+    assert "JML004 not well-formed XML" in done.stderr
 
 
 @pytest.fixture

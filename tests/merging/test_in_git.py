@@ -172,3 +172,14 @@ def test_a_model_that_moved_is_merged_with_what_changed_in_its_former_place(repo
     repository.git("checkout", "-q", "changed")
     repository.git("merge", "-q", "--no-edit", "moved~1")
     assert "no problems" in repository.run("jausml", "validate", "models")
+
+
+def test_the_files_of_a_diff_are_named(repository):
+    documented = MINIMAL.replace("Ten times", "Often")
+    repository.commit("documented", documented)
+    same = "no differences in meaning; --no-ext-diff shows layout, comments, ids and documentation"
+    assert repository.git("diff", "main") == f"models/robot.xmi\n{same}\n"
+    (repository.folder / "models" / "deeper").mkdir()
+    repository.git("mv", "models/robot.xmi", "models/deeper/rover.xmi")
+    told = repository.git("diff", "-M", "main")
+    assert told == f"models/robot.xmi -> models/deeper/rover.xmi\n{same}\n"

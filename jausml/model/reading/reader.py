@@ -45,7 +45,7 @@ class LostReference:
         owner: The element that refers.
         feature: The reference.
         path: The file that is referred to, whether it is there or not; None for no file.
-        fragment: The fragment or id in it; empty for a reference by name.
+        fragment: The fragment or id in it, or the name of a reference by name.
     """
 
     owner: EObject
@@ -180,7 +180,8 @@ class _Reading:
         path = target.path if isinstance(target, FileTarget) else None
         if not reference.uri and not reference.name:
             path = document.path
-        return LostReference(reference.owner, reference.feature, path, reference.fragment)
+        named = reference.fragment or reference.name
+        return LostReference(reference.owner, reference.feature, path, named)
 
     def _open_all(self) -> None:
         """Opens the documents that others import or refer to."""
