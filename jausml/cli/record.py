@@ -46,66 +46,66 @@ _FRAGMENT = 0x3FFF
 @click.argument("model", metavar="[MODEL]", required=False)
 @output_option
 @force_option
-@click.option("--all-topics", is_flag=True, help="Record all topics of ROS, not those of MODEL.")
+@click.option("--all-topics", is_flag=True, help="Record all ROS topics, not only those of MODEL.")
 @click.option(
     "--topic",
     "topics",
     multiple=True,
     metavar="PATTERN",
-    help="Record these topics of ROS alone, of MODEL or, without it, of all; * stands for "
-    "anything; may be repeated.",
+    help="Record only these ROS topics, from MODEL or, without it, from all; * matches anything; "
+    "may be repeated.",
 )
 @click.option(
     "--exclude",
     "excluded",
     multiple=True,
     metavar="PATTERN",
-    help="Leave these topics of ROS out; may be repeated.",
+    help="Omit these ROS topics; may be repeated.",
 )
 @click.option(
     "--component",
     "components",
     multiple=True,
     metavar="ID",
-    help="Record what this JAUS component sends and is sent alone, such as 100.1.10 or 100.*; "
+    help="Record only what this JAUS component sends and receives, such as 100.1.10 or 100.*; "
     "may be repeated.",
 )
 @interface_option()
 @port_option()
 @multicast_group_option()
-@click.option("--duration", type=FiniteRange(0), metavar="S", help="End after so many seconds.")
+@click.option("--duration", type=FiniteRange(0), metavar="S", help="End after this many seconds.")
 @click.option(
     "--flush-every",
     type=FiniteRange(0.05, 3600),
     default=1.0,
     show_default=True,
     metavar="S",
-    help="Give the disk what has come each S seconds: loss of power takes no more than that.",
+    help="Flush the files to the disk every S seconds; if the power fails, this is what you lose.",
 )
 @click.option(
     "--max-size",
     type=FiniteRange(0, min_open=True),
     metavar="MB",
-    help="Go on in new files, FILE with a number, when both have so many megabytes.",
+    help="Continue in a new numbered FILE when both files have reached this many megabytes.",
 )
 @click.option(
     "--max-duration",
     type=FiniteRange(0, min_open=True),
     metavar="S",
-    help="Go on in new files, FILE with a number, after so many seconds.",
+    help="Continue in a new numbered FILE after this many seconds.",
 )
 @click.option(
     "--max-files",
     type=click.IntRange(1),
     metavar="N",
-    help="Of these keep the newest N pairs, those of former recordings included.",
+    help="Keep only the newest N numbered files, including those of earlier recordings.",
 )
 @click.option(
     "--compression",
     type=click.Choice(["zstd", "lz4", "none"]),
     default="zstd",
     show_default=True,
-    help="How the MCAP file is compressed.",
+    help="Compression of the MCAP file.",
 )
 def command(
     model: str | None,
@@ -127,13 +127,13 @@ def command(
 ) -> None:
     """Record both sides of a running system until Ctrl-C.
 
-    FILE gets the JAUS messages that pass the interface, as JSON, and the topics of the system in
-    MODEL. Beside it stands what was captured, with the ending .pcap. Without MODEL there is JAUS
-    alone, as there is where ROS is missing. Nothing is sent; to see what others are sent needs
-    CAP_NET_RAW, as tcpdump does: without it the multicast group alone is heard.
+    FILE contains the JAUS messages on the interface, as JSON, and the ROS topics of the system in
+    MODEL. The capture is written beside it, with the ending .pcap. Without MODEL, or without ROS,
+    only JAUS is recorded. The recorder sends nothing. To see messages between others it needs
+    CAP_NET_RAW, like tcpdump; without it, it receives only the multicast group.
 
-    What was flushed can be read whatever happens: `jausml replay` reads files that were cut off,
-    and makes them whole.
+    After a power failure or a kill, everything that was flushed is still readable: `jausml replay`
+    reads and repairs files that were cut off.
 
     Exit status: 0 done, 1 problems in the model, 2 usage or environment, a full disk among them,
     3 internal error.

@@ -18,9 +18,7 @@ if TYPE_CHECKING:
 
     from jausml.model import Model
 
-output_option = click.option(
-    "-o", "--output", metavar="FILE", help="The MCAP file that is written."
-)
+output_option = click.option("-o", "--output", metavar="FILE", help="MCAP file to write.")
 force_option = click.option("--force", is_flag=True, help="Overwrite FILE.")
 
 
@@ -84,12 +82,18 @@ def shown_time(seconds: float) -> str:
 
 @contextmanager
 def stopped_by_signals(stop: Event) -> Iterator[None]:
-    """Has SIGINT and SIGTERM end a recording or a replay in good order, in the midst of nothing.
+    """Has signals end a recording or a replay in good order, in the midst of nothing.
+
+    They are SIGINT, SIGTERM, and SIGHUP, which comes when the terminal goes, unless that is ignored
+    as `nohup` has it.
 
     Args:
         stop: What they set.
     """
-    numbers = (signal.SIGINT, signal.SIGTERM)
+    numbers = [signal.SIGINT, signal.SIGTERM]
+    hang_up = getattr(signal, "SIGHUP", None)  # Windows has none
+    if hang_up is not None and signal.getsignal(hang_up) != signal.SIG_IGN:
+        numbers.append(hang_up)
     former = [signal.signal(number, lambda *_: stop.set()) for number in numbers]
     try:
         yield

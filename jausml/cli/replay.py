@@ -49,12 +49,12 @@ _NANO = 10**9
 @click.option(
     "--with-jaus",
     is_flag=True,
-    help="Have the JAUS messages in FILE too, as JSON; ros2 bag does not play such a file.",
+    help="Include the JAUS messages in FILE, as JSON; ros2 bag cannot play such a file.",
 )
 @click.option(
     "--ros-only",
     is_flag=True,
-    help="Without MODEL: leave out of FILE what is not of ROS; ros2 bag plays such a file.",
+    help="Without MODEL: write only the ROS topics to FILE, so that ros2 bag can play it.",
 )
 @interface_option()
 @port_option()
@@ -64,17 +64,17 @@ _NANO = 10**9
     type=FiniteRange(0),
     default=0.0,
     metavar="S",
-    help="Begin so many seconds after the first message of RECORDING.",
+    help="Begin this many seconds after the first message of RECORDING.",
 )
-@click.option("--duration", type=FiniteRange(0), metavar="S", help="End so many seconds later.")
-@click.option("--loop", is_flag=True, help="Give a recording of ROS again and again, until Ctrl-C.")
+@click.option("--duration", type=FiniteRange(0), metavar="S", help="End this many seconds later.")
+@click.option("--loop", is_flag=True, help="Repeat a ROS recording until Ctrl-C.")
 @click.option(
     "--speed",
     "--rate",
     type=FiniteRange(0, 100, min_open=True),
     default=1.0,
     show_default=True,
-    help="Seconds of the recording in each second.",
+    help="Seconds of the recording to replay per second.",
 )
 @click.option(
     "--max-rate",
@@ -82,16 +82,16 @@ _NANO = 10**9
     default=1000.0,
     show_default=True,
     metavar="HZ",
-    help="Messages each second at most; what comes faster is late.",
+    help="Highest number of messages per second; messages beyond it are late.",
 )
-@click.option("--count", type=click.IntRange(1), help="End after so many messages.")
+@click.option("--count", type=click.IntRange(1), help="End after this many messages.")
 @click.option(
     "--wait",
     type=FiniteRange(0, 3600),
     default=3.0,
     show_default=True,
     metavar="S",
-    help="Seconds for others to find the bridges, before the first message.",
+    help="Seconds to wait before the first message, so that others find the bridges.",
 )
 @click.option(
     "--hold",
@@ -99,12 +99,12 @@ _NANO = 10**9
     default=1.0,
     show_default=True,
     metavar="S",
-    help="Seconds for which the bridges stay after the last message.",
+    help="Seconds to keep the bridges after the last message.",
 )
 @click.option(
     "--allow-commands",
     is_flag=True,
-    help="Send commands too: they move whatever obeys them, so look who hears them.",
+    help="Send commands too; they move every vehicle that obeys, so check who receives them.",
 )
 @bridge_options
 def command(
@@ -121,20 +121,20 @@ def command(
 ) -> None:
     """Replay recordings through the maps of MODEL.
 
-    RECORDING may be a capture: pcap, pcapng, or - for stdin. Each message that a bridge of MODEL
-    would take is translated as the bridge does it, and stands in FILE with the time at which it was
-    captured. So does what such a bridge has sent itself, where its map has both directions.
-    Foxglove, PlotJuggler and `ros2 bag play` open FILE. Of a file of maps without a system all maps
-    are used, for the messages of anybody, each on a topic of its name.
+    RECORDING is a capture (pcap or pcapng; - for stdin). Each message that a bridge of MODEL would
+    take is translated as the bridge does it, and written to FILE with the time of its capture. If a
+    map has both directions, what the bridge itself sent is translated too. Foxglove, PlotJuggler
+    and `ros2 bag play` open FILE. If MODEL contains maps but no system, all maps are used, for the
+    messages of every sender, each on a topic with the name of the map.
 
-    Or RECORDING is one of ROS: an MCAP file, or a bag of rosbag2. Then the bridges of MODEL go on
-    the network of JAUS, loopback by default, and are given its topics at the pace of their times.
-    They report to whoever asks. Commands are left out without --allow-commands: a recorded command
-    moves a vehicle as the first one did, whatever stands around it now. On a terminal the space bar
-    pauses and goes on.
+    Or RECORDING is a ROS recording: an MCAP file or a rosbag2 bag. Then the bridges of MODEL join
+    the JAUS network, loopback by default, and receive its topics at their original times. They
+    report to everybody who asks. Commands are omitted without --allow-commands: a recorded command
+    moves a vehicle like the original one, whatever is around it now. On a terminal, the space bar
+    pauses and continues.
 
-    Without MODEL an MCAP file is written into FILE again. So one that was cut off becomes whole; it
-    is read as far as it goes, wherever it is replayed.
+    Without MODEL, an MCAP file is copied to FILE. If it was cut off, FILE is complete again. Every
+    replay reads a file that was cut off as far as possible.
 
     Exit status: 0 done, 1 problems in the model, in the recording or in what is in it (the rest is
     done), 2 usage or environment, 3 internal error.
@@ -315,10 +315,14 @@ def _replayed(replay: CaptureReplay, path: str, port: int, span: Span) -> bool:
     faults: list[str] = []
 
     def readable(stream: BinaryIO) -> Iterator[Frame]:
+        reached = None
         try:
-            yield from read_frames(stream)
+            for frame in read_frames(stream):
+                reached = frame.nanoseconds or reached
+                yield frame
         except TrafficError as error:  # what was read before it counts
-            faults.append(str(error))
+            until = "" if reached is None else f"; it was read until {shown_time(reached / _NANO)}"
+            faults.append(f"{error}{until}")
 
     with opened(path) as stream:
         found = filter(None, map(reader.read, readable(stream)))

@@ -63,8 +63,8 @@ class Recording:
         with self.capture.open("rb") as stream:
             return list(read_frames(stream))
 
-    def end(self):
-        self.process.send_signal(signal.SIGTERM)
+    def end(self, how=signal.SIGTERM):
+        self.process.send_signal(how)
         return self.process.wait(timeout=PATIENCE)
 
     def close(self):
@@ -222,7 +222,7 @@ def test_a_row_of_files_of_the_components_that_are_named(tmp_path):
     try:
         made.begin_with_frames()
         wait_for(has_gone_on, "files")
-        assert made.end() == 0
+        assert made.end(signal.SIGHUP) == 0  # its terminal has gone
     finally:
         made.close()
     numbers = row()

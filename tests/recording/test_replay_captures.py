@@ -157,7 +157,8 @@ def test_capture_that_ends_early_gives_what_it_has(tmp_path):
     capture, found = tmp_path / "cut.pcap", tmp_path / "found.mcap"
     capture.write_bytes(nano_pcap([frame(velocity(1.0, 0.0, 0.0))] * 2)[:-5])
     result = CliRunner().invoke(main, ["replay", str(capture), VELOCITIES, "-o", str(found)])
-    assert "the file ends within frame 2" in result.stderr
+    assert "the file ends within frame 2 (at byte " in result.stderr
+    assert "; it was read until 2023-11-14 22:13:20.123+00:00" in result.stderr
     assert result.exit_code == 1
     assert len(by_rosbags(found)) == 2
 

@@ -1,0 +1,104 @@
+"""Topics of ROS as they are recorded: latched ones in each file of a row, lost messages counted."""
+
+from __future__ import annotations
+
+import time
+from threading import Event
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from ports import free_domain
+from recordings import by_mcap
+
+from jausml.cli.messages import open_catalogue
+from jausml.recording.parts import Limits, Parts
+from jausml.recording.recorder import Recorder
+from jausml.recording.ros_topics import RosTopics
+from jausml.recording.selection import Selection
+
+pytestmark = [
+    pytest.mark.live,
+    # The parser that the message packages import at their first use.
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
+PATIENCE = 60.0
+
+
+@pytest.fixture
+def publisher(monkeypatch):
+    """Makes a publisher of texts with a quality of service."""
+    import rclpy
+    from rclpy.context import Context
+    from rclpy.qos import QoSProfile
+    from std_msgs.msg import String
+
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
+    context = Context()
+    rclpy.init(context=context, args=[])
+    node = rclpy.create_node("describing", context=context)
+    yield lambda **qos: node.create_publisher(String, "/description", QoSProfile(**qos))
+    node.destroy_node()
+    context.try_shutdown()
+
+
+def wait_for(condition, what):
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end, f"no {what} within {PATIENCE} s"
+        time.sleep(0.02)
+
+
+def test_each_file_has_the_latest_of_a_latched_topic(tmp_path, publisher):
+    from rclpy.qos import DurabilityPolicy
+    from std_msgs.msg import String
+
+    publisher(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL).publish(String(data="a robot"))
+    parts = Parts(tmp_path / "run.mcap", Limits(duration=0.5))
+    recorder = Recorder(parts, open_catalogue([]), {}, Selection())
+    ros = RosTopics(["/description"], Selection())
+    with recorder.kept(0.05, ros.repeat_latched):
+        ros.open()
+        ros.begin(recorder.take_topic)
+        try:
+            wait_for(lambda: len(holding(parts)) >= 3, "files with messages")
+        finally:
+            ros.stop()
+    for _, channel, message in (each for path in holding(parts) for each in by_mcap(path)):
+        assert channel.topic == "/description"
+        assert b"a robot" in message.data
+    assert not ros.lost
+
+
+def holding(parts):
+    """The files that are ended and have messages."""
+    return [path for path in parts.paths[:-1] if by_mcap(path)]
+
+
+def test_messages_for_which_there_was_no_time_are_counted(publisher):
+    from std_msgs.msg import String
+
+    number, came, go_on = 2500, [], Event()
+
+    def take(*message):
+        go_on.wait(PATIENCE)
+        came.append(message)
+
+    made = publisher(depth=10)
+    ros = RosTopics(["/description"], Selection())
+    ros.open()
+    ros.begin(take)
+    try:
+        wait_for(lambda: made.get_subscription_count() > 0, "recorder")
+        for each in range(number):
+            made.publish(String(data=str(each)))
+            assert made.wait_for_all_acked()
+        go_on.set()
+        wait_for(lambda: len(came) + ros.lost["/description"] >= number, "messages")
+        assert ros.lost["/description"] > 0
+        assert len(came) + ros.lost["/description"] == number
+    finally:
+        go_on.set()
+        ros.stop()
