@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import time
 from queue import Empty, SimpleQueue
@@ -33,6 +34,9 @@ LOST = 4
 """Exit status when Ready or control was lost while commanding."""
 
 _LONGEST_PAUSE = 0.1
+
+_LATE_REPORTS = 3
+"""Periodic reports that may be missing before it is told."""
 
 
 @click.group("ocu", invoke_without_command=True)
@@ -188,7 +192,9 @@ def _watch(
     """Shows reports until enough have come or the time is over."""
     reports: SimpleQueue[tuple[MessageEntry, dict[str, Any]]] = SimpleQueue()
     operator.watch(target, message, rate, lambda entry, fields: reports.put((entry, fields)))
-    end = None if duration is None else time.monotonic() + duration
+    heard = time.monotonic()
+    end = None if duration is None else heard + duration
+    patience = math.inf if rate is None else max(settings.timeout, _LATE_REPORTS / rate)
     shown = 0
     while count is None or shown < count:
         if end is not None and time.monotonic() >= end:
@@ -196,7 +202,11 @@ def _watch(
         try:
             entry, fields = reports.get(timeout=_LONGEST_PAUSE)
         except Empty:
+            if time.monotonic() - heard > patience:
+                warn(f"warning: no report of {target} for {patience:g} s")
+                heard, patience = time.monotonic(), patience * 2
             continue
+        heard = time.monotonic()
         settings.show(target, entry, fields)
         shown += 1
 
@@ -263,6 +273,7 @@ def send_command(
         entry = operator.find(target, message)
         ready = operator.message(entry, fields or {})
         console = Console(operator, remark)
+        operator.survey.ask(target)
         hold = operator.control(target, authority)
         remark(f"{target} is controlled")
         try:
@@ -273,6 +284,8 @@ def send_command(
         finally:
             if hold.sent:
                 (warn if hold.is_lost else remark)(outcome(entry.name, hold))
+            if hold.sent and (lack := operator.lack(target, entry.name)):
+                warn(f"warning: {target} may ignore {entry.name}: {lack}")
             if not hold.is_lost or hold.is_held:
                 console.release(target)
         if hold.is_lost:

@@ -71,6 +71,8 @@ def command(
     """
     from jausml.cli.operating import Settings, until_interrupted
 
+    if model is not None:
+        _refuse_id(model)
     if not (once or as_json):
         _require_terminal()
     known = models if model is None else (*models, model)
@@ -88,6 +90,18 @@ def command(
             _show(observation, operator, ros, interval)
     if once:
         raise click.exceptions.Exit(observation.state().weight)
+
+
+def _refuse_id(model: str) -> None:
+    """Refuses a JAUS id, which other live tools take."""
+    from jausml.live.peers.network import component_address
+
+    try:
+        component_address(model)
+    except ValueError:
+        return
+    others = f"'jausml ocu status {model}' and 'jausml latency {model}'"
+    raise click.UsageError(f"top shows all components, or those of a MODEL; of one tell {others}")
 
 
 def _require_terminal() -> None:

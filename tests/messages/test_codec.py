@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import tracemalloc
+from fractions import Fraction
 
 import pytest
 
@@ -363,3 +364,22 @@ def test_value_sets_that_count_from_their_lower_limit(kinds):
     fields["OffsetsRec"]["Year"] = 22
     with pytest.raises(EncodeError, match=r"2000 \.\. 2200"):
         entry.encode(fields)
+
+
+@pytest.mark.parametrize("number", [Fraction(25, 2), "float32"])
+def test_numbers_of_other_packages_are_numbers(catalogue, number):
+    """Values of a notebook are mostly those of numpy."""
+    if isinstance(number, str):
+        number = getattr(pytest.importorskip("numpy"), number)(12.5)
+    fields = {"PropulsiveLinearEffortX": number}
+    plain = {"PropulsiveLinearEffortX": 12.5}
+    encode = catalogue.message("SetWrenchEffort").encode
+    assert encode({"WrenchEffortRec": fields}) == encode({"WrenchEffortRec": plain})
+
+
+def test_integers_of_other_packages_are_integers(catalogue):
+    numpy = pytest.importorskip("numpy")
+    entry = catalogue.message("SetVelocityCommand")
+    assert entry.encode({"VelocityCommandRec": {"CommandType": numpy.uint8(1)}}) == entry.encode(
+        {"VelocityCommandRec": {"CommandType": 1}}
+    )

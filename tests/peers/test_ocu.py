@@ -109,6 +109,41 @@ def test_watch_every_change_in_json(jausml, vehicle, wait_until):
     wait_until(lambda: not target._jaus_core.events._events)
 
 
+def test_reports_that_stay_away_are_told(jausml, vehicle, wait_until):
+    target = vehicle()
+
+    def stop():
+        wait_until(lambda: target._jaus_core.events._events)
+        target.stop()
+
+    stopping = Thread(target=stop)
+    stopping.start()
+    result = jausml(
+        *("ocu", "watch", "100.1.1", "VelocityState", "--rate", "50"),
+        *("--duration", "3", "--timeout", "0.5"),
+    )
+    stopping.join()
+    assert result.exit_code == 0, result.stderr
+    assert "warning: no report of 100.1.1 for 0.5 s" in result.stderr
+
+
+def test_an_event_that_is_refused_says_why(jausml, vehicle):
+    vehicle()
+    result = jausml("ocu", "watch", "100.1.1", "GlobalPose")
+    assert result.exit_code == 1
+    assert "100.1.1 refuses events of ReportGlobalPose: no report for 2402" in result.stderr
+
+
+def test_a_command_that_no_service_of_the_component_takes_is_told(jausml, vehicle):
+    vehicle()
+    result = jausml("ocu", "command", "100.1.1", "SetTravelSpeed", '{"Speed": 1}')
+    assert result.exit_code == 0, result.stderr
+    assert "warning: 100.1.1 may ignore SetTravelSpeed: it provides" in result.stderr
+    assert "and not GlobalWaypointDriver" in result.stderr
+    known = jausml("ocu", "command", "100.1.1", "SetWrenchEffort", "{}")
+    assert "warning" not in known.stderr
+
+
 def test_command_controls_resumes_sends_and_releases(jausml, vehicle):
     target = vehicle()
     result = jausml(

@@ -155,3 +155,9 @@ def test_what_is_no_terminal_is_refused(jausml):
     result = jausml("top")
     assert result.exit_code == 2
     assert "this is no terminal; --once and --json do without" in result.stderr
+
+
+def test_an_id_is_not_taken_for_a_file(jausml):
+    result = jausml("top", "--once", "100.1.1")
+    assert result.exit_code == 2
+    assert "jausml ocu status 100.1.1" in result.stderr

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import struct
 from abc import ABC, abstractmethod
+from numbers import Integral, Real
 from typing import Any
 
 from jausml.live.messages.errors import DecodeError, EncodeError
@@ -147,6 +148,8 @@ def as_number(value: Any) -> int | float:
     """
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         return value
+    if isinstance(value, Real) and not isinstance(value, bool):  # such as those of numpy
+        return int(value) if isinstance(value, Integral) else float(value)
     raise EncodeError(f"{shown(value)} is not a number")
 
 

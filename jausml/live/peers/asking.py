@@ -137,6 +137,18 @@ class Asker:
                 services = self.survey.services(target)
         return NoAnswer(self._heard.why(target, message, report, services))
 
+    def lack(self, target: JausAddress, message: str) -> str:
+        """Returns that a component provides nothing that takes a message, as far as it has said.
+
+        Args:
+            target: The component.
+            message: Name of the message.
+
+        Returns:
+            It in words; empty when it takes the message, or has not said what it provides.
+        """
+        return self._heard.lack(message, self.survey.services(target))
+
     def _begin(self, target: JausAddress, query: Message, report_class: type[Message]) -> _Question:
         """Asks, without waiting for the answer."""
         attempts = max(ATTEMPTS, math.ceil(self.timeout))

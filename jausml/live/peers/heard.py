@@ -122,21 +122,40 @@ class Heard:
                     return str(error)
         return ""
 
+    def lack(self, message: str, services: Sequence[ServiceIdentity]) -> str:
+        """Returns that none of some services takes a message, empty when one does.
+
+        Args:
+            message: Name of the message.
+            services: What a component says that it provides; none when it does not tell.
+        """
+        if not services or self._providing(message, services):
+            return ""
+        own = listed([printable(each.urn.rpartition(":")[2]) for each in services])
+        names = self._names_of_takers(message) or "a service with this message"
+        return f"it provides {own}, and not {names}"
+
     def _reason(self, message: str, services: Sequence[ServiceIdentity]) -> str:
-        takers = list(self._takers(message))
-        names = listed(list(dict.fromkeys(each.name for each in takers)))
         if not services:
-            return f"it does not provide {names or 'it'}, has no data yet, or refuses"
+            names = self._names_of_takers(message) or "it"
+            return f"it does not provide {names}, has no data yet, or refuses"
+        provided = self._providing(message, services)
+        if provided:
+            return f"it provides {provided[0].name}, so it has no data yet or refuses"
+        return self.lack(message, services)
+
+    def _providing(self, message: str, services: Sequence[ServiceIdentity]) -> list[ServiceEntry]:
+        """Returns those of some services that take a message."""
+        takers = list(self._takers(message))
         labels = {f"{each.urn}/{each.major}.{each.minor}" for each in services}
-        provided = [
+        return [
             service
             for service in self._catalogue.services.values()
             if service.label in labels and any(each in takers for each in service.lineage)
         ]
-        if provided:
-            return f"it provides {provided[0].name}, so it has no data yet or refuses"
-        own = listed([printable(each.urn.rpartition(":")[2]) for each in services])
-        return f"it provides {own}, and not {names or 'a service with this message'}"
+
+    def _names_of_takers(self, message: str) -> str:
+        return listed(list(dict.fromkeys(each.name for each in self._takers(message))))
 
     def _takers(self, message: str) -> Iterator[ServiceEntry]:
         """Yields the services that define a message as their input."""
