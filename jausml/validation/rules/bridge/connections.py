@@ -100,9 +100,8 @@ def peers_named(subject: Subject) -> Iterator[Finding]:
             continue  # the way that a text leaves open follows from the services of the bridge
         purpose = "to send it to" if by_message else "to ask for it"
         message = f"'{connection.name}' carries {connection.map.message.name}"
-        hint = ", or ".join(
-            filter(None, ("name peers or search for them", _other_ways(subject, connection)))
-        )
+        ways = "" if by_message else _serving(connection), _other_ways(subject, connection)
+        hint = ", or ".join(filter(None, ("name peers or search for them", *ways)))
         yield Finding(connection, f"{message}, but names no peer {purpose}", "exchange", hint)
 
 
@@ -251,6 +250,15 @@ def _other_ways(subject: Subject, connection: bridge.Connection) -> str:
         if other:
             hints.append(f"{subject.assigned(connection, other)} ({way.meaning})")
     return f"write {', or '.join(hints)}" if hints else ""
+
+
+def _serving(connection: bridge.Connection) -> str:
+    """Returns how the bridge can serve the report itself; nothing where it provides it already."""
+    owner, message = connection.eContainer(), connection.map.message
+    service = message.eContainer()
+    if owner is None or service is None or find_same(message, outputs(owner)) is not None:
+        return ""
+    return f"let '{owner.name}' provide {service.name} to serve it"
 
 
 def _service_findings(

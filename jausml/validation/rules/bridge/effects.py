@@ -40,6 +40,10 @@ def features_used(subject: Subject) -> Iterator[Finding]:
         if connection.rate and exchange not in _TIMED:
             message = f"rate of '{connection.name}' has no effect with exchange {exchange}"
             yield Finding(connection, message, "rate")
+        elif connection.rate and not to_ros:
+            message = f"rate has no effect: '{connection.name}' serves a report"
+            hint = "leave it out: each subscriber asks for its own rate"
+            yield Finding(connection, message, "rate", hint)
         if to_ros or exchange != "message":
             what = "publishes" if to_ros else "serves a report"
             if connection.priority.name != "standard":
