@@ -35,25 +35,25 @@ if TYPE_CHECKING:
 def command(
     name: str, messages: tuple[str, ...], urn: str, inherits: str, model: Path | None
 ) -> None:
-    r"""Add a JAUS service named NAME with messages, in a service set of its own.
+    """Add a JAUS service named NAME with messages, in its own service set.
 
     \b
     WORDS are [command|query|report] MESSAGE [CODE]: FIELD, FIELD, ...
-    A FIELD is its name, with ? if it is optional, and in any order
+    A FIELD is a name, with ? if it is optional, and in any order
       a unit           m, rad/s, meter per second, percent
-      a range          0..100, by a scaled integer if it has a unit
+      a range          0..100, as a scaled integer if it has a unit
       listed values    off|on|auto
       a wire type      uint8 to uint64, int8 to int64, float32, float64,
                        text, TimeStamp
       scaled           for a range without a unit
 
-    The name tells the kind: Query and Report, else a command. Each report gets the query that asks
-    for it, each message a code that nothing in the project or the library has. A service with
-    commands inherits Management, one without commands inherits Events, so that reports can be
-    subscribed to. Without --message, the service gets one report as an example.
+    The name determines the kind: Query... and Report..., otherwise a command. Each report gets the
+    query that asks for it, and each message a code that is free in the project and the library. A
+    service with commands inherits Management; one without commands inherits Events, so that clients
+    can subscribe to its reports. Without --message, the service gets one report as an example.
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
-    """
+    """  # noqa: D301 - click wants the character
     from jausml.projects.adding import add, models_beside
     from jausml.proposals.services import new_service
 

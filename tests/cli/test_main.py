@@ -76,8 +76,8 @@ def test_looking_up_messages_loads_neither_runtime_nor_text(words):
     assert result.returncode == 0, result.stderr
 
 
-def ranges():
-    """Yields the options of all verbs, and of verbs inside them, that are numbers in a range."""
+def commands():
+    """Yields all verbs, and the verbs inside them, with their paths."""
     found = [(name, main.get_command(click.Context(main), name)) for name in VERBS]
     while found:
         path, command = found.pop()
@@ -87,9 +87,21 @@ def ranges():
                 (f"{path} {name}", command.get_command(click.Context(command), name))
                 for name in inner
             ]
+        yield path, command
+
+
+def ranges():
+    """Yields the options of all verbs, and of verbs inside them, that are numbers in a range."""
+    for path, command in commands():
         for option in command.params:
             if isinstance(option.type, click.FloatRange):
                 yield path, option
+
+
+def test_help_has_no_marks_of_its_layout():
+    """A raw docstring would show what tells click to keep lines, and run them together."""
+    for path, command in commands():
+        assert "\\b" not in command.get_help(click.Context(command, info_name=path)), path
 
 
 def test_no_number_of_an_option_is_not_a_number():
