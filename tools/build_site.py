@@ -102,7 +102,7 @@ def navigation(index: PurePosixPath = DOCS / "index.md") -> list[dict[str, Any]]
             page = _target(index, listed[2])
             entry: Any = site_path(page).as_posix()
             if page.name == index.name:
-                entry = [{"All": entry}, *navigation(page)]
+                entry = [entry, *navigation(page)]
             open_lists[max(open_lists)].append({listed[1]: entry})
     return top
 

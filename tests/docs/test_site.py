@@ -16,7 +16,7 @@ _OTHER_SERVER = re.compile(r'<(?:script|link|img)[^>]+(?:src|href)="?(https?:[^"
 def pages(entries):
     """The pages of a navigation, in its order."""
     for entry in entries:
-        for goal in entry.values():
+        for goal in entry.values() if isinstance(entry, dict) else [entry]:
             yield from pages(goal) if isinstance(goal, list) else [goal]
 
 
@@ -62,6 +62,8 @@ def test_the_site_is_built_without_a_warning(tmp_path):
     page = (site / "how-to" / "ready-mappings" / "index.html").read_text(encoding="utf-8")
     assert 'href="../../repository/models/library/mappings/"' in page
     assert (site / "repository" / "models" / "library" / "mappings" / "index.html").is_file()
+    decisions = (site / "adr" / "index.html").read_text(encoding="utf-8")
+    assert "<title>Decisions - jausml</title>" in decisions
     assert "silenceTimeout" in (site / "search.json").read_text(encoding="utf-8")
     # A prompt that is copied with its command is no command of the shell. The button marks what
     # it copies; site.css hides the prompts of what is marked.
