@@ -14,6 +14,7 @@ from jausml.cli.options import (
     interface_option,
     multicast_group_option,
     port_option,
+    quiet_option,
 )
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 @multicast_group_option()
 @format_option("Text for people, or one JSON object.")
 @reading_options
+@quiet_option("Leave out what is in order.")
 def command(
     models: tuple[str, ...],
     interface: str,
@@ -37,6 +39,7 @@ def command(
     multicast_group: str,
     output_format: str,
     reading: Reading,
+    quiet: bool,
 ) -> None:
     """Show what this machine lacks to run bridges and components, and how to fix it.
 
@@ -56,7 +59,9 @@ def command(
         raise click.UsageError(str(error)) from error
     packages = _packages(find_models(models), reading) if models else []
     found = [*python.checks(), *ros.checks(packages), *network.checks(settings)]
-    click.echo(_as_json(found) if output_format == "json" else _as_text(found))
+    shown = [each for each in found if not (quiet and each.verdict is Verdict.OK)]
+    if shown or output_format == "json":
+        click.echo(_as_json(shown) if output_format == "json" else _as_text(shown))
     if any(each.verdict is Verdict.ERROR for each in found):
         raise click.exceptions.Exit(PROBLEMS)
 

@@ -61,6 +61,13 @@ def test_the_text_is_for_people():
     assert done.output.splitlines()[-1].startswith("0 errors, ")
 
 
+@pytest.mark.parametrize("words", [["doctor", "--quiet"], ["--quiet", "doctor"]])
+def test_quietly_it_leaves_out_what_is_in_order(words):
+    done = CliRunner().invoke(main, [*words, "--port", str(free_port())])
+    assert "interface: 127.0.0.1 is this host alone" in done.output
+    assert not [line for line in done.output.splitlines() if line.startswith("  ok ")]
+
+
 @pytest.mark.ports
 @pytest.mark.parametrize(
     ("kind", "name"), [(socket.SOCK_DGRAM, "udp port"), (socket.SOCK_STREAM, "tcp port")]
