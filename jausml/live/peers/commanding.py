@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -32,6 +33,20 @@ class Course:
     duration: float = 0.0
     keep_sending: bool = False
 
+    def next_due(self, last: float, now: float) -> float | None:
+        """Returns when the next message is due, None when there is none.
+
+        Times are in seconds since the first message. What was missed is left out, not made up for.
+
+        Args:
+            last: When the last message was due.
+            now: The present time.
+        """
+        if not self.rate:
+            return None
+        due = max(round(last * self.rate) + 1, math.ceil(now * self.rate)) / self.rate
+        return due if due < self.duration else None
+
 
 def command(
     operator: Operator, hold: Hold, message: Message, course: Course, tell: Callable[[str], None]
@@ -45,14 +60,13 @@ def command(
         course: How often and how long.
         tell: Told at once why the component is lost.
     """
-    end = time.monotonic() + course.duration
+    begin = time.monotonic()
     told = False
-    is_last = False
-    while not is_last:
+    due: float | None = 0.0
+    while due is not None:
         operator.send(hold.target, message)
-        next_one = time.monotonic() + 1 / course.rate if course.rate else end
-        is_last = not course.rate or next_one > end
-        until = end if is_last else next_one
+        due = course.next_due(due, time.monotonic() - begin)
+        until = begin + (course.duration if due is None else due)
         if not told and hold.wait_for_loss(until - time.monotonic()):
             told = True
             tell(f"{hold.target} is lost: {_standing(operator, hold)}")
