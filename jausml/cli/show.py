@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from jausml.cli.known import known
 from jausml.cli.messages import (
     line_format_option,
     model_option,
@@ -24,7 +25,34 @@ if TYPE_CHECKING:
     from jausml.live.messages.definitions import Row
 
 
-@click.group("show")
+_NAMES = {"message": "message", "service": "name", "map": "map"}
+
+
+def _known_names(kind: str) -> set[str]:
+    """Returns the names of all that the library has of a kind."""
+    return {each[_NAMES[kind]] for each in known(f"{kind}s")}
+
+
+class Kinds(click.Group):
+    """The kinds of what can be shown; of a name without its kind it says which that is."""
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Returns the kind that is meant and its command.
+
+        Raises:
+            click.UsageError: There is none.
+        """
+        name = args[0]
+        if name not in self.commands:
+            kind = next((k for k in _NAMES if name in _known_names(k)), None)
+            if kind is not None:
+                ctx.fail(f"{name} is a {kind}: jausml show {kind} {name}")
+        return super().resolve_command(ctx, args)
+
+
+@click.group("show", cls=Kinds)
 def command() -> None:
     """Show one message, service or attribute map, of the library or of your models."""
 
