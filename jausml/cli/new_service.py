@@ -37,6 +37,9 @@ def command(
 ) -> None:
     """Add a JAUS service named NAME with messages, in its own service set.
 
+    A FILE that has a service set and no system gets the service in that set, and so does a FILE
+    that does not exist yet.
+
     \b
     WORDS are [command|query|report] MESSAGE [CODE]: FIELD, FIELD, ...
     A FIELD is a name, with ? if it is optional, and in any order
@@ -60,7 +63,7 @@ def command(
     made: list[Add] = []
 
     def commands(at: Opened) -> list[Command]:
-        own, others = at.system, models_beside(at)
+        own, others = at.home_of_services, models_beside(at)
         made.append(
             new_service(at.scope, own, name, messages, urn=urn, inherits=inherits, others=others)
         )
@@ -68,8 +71,10 @@ def command(
 
     with stopping():
         place = place_for(model)
-        files = add(place, f"Add service {name}", commands)
-    [service] = made[0].children
+        files = add(place, f"Add service {name}", commands, is_of_services=True)
+    service: Add | Child = made[0]
+    if service.feature == "serviceSets":
+        [service] = service.children
     for each in service.children:
         click.echo(_told(each))
     report(place, files)

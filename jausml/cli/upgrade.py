@@ -29,6 +29,7 @@ def command(folder: Path, check: bool) -> None:
     Exit status: 0 done, 1 a model cannot be upgraded (--check: or something is out of date), 2
     usage or environment, 3 internal error.
     """
+    from jausml.projects.errors import ProjectError
     from jausml.projects.upgrading.project import carry_out, upgrade_of
     from jausml.projects.upgrading.steps import UpgradeError
 
@@ -39,6 +40,8 @@ def command(folder: Path, check: bool) -> None:
     except UpgradeError as error:
         click.echo(f"{error}; nothing written", err=True)
         raise click.exceptions.Exit(PROBLEMS) from error
+    except ProjectError as error:
+        raise EnvironmentFault(str(error)) from error
     except OSError as error:
         raise EnvironmentFault(f"{error.filename}: {error.strerror}") from error
     root = folder.resolve()

@@ -188,9 +188,11 @@ class UriResolver:
             return self._file(unquote(parts.path), base)
         if uri.startswith(_PLATFORM):
             return self._in_workspace(unquote(uri[len(_PLATFORM) :]), base)
+        # What is of the workspace is followed; what is of a plug-in is not.
+        kind = "/".join(uri.split("/")[:2]) if scheme == "platform" else scheme
         return UriFault(
             "JML211",
-            f"'{uri}' is of the unsupported scheme '{scheme}'",
+            f"'{uri}' is of the unsupported scheme '{kind}'",
             "refer to a file by a relative path, or by platform:/resource/<project>/",
         )
 

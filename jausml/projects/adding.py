@@ -34,7 +34,11 @@ if TYPE_CHECKING:
 
 
 def add(
-    place: Place, label: str, commands: Callable[[Opened], Sequence[Command]]
+    place: Place,
+    label: str,
+    commands: Callable[[Opened], Sequence[Command]],
+    *,
+    is_of_services: bool = False,
 ) -> tuple[str, ...]:
     """Adds elements to a model, all or none; returns the files that were written.
 
@@ -42,12 +46,13 @@ def add(
         place: The model, which is made when it is missing.
         label: What is added, for people.
         commands: Returns what is wanted, for the model as it is.
+        is_of_services: Whether a model that is made is a service set instead of a system.
 
     Raises:
         ProjectError: It cannot be added; nothing was written.
         OSError: A file cannot be read or written.
     """
-    at = opened(place)
+    at = opened(place, is_of_services=is_of_services)
     try:
         entry = at.project.do(commands(at), label)
     except (EditError, AnswerError) as error:

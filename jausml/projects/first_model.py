@@ -17,6 +17,11 @@ _EMPTY = """\
  xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"\
  xmlns:system="http://www.jausml.org/system/1.0" xmi:id="minimal" name="minimal"/>
 """
+_EMPTY_SET = """\
+<?xml version="1.0" encoding="UTF-8"?>
+<jaus:ServiceSet xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"\
+ xmlns:jaus="http://www.jausml.org/jaus/1.0" name="minimal" version="1.0"/>
+"""
 
 
 def as_xmi(name: str, metamodels: str) -> str:
@@ -38,6 +43,17 @@ def empty_xmi(name: str, metamodels: str) -> str:
         metamodels: Folder of the metamodels, relative to the model; empty where there is none.
     """
     return with_schema_location(_named(_EMPTY, name), metamodels)
+
+
+def empty_services(name: str, metamodels: str) -> str:
+    """Returns an empty service set as XMI.
+
+    Args:
+        name: Name of the set.
+        metamodels: Folder of the metamodels, relative to the model; empty where there is none.
+    """
+    named = _EMPTY_SET.replace('name="minimal"', f'name="{name}"')
+    return with_schema_location(named, metamodels)
 
 
 def empty_text(name: str) -> str:

@@ -6,20 +6,22 @@ import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from jausml.editing.project import Project
 from jausml.editing.reading import SUFFIXES, can_be_parsed, model_files
-from jausml.metamodel.classes import system
+from jausml.metamodel.classes import jaus, system
 from jausml.model.xmi.writer import replace_file
 from jausml.projects.eclipse import metamodels_for
 from jausml.projects.errors import ProjectError
-from jausml.projects.first_model import empty_text, empty_xmi
+from jausml.projects.first_model import empty_services, empty_xmi, text_of
 from jausml.proposals.elements import Scope
 from jausml.text.notation import SUFFIX
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+RootT = TypeVar("RootT", system.System, jaus.ServiceSet)
 
 _MARKS = (".project", ".git")
 _SYSTEM = re.compile(rb"<\w+:System\b|^\s*system\s+[\w`]", re.MULTILINE)
@@ -104,21 +106,33 @@ class Opened:
         return Scope(self.project.model(self.place.file).model, self.place.root)
 
     @property
+    def home_of_services(self) -> system.System | jaus.ServiceSet:
+        """The system of the file, or its service set where it has no system.
+
+        Raises:
+            ProjectError: It has neither, or cannot be read.
+        """
+        return self._root(system.System) or self._root(jaus.ServiceSet) or self.system
+
+    @property
     def system(self) -> system.System:
         """The system of the file.
 
         Raises:
             ProjectError: It has none, or cannot be read.
         """
+        found = self._root(system.System)
+        if found is None:
+            raise ProjectError(f"{self.place.file} has no system that could have new elements")
+        return found
+
+    def _root(self, kind: type[RootT]) -> RootT | None:
         read = self.project.model(self.place.file)
         if not can_be_parsed(self.place.file, self.project.text(self.place.file)):
             fault = read.diagnostics[0]
             raise ProjectError(f"{fault.location}: {fault.message}")
         roots = read.model.documents[0].roots
-        found = next((each for each in roots if isinstance(each, system.System)), None)
-        if found is None:
-            raise ProjectError(f"{self.place.file} has no system that could have new elements")
-        return found
+        return next((each for each in roots if isinstance(each, kind)), None)
 
     def forget(self) -> None:
         """Takes away the files that were made."""
@@ -126,8 +140,12 @@ class Opened:
             each.unlink(missing_ok=True)
 
 
-def opened(place: Place) -> Opened:
-    """Opens a model file; one that is missing is made, with an empty system of its name.
+def opened(place: Place, *, is_of_services: bool = False) -> Opened:
+    """Opens a model file; one that is missing is made, with an empty root of its name.
+
+    Args:
+        place: Where it is.
+        is_of_services: Whether the root is a service set instead of a system.
 
     Raises:
         ProjectError: The name is none of a system.
@@ -136,11 +154,9 @@ def opened(place: Place) -> Opened:
     if place.path.exists():
         return Opened(place, Project(place.root))
     name = place.path.name.partition(".")[0]
-    text = (
-        empty_text(name)
-        if place.is_text
-        else empty_xmi(name, metamodels_for(place.path, place.root))
-    )
+    beside = "" if place.is_text else metamodels_for(place.path, place.root)
+    text = empty_services(name, beside) if is_of_services else empty_xmi(name, beside)
+    text = text_of(text, name) if place.is_text else text
     place.path.parent.mkdir(parents=True, exist_ok=True)
     replace_file(place.path, text.encode())
     return Opened(place, Project(place.root), (place.path,))

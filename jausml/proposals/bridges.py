@@ -8,7 +8,7 @@ from jausml.editing.commands import Add, Child, Set
 from jausml.model.names import name_of
 from jausml.model.words import snake_case
 from jausml.proposals.bridging import Draft, has_message, peer_of
-from jausml.proposals.fresh import free_address, free_name
+from jausml.proposals.fresh import free_name, stated_or_free_address
 from jausml.proposals.topics import joins_of
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def new_bridge(
     """
     values: dict[str, tuple[str, ...]] = {
         "name": (name,),
-        "address": (address or free_address(scope.model),),
+        "address": (stated_or_free_address(scope.model, address),),
     }
     for feature, is_used in (("provides", False), ("uses", True)):
         services = [each.offer.service for each in chosen if each.offer.is_provided is is_used]

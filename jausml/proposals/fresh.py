@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from jausml.metamodel.classes import jaus, system
 from jausml.model.names import name_of
 from jausml.model.words import LONGEST, snake_case
+from jausml.proposals.elements import AnswerError
 from jausml.semantics.names import package_key
 
 if TYPE_CHECKING:
@@ -72,6 +73,25 @@ def free_address(model: Model, taken: Iterable[str] = ()) -> str:
             if (subsystem, at, number) not in used:
                 return f"{subsystem}.{at}.{number}"
     return f"{subsystem + 1}.1.1"
+
+
+def stated_or_free_address(model: Model, address: str) -> str:
+    """Returns a JAUS id that somebody states, or a free one.
+
+    Args:
+        model: The model.
+        address: The id that is stated; empty for none.
+
+    Raises:
+        AnswerError: A component of the model has it.
+    """
+    if not address:
+        return free_address(model)
+    for each in model.instances(jaus.Component, library=False):
+        if _parts(address) is not None and _parts(str(each.address)) == _parts(address):
+            free = free_address(model)
+            raise AnswerError(f"{name_of(each)} has the address {address}; {free} is free")
+    return address
 
 
 def _is_usable(subsystem: int, node: int) -> bool:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from jausml.editing.commands import Add, Child
 from jausml.proposals.finding import service_of, type_of
-from jausml.proposals.fresh import free_address, free_name
+from jausml.proposals.fresh import free_name, stated_or_free_address
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -39,7 +39,7 @@ def new_component(
     """
     values: dict[str, tuple[str, ...]] = {
         "name": (name,),
-        "address": (address or free_address(scope.model),),
+        "address": (stated_or_free_address(scope.model, address),),
     }
     for feature, words in (("provides", provides), ("uses", uses)):
         services = [service_of(scope, each) for each in words]

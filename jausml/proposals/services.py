@@ -36,7 +36,7 @@ NOTHING = "none"
 
 def new_service(
     scope: Scope,
-    whole: system.System,
+    whole: system.System | jaus.ServiceSet,
     name: str,
     messages: Sequence[str] = (),
     *,
@@ -44,11 +44,11 @@ def new_service(
     inherits: str = "",
     others: Sequence[Model] = (),
 ) -> Add:
-    """Returns what makes a service, in a set of its own.
+    """Returns what makes a service: in a service set, or in a system with a set of its own.
 
     Args:
         scope: The model.
-        whole: The system that shall have it.
+        whole: The set or system that shall have it.
         name: Its name.
         messages: Its messages in words; without any it has a report and the query for it, as an
             example.
@@ -78,7 +78,10 @@ def new_service(
         is_commanded = any(each.kind == COMMAND for each in wishes)
         core = _COMMANDED if is_commanded else _REPORTING
         values["inherits"] = (scope.ref(service_of(scope, inherits or core)),)
-    service = Child("services", "jaus.Service", values, tuple(_coded(wishes, _codes(known))))
+    children = tuple(_coded(wishes, _codes(known)))
+    if isinstance(whole, jaus.ServiceSet):
+        return Add(scope.ref(whole), "services", "jaus.Service", values, children)
+    service = Child("services", "jaus.Service", values, children)
     own = {
         "name": (free_name(name, map(name_of, whole.serviceSets)),),
         "version": (_VERSION,),

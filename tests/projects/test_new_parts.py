@@ -61,6 +61,11 @@ def test_a_model_that_cannot_be_read_is_left_alone(rover, jausml, notation, told
         (("component", "a", "--uses", "ListManager"), "say which (urn:jaus:jss:"),
         (("component", "a b"), "is no name"),
         (("component", "a", "--address", "1.2"), "address"),
+        (("component", "a", "--address", "9.1.1"), "first has the address 9.1.1; 9.1.2 is free"),
+        (
+            ("bridge", "a", "odom:nav_msgs/Odometry", "--yes", "--address", "9.1.1"),
+            "first has the address 9.1.1; 9.1.2 is free",
+        ),
         (("node", "a", "--publishes", "x"), "should be like cmd_vel:geometry_msgs/Twist"),
         (("node", "a", "--publishes", "x:geometry_msgs/Twits"), "did you mean"),
         (("service", "A", "--urn", "urn:jaus:jss:core:Time"), "already"),
@@ -72,6 +77,7 @@ def test_a_model_that_cannot_be_read_is_left_alone(rover, jausml, notation, told
 )
 def test_bad_words_change_nothing(rover, jausml, words, told):
     model = rover("xmi")
+    assert jausml("new", "component", "first", "--address", "9.1.1").exit_code == 0
     before = model.read_bytes()
     done = jausml("new", *words)
     assert (done.exit_code, told in done.output) == (2, True), done.output

@@ -197,3 +197,20 @@ def test_bad_words_change_nothing(water, jausml, words, told):
     done = jausml("new", "service", "Sonar", *words)
     assert (done.exit_code, told in done.output) == (2, True), done.output
     assert model.read_bytes() == before
+
+
+@pytest.mark.parametrize("suffix", ["xmi", "ros2jaus"])
+def test_a_file_of_services_has_no_system(rover, jausml, suffix):
+    """A second system would have each further verb ask which one is meant."""
+    rover("xmi")
+    for name in ("Sonar", "Lamp"):
+        done = jausml("new", "service", name, "--model", f"models/services.{suffix}")
+        assert done.exit_code == 0, done.output
+        assert f"Report{name}" in done.output
+    assert jausml("new", "component", "a", "--provides", "PrimitiveDriver").exit_code == 0
+    done = jausml("validate", "models")
+    assert done.exit_code == 0, done.output
+    model = read_models([f"models/services.{suffix}"], notations=NOTATIONS).model
+    [services] = model.documents[0].roots
+    assert services.name == "services"
+    assert [each.name for each in services.services] == ["Sonar", "Lamp"]

@@ -120,6 +120,7 @@ def test_what_cannot_be_upgraded_writes_nothing(tmp_path, jausml):
     shutil.copytree(GOLDEN, tmp_path / "golden")
     model = tmp_path / "golden" / "models" / "rover.xmi"
     for old, new, told in (
+        ("system/1.0", "system/2.7", "models/rover.xmi:2: http://www.jausml.org/system/2.7 is"),
         ("system/1.0", "system/2.7", "a later jausml reads it; nothing written"),
         ("system/1.0", "system/0.1", "nothing is known of it; nothing written"),
         ("</system:System>", "", "models/rover.xmi:"),
@@ -130,6 +131,11 @@ def test_what_cannot_be_upgraded_writes_nothing(tmp_path, jausml):
         assert done.exit_code == 1
         assert told in done.output
         assert model.read_text("utf-8") == text
+
+
+def test_a_folder_without_models_is_not_up_to_date(tmp_path, jausml):
+    done = jausml("upgrade", "--check", tmp_path)
+    assert (done.exit_code, f"{tmp_path} holds no models" in done.output) == (2, True)
 
 
 def test_copies_are_made_anew_unless_somebody_changed_them(tmp_path, jausml):

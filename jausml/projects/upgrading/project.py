@@ -12,6 +12,7 @@ from jausml.metamodel import load_metamodels
 from jausml.model.reading.reader import read_models
 from jausml.model.xmi.writer import replace_file
 from jausml.projects.creating import copies_for
+from jausml.projects.errors import ProjectError
 from jausml.projects.upgrading.copies import renewed
 from jausml.projects.upgrading.steps import STEPS, UpgradeError
 from jausml.projects.upgrading.text import upgraded_text
@@ -49,9 +50,12 @@ def upgrade_of(folder: Path, steps: Sequence[Step] = STEPS) -> Upgrade:
 
     Raises:
         UpgradeError: A file cannot be brought there.
+        ProjectError: There is no model in the folder.
         OSError: A file cannot be read.
     """
     root = folder.resolve()
+    if not any(each.endswith(SUFFIXES) for each in model_files(root)):
+        raise ProjectError(f"{folder} holds no models")
     files: dict[Path, bytes] = {}
     kept: list[Path] = []
     for name, contents in copies_for().items():

@@ -59,6 +59,7 @@ class _Work:
         document = Document(Path(file), file, is_library=False, given=True)
         document.data, document.encoding = data, encoding
         self._data = data
+        self._file = file
         self._source = Source(document, file)
         self._metamodels = metamodels
         self._present = dict(filter(None, map(version_of, metamodels.packages)))
@@ -74,7 +75,14 @@ class _Work:
             present = self._present.get(language)
             if present is not None and version != present:
                 self._old[uri(language, version)] = uri(language, present)
-                self._steps += steps_from(language, version, present, steps)
+                try:
+                    self._steps += steps_from(language, version, present, steps)
+                except UpgradeError as error:
+                    before = self._data.replace(b"\0", b"").partition(
+                        uri(language, version).encode()
+                    )[0]
+                    line = before.count(b"\n") + 1
+                    raise UpgradeError(f"{self._file}:{line}: {error}") from error
         splices = [*self._namespaces(root), *self._names(root)]
         return applied(self._data, merged(splices)) if splices else self._data
 
