@@ -9,7 +9,7 @@ unexport PYTHONDONTWRITEBYTECODE
 .PHONY: help demo quick test test-slow coverage live lint format bench docs fuzz emf reference \
 	types release-check faults soak experiment studio studio-check wheel clean
 
-help:  ## this list
+help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 $(READY): pyproject.toml
@@ -19,54 +19,54 @@ $(READY): pyproject.toml
 	rm -rf jausml.egg-info
 	touch $@
 
-demo: $(READY)  ## generate the example system, drive it through a turn, draw the result
+demo: $(READY)  ## generate the example system, drive it through a turn, and draw the result
 	$(BIN)/python models/catvehicle/demo.py
 
-quick: $(READY)  ## lint, and the tests that a change since main can break
+quick: $(READY)  ## run lint, and the tests that a change since main can break
 	$(BIN)/python tools/quick.py
 
 # Many tests wait for processes, so there are more workers than processors (tests/conftest.py).
 # TESTS=tests/runtime runs a part. Up to three tests that fail in the crowd are run again, alone.
-test: $(READY)  ## every test
+test: $(READY)  ## run all tests
 	$(BIN)/python tools/suite.py $(TESTS)
 
 test-slow: export JAUSML_EXAMPLES ?= 200
 test-slow: export PYTEST_ADDOPTS ?= --timeout=1200
-test-slow: test  ## every test, with 200 random examples for each property
+test-slow: test  ## run all tests, with 200 random examples for each property
 
-coverage: $(READY)  ## every test, and which lines none of them runs; fails below the agreed share
+coverage: $(READY)  ## run all tests and show untested lines; fail below the agreed share
 	$(BIN)/python -m pytest -n auto --dist worksteal --cov --cov-report=term:skip-covered \
 	  $(if $(TESTS),--cov-fail-under=0) $(TESTS)
 
-live: $(READY)  ## the tests with real processes: rclpy, sockets, tshark
+live: $(READY)  ## run the tests with real processes: rclpy, sockets, tshark
 	$(BIN)/python -m pytest -m live -n auto --dist worksteal $(TESTS)
 
-lint: $(READY)  ## format, lint, types, layers
+lint: $(READY)  ## check format, style, types and layers
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-format: $(READY)  ## lay out the code and fix what can be fixed
+format: $(READY)  ## format the code, and fix what can be fixed automatically
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
 # ONLY="latency load" measures a part; BENCH=--quick looks for a minute or two.
-bench: $(READY)  ## measure all, some twelve minutes, and write docs/performance.md
+bench: $(READY)  ## measure everything in about twelve minutes, and write docs/performance.md
 	$(BIN)/python benchmarks/run.py $(BENCH) $(if $(ONLY),--only $(ONLY))
 
-faults: $(READY)  ## every fault with real processes, some twelve minutes; writes docs/reference/faults.md
+faults: $(READY)  ## provoke every fault with real processes in about twelve minutes, and write docs/reference/faults.md
 	JAUSML_FAULTS=benchmarks/faults.json $(BIN)/python -m pytest -p no:xdist --durations=10 tests/faults
 	$(BIN)/python benchmarks/fault_page.py --check
 
-studio: $(READY)  ## build the page of `jausml studio` with npm; node comes from PyPI if there is none
+studio: $(READY)  ## build the page of `jausml studio` with npm; node comes from PyPI if it is missing
 	$(BIN)/python tools/build_studio.py --no-check
 
-studio-check: $(READY)  ## the same, after the linter, the types and the tests of the page
+studio-check: $(READY)  ## build the page of the studio, and run its linter, type checker and tests
 	$(BIN)/python tools/build_studio.py
 
 # What an earlier build left would be packed too.
-wheel:  ## a wheel with the page of the studio, in wheels/, within a minute
+wheel:  ## build a wheel with the page of the studio in wheels/, within a minute
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	$(BIN)/python tools/build_studio.py --no-check
 	rm -rf build wheels/jausml-*.whl
@@ -75,36 +75,36 @@ wheel:  ## a wheel with the page of the studio, in wheels/, within a minute
 
 MINUTES ?= 60
 
-soak: $(READY)  ## MINUTES of messages both ways through one bridge: nothing grows, nothing is lost unseen
+soak: $(READY)  ## send messages both ways through one bridge for MINUTES, and check that nothing grows or gets lost unseen
 	$(BIN)/python benchmarks/soak.py --minutes $(MINUTES)
 	$(BIN)/python benchmarks/page.py
 
-experiment: $(READY)  ## the right turn by JAUS and through the bridge, and what breaks it, some ten minutes; writes docs/experiment.md
+experiment: $(READY)  ## compare the right turn by JAUS alone and through the bridge in about ten minutes, and write docs/experiment.md
 	$(BIN)/python -m experiments.right_turn $(EXPERIMENT)
 
-docs: $(READY)  ## the site of the documentation, site/VERSION/ beside those of other versions; fails at a warning
+docs: $(READY)  ## build the site of the documentation in site/VERSION/; fail at a warning
 	$(BIN)/python tools/build_site.py
 
 SECONDS ?= 60
 
-fuzz: $(READY)  ## every fuzz target for SECONDS each, guided by coverage where atheris is installed
+fuzz: $(READY)  ## run every fuzz target for SECONDS, guided by coverage if atheris is installed
 	@for target in $(notdir $(basename $(wildcard fuzz/targets/[a-z]*.py))); do \
 	  echo "$$target:"; $(BIN)/python fuzz/run.py $$target --seconds $(SECONDS) || exit 1; \
 	done
 
-emf: $(READY)  ## judge metamodels and models with the real Eclipse EMF and record its verdicts
+emf: $(READY)  ## check metamodels and models with the real Eclipse EMF, and record its verdicts
 	$(BIN)/python tools/record_emf.py
 
-reference: $(READY)  ## write docs/reference/, the lists of the command line and names for editors anew
+reference: $(READY)  ## write docs/reference/, the lists of the command line, and the names for editors
 	$(BIN)/python tools/build_known.py
 	$(BIN)/python tools/build_reference.py
 	$(BIN)/python tools/build_grammar.py
 
-types: $(READY)  ## write the stubs of the metamodels' classes anew
+types: $(READY)  ## write the type stubs of the metamodel classes
 	$(BIN)/python tools/build_model_types.py
 
-release-check: $(READY)  ## version, changelog, wheel, sdist and the lowest dependency versions
+release-check: $(READY)  ## check version, changelog, wheel, sdist and the lowest dependency versions
 	$(BIN)/python tools/release_check.py
 
-clean:  ## remove what make has made
+clean:  ## remove everything that make has made
 	rm -rf .venv build dist wheels *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis site demo-out experiment-out jausml/studio/page studio/node_modules

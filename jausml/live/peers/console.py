@@ -77,12 +77,12 @@ class Console:
         self._watches: dict[tuple[JausAddress, str], EventSubscription] = {}
         self.commands = {
             "discover": Command("[SECONDS]", "find subsystems and components", self._discover),
-            "target": Command("ID", "choose the component for what follows", self._choose),
-            "services": Command("[ID]", "list what it provides", self._services),
+            "target": Command("ID", "choose the component for the next commands", self._choose),
+            "services": Command("[ID]", "list its services", self._services),
             "status": Command("[ID]", "show its state and who controls it", self._status),
             "query": Command("[ID] MESSAGE [JSON]", "ask for a report", self._query),
             "watch": Command("[ID] MESSAGE [HZ]", "show a report live", self._watch),
-            "unwatch": Command("", "show no report live any more", self._unwatch),
+            "unwatch": Command("", "stop showing reports", self._unwatch),
             "control": Command("[ID] [AUTHORITY]", "take control and keep it", self._control),
             "resume": Command("[ID]", "bring it to Ready", self._resume),
             "standby": Command("[ID]", "bring it to Standby", self._standby),
@@ -92,7 +92,7 @@ class Console:
             "clear": Command("[ID]", "clear our emergency", self._clear),
             "wait": Command("SECONDS", "wait while reports are shown", self._wait),
             "help": Command("", "show this list", self._help),
-            "quit": Command("", "release, cancel and end", lambda _: None),
+            "quit": Command("", "release control, cancel reports, and quit", lambda _: None),
         }
 
     def run(self, lines: Iterable[str]) -> None:
