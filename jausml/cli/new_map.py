@@ -79,7 +79,7 @@ def command(
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
-    from jausml.projects.adding import add, bridge_in
+    from jausml.projects.adding import add, bridge_in, check_map_name
     from jausml.proposals.finding import message_of, type_of
     from jausml.proposals.mapping.beginning import Wish
 
@@ -88,7 +88,8 @@ def command(
     ros, jaus = (tuple(pairs(each, "=", _EXAMPLE)) for each in (to_ros, to_jaus))
 
     def commands(at: Opened) -> Sequence[Command]:
-        owner = bridge_in(at, bridge or "", map_name=name)
+        owner = bridge_in(at, bridge or "")
+        check_map_name(name, owner)
         ends = message_of(at.scope, message), type_of(at.scope, kind)
         wish = Wish(name, *ends, ros, jaus, _WAYS[direction])
         if not (fills or ros or jaus):

@@ -232,22 +232,31 @@ def models_beside(at: Opened) -> list[Model]:
     return [at.project.model(each).model for each in own]
 
 
-def bridge_in(at: Opened, name: str, *, map_name: str = "") -> bridge.Bridge:
+def check_map_name(name: str, owner: bridge.Bridge) -> None:
+    """Sees to it that a bridge can have a map of a name.
+
+    Raises:
+        ProjectError: It cannot.
+    """
+    if not is_identifier(name):
+        raise ProjectError(f"{name!a} is no name: letters, digits and single _ after a letter")
+    if any(name_of(each) == name for each in owner.maps):
+        raise ProjectError(f"{name_of(owner)} has a map {name} already")
+
+
+def bridge_in(at: Opened, name: str) -> bridge.Bridge:
     """Returns the bridge of a model that gets something.
 
     Args:
         at: The model.
         name: Its name; empty for the only one.
-        map_name: The name of the map that it gets, if it gets one.
 
     Raises:
-        ProjectError: There is none, there are several, or it has a map of the name.
+        ProjectError: There is none, or there are several.
     """
     found = bridges_of(at.scope)
     chosen = [each for each in found if name in ("", name_of(each))]
     if len(chosen) == 1:
-        if any(name_of(each) == map_name for each in chosen[0].maps):
-            raise ProjectError(f"{name_of(chosen[0])} has a map {map_name} already")
         return chosen[0]
     names = ", ".join(map(name_of, found)) or "none"
     which = f"no bridge {name!a}" if name else "not one bridge" if found else "no bridge"

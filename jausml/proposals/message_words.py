@@ -32,7 +32,8 @@ _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _RANGE = re.compile(rf"(?P<lower>{_NUMBER})\.\.(?P<upper>{_NUMBER})")
 _BITS = {"uint8": 8, "uint16": 16, "uint32": 32, "uint64": 64}
 _FLOATS = ("float32", "float64")
-_TYPES = (*_BITS, "int8", "int16", "int32", "int64", *_FLOATS)
+_INTEGERS = (*_BITS, "int8", "int16", "int32", "int64")
+_TYPES = (*_INTEGERS, *_FLOATS)
 _TEXT, _TIME, _SCALED = "text", "TimeStamp", "scaled"
 _USUAL, _USUAL_SCALED = "float32", "uint16"
 _TIME_PARTS = (
@@ -239,6 +240,8 @@ def _ranged(values: dict[str, tuple[str, ...]], said: _Words, limits: tuple[floa
     bounds = {"lower": (repr(lower),), "upper": (repr(upper),)}
     if is_count:
         kind = said.type or _type_for(lower, upper)
+        if not _holds(kind, lower, upper):
+            raise AnswerError(f"{kind} does not hold {lower:g}..{upper:g}")
         whole = Child("values", "jaus.ValueRange", bounds)
         inner = Child("values", "jaus.ValueSet", {}, (whole,))
     else:
@@ -253,12 +256,17 @@ def _ranged(values: dict[str, tuple[str, ...]], said: _Words, limits: tuple[floa
 
 def _type_for(lower: float, upper: float) -> str:
     """Returns the narrowest integer type for a range."""
-    for bits in _BITS.values():
-        if lower >= 0 and upper < 2**bits:
-            return f"uint{bits}"
-        if lower < 0 and -(2 ** (bits - 1)) <= lower and upper < 2 ** (bits - 1):
-            return f"int{bits}"
-    raise AnswerError(f"no integer type holds {lower:g}..{upper:g}")
+    found = next((each for each in _INTEGERS if _holds(each, lower, upper)), None)
+    if found is None:
+        raise AnswerError(f"no integer type holds {lower:g}..{upper:g}")
+    return found
+
+
+def _holds(kind: str, lower: float, upper: float) -> bool:
+    """Tells whether an integer type has the numbers of a range."""
+    bits = int(kind.removeprefix("u").removeprefix("int"))
+    first, last = (0, 1 << bits) if kind.startswith("u") else (-1 << bits - 1, 1 << bits - 1)
+    return first <= lower and upper < last
 
 
 def _narrowest(count: int) -> str:

@@ -13,6 +13,7 @@ from jausml.proposals.elements import AnswerError, label_of, library
 from jausml.proposals.finding import service_of
 from jausml.proposals.fresh import free_name
 from jausml.proposals.message_words import COMMAND, QUERY, REPORT, MessageWish, message_of_words
+from jausml.semantics.names import is_identifier
 from jausml.semantics.services import code
 
 if TYPE_CHECKING:
@@ -58,9 +59,11 @@ def new_service(
         others: Further models of the project, whose URNs and codes are taken too.
 
     Raises:
-        AnswerError: There is no such service, one has the URN already, or the words or codes of
-            messages are wrong.
+        AnswerError: The name is none, there is no such service, one has the URN already, or the
+            words or codes of messages are wrong.
     """
+    if not is_identifier(name):
+        raise AnswerError(f"{name!a} is no name: letters, digits and single _ after a letter")
     urn = urn or f"urn:example:{name_of(whole)}:{name}"
     known = [
         each

@@ -74,7 +74,7 @@ def map_in(model, name):
 
 
 def rules_in(output):
-    return {each for each in re.findall(r"JML\d+", output) if each not in ("JML451", "JML455")}
+    return {*re.findall(r"JML\d+", output)} - {"JML451", "JML455"}
 
 
 @pytest.mark.parametrize(
@@ -168,6 +168,22 @@ def test_the_author_says_what_fills_and_how(ears, jausml):
     assert jausml("validate", model).exit_code == 0
 
 
+def test_conversions_that_are_said_keep_what_absence_asks_for(ears, jausml):
+    model = ears("text")
+    words = "pose.orientation=Roll, Pitch, Yaw : frd_angles_to_flu_quaternion"
+    ends = ("ReportLocalPose", "geometry_msgs/PoseStamped", "--to-ros", words)
+    done = jausml("new", "map", "own", *ends, "--to-ros", "pose.position.y=Y : negate")
+    assert done.exit_code == 0, done.output
+    own = {
+        each.target: each.whenAbsent.name
+        for each in map_in(model, "own").toRos
+        if hasattr(each, "whenAbsent")
+    }
+    assert own["pose.orientation"] == "useDefault"
+    assert own["pose.position.y"] == "dropMessage"
+    assert jausml("validate", model).exit_code == 0
+
+
 def test_yes_takes_the_first_and_says_so(ears, jausml):
     model = ears("text")
     done = jausml("new", "map", "own", *COMMAND, "--fill", "--yes")
@@ -195,6 +211,16 @@ def test_bad_words_change_nothing(ears, jausml, words, told):
     before = model.read_bytes()
     done = jausml("new", "map", "own", *words)
     assert (done.exit_code, told in done.output) == (2, True), done.output
+    assert model.read_bytes() == before
+
+
+def test_its_name_is_one_that_is_free(ears, jausml):
+    model = ears("text")
+    assert jausml("new", "map", "own", *STATE, "--copy", "velocity_state").exit_code == 0
+    before = model.read_bytes()
+    for name, told in (("own", "ears has a map own already"), ("o n", "'o n' is no name")):
+        done = jausml("new", "map", name, *STATE, "--yes")
+        assert (done.exit_code, told in done.output) == (2, True), done.output
     assert model.read_bytes() == before
 
 

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import emf_check
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from needs import EMF
 
 from jausml.metamodel.classes import jaus
 from jausml.model import read_models
 from jausml.model.names import name_of
 from jausml.proposals.elements import AnswerError
-from jausml.proposals.message_words import message_of_words
+from jausml.proposals.message_words import KINDS, message_of_words
 from jausml.semantics.services import code, lineage
 from jausml.text.notation import NOTATIONS
 
@@ -175,11 +177,52 @@ def test_words_of_a_field(words, kind, type_, inner):
         ("ReportA: B text m", "a text has no unit"),
         ("ReportA: B 0..1e30", "no integer type holds"),
         ("ReportA: B m 0..1e999", "is no number"),
+        ("ReportA: B 0..300 uint8", "uint8 does not hold 0..300"),
     ],
 )
 def test_words_that_describe_no_message(words, told):
     with pytest.raises(AnswerError, match=told.replace(".", r"\.")):
         message_of_words(words)
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    st.lists(
+        st.sampled_from(
+            [
+                "ReportA",
+                "B",
+                "B?",
+                ":",
+                ",",
+                "m",
+                "per",
+                "0..1",
+                "-5..300",
+                "1..",
+                "on|off",
+                "|",
+                "uint8",
+                "int16",
+                "float32",
+                "text",
+                "TimeStamp",
+                "scaled",
+                "D100",
+                "query",
+                "\x00",
+            ]
+        ),
+        max_size=12,
+    )
+)
+def test_any_words_are_a_message_or_told_of(words):
+    try:
+        made = message_of_words(" ".join(words))
+    except AnswerError:
+        return
+    assert made.kind in KINDS
+    assert made.child(0xD100).values["name"] == (made.name,)
 
 
 @pytest.mark.parametrize(
@@ -196,6 +239,8 @@ def test_bad_words_change_nothing(water, jausml, words, told):
     before = model.read_bytes()
     done = jausml("new", "service", "Sonar", *words)
     assert (done.exit_code, told in done.output) == (2, True), done.output
+    done = jausml("new", "service", "So nar")
+    assert (done.exit_code, "is no name" in done.output) == (2, True), done.output
     assert model.read_bytes() == before
 
 

@@ -38,6 +38,9 @@ _POLICIES: tuple[Mapping[str, str], ...] = (
     {"outOfRange": "clamp"},
     {"whenAbsent": "dropMessage", "outOfRange": "clamp"},
 )
+_LEVEL: Mapping[str, str] = {"whenAbsent": "useDefault", "defaultValue": "0"}
+"""What optional angles are that a message leaves out: a heading alone is an orientation."""
+
 _MANY = (LIST, NUMBERS)
 _SIGN = next(each for each in CONVERSIONS.values() if each.turns_sign)
 _SIMPLE = [each for each in CONVERSIONS.values() if not each.arguments]
@@ -179,7 +182,8 @@ def _drafts(used: bridge.AttributeMap, source: Member, target: Member) -> Iterat
         yield _Draft(*own, tuple(each.name for each in chain), tuple(policy.items()))
     for conversion in _SIMPLE:
         for sources, targets in _with_siblings(used, source, target, conversion):
-            for policy in _POLICIES:
+            is_angle = bool(conversion.takes_axes) and source.attribute.optional
+            for policy in (_LEVEL, *_POLICIES) if is_angle else _POLICIES:
                 yield _Draft(sources, targets, (conversion.name,), tuple(policy.items()))
 
 
@@ -273,7 +277,9 @@ def _why(found: Judged, plain: Judged, source: Member, target: Member) -> str:
     if any(each in OF_AUTHORS for each in names):
         reasons.append(f"write the number of your vehicle in the place of {UNKNOWN}")
     inner = innermost(found.assignment)
-    if "whenAbsent" in inner.values:
+    if inner.values.get("whenAbsent") == ("useDefault",):
+        reasons.append("an angle that is absent is 0")
+    elif "whenAbsent" in inner.values:
         reasons.append(f"without '{source.path}' the message is dropped")
     if "outOfRange" in inner.values:
         reasons.append(f"what '{target.path}' cannot carry is moved to the end of its range")

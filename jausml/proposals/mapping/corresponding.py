@@ -174,7 +174,9 @@ def _lone(starts: Sequence[_Known], ends: Sequence[_Known]) -> Iterator[tuple[_K
     if [len(each) for each in alone] == [1, 1]:
         [start], [end] = alone
         is_outside = not start.member.outer and not end.member.outer
-        if is_outside and start.kind == end.kind != LIST and _is_measured_alike(start, end):
+        is_whole = [each.member.attribute.integral for each in (start, end)]
+        is_like = start.kind == end.kind != LIST and is_whole[0] is is_whole[1]
+        if is_outside and is_like and _is_measured_alike(start, end):
             yield start, end
 
 

@@ -51,12 +51,12 @@ def _unfilled(
     used: bridge.AttributeMap, own: Sequence[Child], source: str, target: str, *, to_ros: bool
 ) -> Iterator[str]:
     if ignored := [each.values["target"][0] for each in own if each.kind == "bridge.Ignore"]:
-        yield f"nothing of {source} fills {_listed(ignored)} of {target}: ignored"
+        yield f"ignored: {_listed(ignored)} of {target}, since no member of {source} corresponds"
     left = bare(used, to_ros=to_ros)
     if optional := [each.path for each in left if not each.is_required]:
-        yield f"nothing fills {_listed(optional)} of {target}"
+        yield f"nothing is assigned to {_listed(optional)} of {target}"
     if missing := [each.path for each in left if each.is_required]:
-        yield f"nothing fills {_listed(missing)}, which {target} always has: assign or ignore it"
+        yield f"assign or ignore {_listed(missing)}: {target} always contains it (JML416)"
 
 
 def _untaken(
@@ -75,23 +75,23 @@ def _untaken(
         if path not in left and not is_part and not is_filled(path, read):
             left.append(path)
     if left:
-        yield f"nothing of {target} takes {_listed(left)} of {source}"
+        yield f"no member of {target} takes {_listed(left)} of {source}"
 
 
 def _decisions(own: Iterable[Child]) -> Iterator[str]:
     """Yields what was decided for the author, who may know better."""
     inner = [innermost(each) for each in own]
     frames = [
-        f'"{each.values["value"][0]}" as {each.values["target"][0]}'
+        f'"{each.values["value"][0]}"'
         for each in inner
         if each.kind == "bridge.ConstantAssignment"
         and each.values["target"][0].rpartition(".")[2] in _FRAME_IDS
     ]
     if frames:
-        yield f"{' and '.join(frames)}: say the frames of your vehicle"
+        yield f"state the frames of your vehicle instead of {' and '.join(frames)}"
     for policy, value, says in (
-        ("whenAbsent", "dropMessage", "the message is dropped without {source}"),
-        ("outOfRange", "clamp", "{target}: the nearest number where it cannot carry the value"),
+        ("whenAbsent", "dropMessage", "if {source} is absent, the message is dropped"),
+        ("outOfRange", "clamp", "values that {target} cannot carry become the nearest one"),
     ):
         found = [each for each in inner if each.values.get(policy) == (value,)]
         if found:
@@ -102,7 +102,8 @@ def _decisions(own: Iterable[Child]) -> Iterator[str]:
             yield f"{words} ({policy}: {value})"
     for each in inner:
         if any(step.values.get("arguments") == (UNKNOWN,) for step in each.children):
-            yield f"{each.values['target'][0]}: write the number of your vehicle for {UNKNOWN}"
+            target = each.values["target"][0]
+            yield f"state the number of your vehicle instead of {UNKNOWN} for {target}"
 
 
 def _absent(used: bridge.AttributeMap, own: Iterable[Child]) -> Iterator[str]:
@@ -117,16 +118,16 @@ def _absent(used: bridge.AttributeMap, own: Iterable[Child]) -> Iterator[str]:
             if getattr(place, "optional", False) and path not in found:
                 found.append(path)
     if found:
-        yield f"0 is published without {_listed(found)}, which may be absent: say whenAbsent"
+        yield f"0 is published for what is absent of {_listed(found)}, unless you state whenAbsent"
 
 
 def _of_connections(used: bridge.AttributeMap, ways: Iterable[bool]) -> Iterator[str]:
     """Yields what a connection by the map will ask for."""
     if is_command(used.message):
         stops = " and ".join("stopRos" if to_ros else "stopJaus" for to_ros in ways)
-        yield f"{stops}: the message that stops what the command has set in motion (JML451)"
+        yield f"state what stops the command: {stops} (JML451)"
     elif False in ways:
-        yield "freshness, or whenStale: keep: what is reported of a silent topic (JML455)"
+        yield "state freshness, or whenStale: keep, for a topic that falls silent (JML455)"
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -10,6 +10,8 @@ if TYPE_CHECKING:
     from jausml.editing.commands import Child
 
 _WITH_FACTOR = [each for each in CONVERSIONS.values() if each.takes_factor]
+_POLICIES = ("whenAbsent", "defaultValue", "outOfRange")
+
 UNKNOWN = "1"
 """The number that stands for one that the author knows."""
 
@@ -48,7 +50,7 @@ def statement(child: Child) -> str:
     if child.kind == "bridge.ListAssignment":
         inner = (each for each in child.children if each.feature == "assignments")
         return f"{head} {{ {'  '.join(map(statement, inner))} }}"
-    more = [f"{name}: {values[name]}" for name in ("whenAbsent", "outOfRange") if name in values]
+    more = [f"{name}: {values[name]}" for name in _POLICIES if name in values]
     calls = [_call(each) for each in child.children if "kind" in each.values]
     head += f" : {', '.join(calls)}" if calls else ""
     return f"{head} {{ {'  '.join(more)} }}" if more else head

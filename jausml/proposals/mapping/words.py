@@ -20,6 +20,7 @@ from jausml.proposals.mapping.assigning import assign
 from jausml.proposals.mapping.members import member
 from jausml.proposals.mapping.statements import innermost
 from jausml.proposals.mapping.trial import judge
+from jausml.proposals.options import Options
 from jausml.semantics.conversions import CONVERSIONS
 
 if TYPE_CHECKING:
@@ -48,13 +49,19 @@ def assignments_of(
         AnswerError: A rule forbids it, or there is no such member.
     """
     feature = "toRos" if to_ros else "toJaus"
-    path, colon, chain = source.partition(":")
+    path, colon, chain = (each.strip() for each in source.partition(":"))
     if not colon and (plain := _sourceless(feature, target, source)) is not None:
         return [_allowed(scope, used, plain)]
-    if not colon and (options := _options(scope, used, target, source, to_ros=to_ros)):
-        return options
-    values = {"target": (target,), "source": (path.strip(),)}
-    return [_allowed(scope, used, Child(feature, _FIELD, values, _conversions(chain)))]
+    options = _options(scope, used, target, path.partition(",")[0], to_ros=to_ros)
+    if not colon and "," not in path:
+        if options.refusal:
+            raise AnswerError(f"{source} -> {target}: {options.refusal}")
+        if options.options:
+            return _children(options)
+    values = {"target": (target,), "source": (path,)}
+    child = Child(feature, _FIELD, values, _conversions(chain))
+    alike = (each for each in _children(options) if words_of(each) == words_of(child))
+    return [next(alike, None) or _allowed(scope, used, child)]
 
 
 def words_of(child: Child) -> str:
@@ -80,16 +87,17 @@ def _sourceless(feature: str, target: str, source: str) -> Child | None:
 
 def _options(
     scope: Scope, used: bridge.AttributeMap, target: str, source: str, *, to_ros: bool
-) -> list[Child]:
-    """Returns the ways from member to member; none for paths with an index."""
+) -> Options:
+    """Returns the ways from member to member; none, and no refusal, for paths with an index."""
     try:
         start = member(used, source, is_jaus=to_ros)
-        end = member(used, target, is_jaus=not to_ros)
+        end = member(used, target.partition(",")[0], is_jaus=not to_ros)
     except AnswerError:
-        return []
-    found = assign(scope, used, start, end)
-    if not found.options:
-        raise AnswerError(f"{source} -> {target}: {found.refusal}")
+        return Options()
+    return assign(scope, used, start, end)
+
+
+def _children(found: Options) -> list[Child]:
     adds = (each.commands[0] for each in found.options)
     return [
         Child(each.feature, each.kind, each.values, each.children)

@@ -95,7 +95,9 @@ def test_three_angles_become_an_orientation_and_one_becomes_three():
     pose = Map(CAR, "local_pose")
     found = previews(pose.to_ros("Yaw", "pose.orientation"))
     assert found[0] == "Yaw -> pose.orientation : frd_yaw_to_flu_quaternion"
-    assert "Roll, Pitch, Yaw -> pose.orientation : frd_angles_to_flu_quaternion" in found
+    level = "{ whenAbsent: useDefault  defaultValue: 0 }"
+    angles = "Roll, Pitch, Yaw -> pose.orientation : frd_angles_to_flu_quaternion"
+    assert f"{angles} {level}" in found
     back = Map(CAR, "dead_reckoning")
     found = previews(back.to_jaus("pose.pose.orientation", "Yaw"))
     assert found[0] == "pose.pose.orientation -> Yaw : flu_quaternion_to_frd_yaw"

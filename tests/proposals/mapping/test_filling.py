@@ -89,7 +89,8 @@ def test_angles_become_an_orientation_together(tmp_path):
     used = Map(tmp_path, "ReportLocalPose", "geometry_msgs/PoseStamped")
     found = used.fill()
     assert [each for each in found.statements if "orientation" in each] == [
-        "Roll, Pitch, Yaw -> pose.orientation : frd_angles_to_flu_quaternion",
+        "Roll, Pitch, Yaw -> pose.orientation : frd_angles_to_flu_quaternion"
+        " { whenAbsent: useDefault  defaultValue: 0 }",
         "pose.orientation -> Roll, Pitch, Yaw : flu_quaternion_to_frd_angles",
     ]
 
