@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.drift import Finding, drift
-from jausml.generation.errors import OwnershipError, SelectionError
+from jausml.generation.errors import GenerationError, OwnershipError, SelectionError
 from jausml.generation.lock import locked
 from jausml.generation.manifest import Manifest, read_manifest
 from jausml.generation.plan import Plan, make_plan
@@ -124,10 +124,26 @@ def generate(
         system_of(model)
     if renewed:
         there = _made(out, {name_of(model), adopt})
-        targets = [*targets, *(target for target in renewed if target.name in there)]
+        again = [target for target in renewed if target.name in there]
+        _check_again(model, again)
+        targets = [*targets, *again]
     artifacts = render(model, targets)
     with locked(out) if write else nullcontext():
         return _generate(model, targets, artifacts, out, kept, adopt, force=force, write=write)
+
+
+def _check_again(model: Model, again: Sequence[Target[Any]]) -> None:
+    """Looks whether targets that nobody named in this run can generate the model.
+
+    Raises:
+        GenerationError: One cannot; the message says how to go without it.
+    """
+    for target in again:
+        try:
+            target.tasks(model)
+        except GenerationError as error:
+            cure = f"to go without, delete what --target {target.name} generated here before"
+            raise GenerationError(f"{error} ({cure})") from error
 
 
 def _made(out: Path, names: Collection[str]) -> set[str]:

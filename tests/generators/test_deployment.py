@@ -115,8 +115,11 @@ def test_it_is_made_on_request_and_then_follows_the_model(model_of, tmp_path):
     assert "rover_deployment/hosts/station/firewall.nft" in {each.path for each in plan.changes}
     run(changed)
     assert "10.77.0.3" in (folder / "hosts" / "station" / "firewall.nft").read_text()
+    on_one_computer = TWO_HOSTS.replace("10.77.0.2", "127.0.0.1")
+    with pytest.raises(GenerationError, match=r"no other host reaches \(to go without, delete"):
+        run(on_one_computer)
     shutil.rmtree(folder)
-    run(changed)
+    run(on_one_computer)
     assert not folder.exists()
 
 
