@@ -64,6 +64,24 @@ def written(path: str, *, force: bool) -> Iterator[BinaryIO]:
         raise EnvironmentFault(f"cannot write {name}: {error.strerror or error}") from error
 
 
+def not_itself(recording: str, output: str) -> None:
+    """Does nothing where a recording is not written over itself: there is but one of it.
+
+    Args:
+        recording: What is read.
+        output: What is written.
+
+    Raises:
+        UsageError: They are the same file.
+    """
+    try:
+        is_same = Path(recording).samefile(output)
+    except (OSError, ValueError):  # one is not there, which others tell
+        return
+    if is_same:
+        raise click.UsageError(f"{click.format_filename(output)} would be written over itself")
+
+
 def already_there(path: str) -> EnvironmentFault:
     """Returns the error of a file that would be overwritten."""
     return EnvironmentFault(

@@ -17,6 +17,7 @@ from jausml.cli.messages import open_catalogue, shown_path
 from jausml.cli.options import interface_option, multicast_group_option, port_option
 from jausml.cli.recordings import (
     force_option,
+    not_itself,
     output_option,
     shown_time,
     stopped_by_signals,
@@ -145,6 +146,8 @@ def command(
     from jausml.recording.spans import Span
 
     span = Span(start, duration)
+    if output is not None:
+        not_itself(recording, output)
     if model is None:
         _again(recording, output, span, force=force, ros_only=ros_only)
         return

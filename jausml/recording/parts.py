@@ -132,9 +132,8 @@ class Parts:
         need_library()
         self._path, self._limits, self._compression = path, limits, compression
         self._next = 1 + max((number for number, _ in _row(path)), default=-1)
-        first = self._numbered() if limits.splits else path
-        self.paths = [first]
-        self.current = Part(first, compression, overwrites=overwrites and not limits.splits)
+        self.paths: list[Path] = []
+        self.current = self._further() if limits.splits else self._part(path, overwrites=overwrites)
         self._forget()
 
     def turn(self) -> bool:
@@ -146,14 +145,24 @@ class Parts:
         if not (is_full or is_over):
             return False
         self.current.close()
-        self.current = Part(self._numbered(), self._compression, overwrites=False)
-        self.paths.append(self.current.path)
+        self.current = self._further()
         self._forget()
         return True
 
-    def _numbered(self) -> Path:
-        self._next += 1
-        return self._path.with_stem(f"{self._path.stem}_{self._next - 1}")
+    def _further(self) -> Part:
+        """Begins the next files; numbers that another recorder has taken meanwhile are left out."""
+        while True:
+            path = self._path.with_stem(f"{self._path.stem}_{self._next}")
+            self._next += 1
+            try:
+                return self._part(path, overwrites=False)
+            except FileExistsError:
+                continue
+
+    def _part(self, path: Path, *, overwrites: bool) -> Part:
+        part = Part(path, self._compression, overwrites=overwrites)
+        self.paths.append(path)
+        return part
 
     def _forget(self) -> None:
         """Removes the oldest files of the row that are more than are kept."""

@@ -131,3 +131,16 @@ def test_what_cannot_be_read_makes_no_file(tmp_path):
     assert "cut.mcap cannot be read" in result.stderr
     assert result.exit_code == 2
     assert not whole.exists()
+
+
+def test_a_recording_is_not_written_over_itself(cut):
+    data = cut.read_bytes()
+    result = CliRunner().invoke(main, ["replay", str(cut), "-o", str(cut), "--force"])
+    assert "would be written over itself" in result.stderr
+    assert (result.exit_code, cut.read_bytes()) == (2, data)
+
+
+def test_who_wants_a_capture_is_told_where_it_is(cut):
+    result = CliRunner().invoke(main, ["decode", "--pcap", str(cut)])
+    assert "an MCAP recording, not a capture" in result.stderr
+    assert result.exit_code == 1

@@ -39,6 +39,16 @@ def test_a_row_by_size_goes_on_where_the_former_one_ended(tmp_path):
     assert [each.name for each in again.paths] == ["run_3.mcap", "run_4.mcap"]
 
 
+def test_two_recorders_of_a_row_take_numbers_in_turn(tmp_path):
+    path = tmp_path / "run.mcap"
+    rows = [Parts(path, Limits(size=1)) for _ in range(2)]
+    for row in rows:
+        fill(row, 2)
+    first, second = ([each.name for each in row.paths] for row in rows)
+    assert first == ["run_0.mcap", "run_2.mcap", "run_3.mcap"]
+    assert second == ["run_1.mcap", "run_4.mcap", "run_5.mcap"]
+
+
 def test_without_limits_there_is_one_pair(tmp_path):
     path = tmp_path / "run.mcap"
     fill(Parts(path, Limits()), 3)

@@ -29,6 +29,7 @@ _PCAP = {
 }
 """Byte order and ticks each second, by what the file begins with."""
 _GZIP = b"\x1f\x8b"
+_MCAP = b"\x89MCA"
 _SECTION_HEADER = 0x0A0D0D0A
 _INTERFACE = 1
 _OLD_PACKET = 2
@@ -80,6 +81,9 @@ def read_frames(stream: BinaryIO) -> Iterator[Frame]:
         yield from _pcap(file, *_PCAP[magic])
     elif magic == _SECTION_HEADER.to_bytes(4, "big"):
         yield from _Pcapng(file).frames()
+    elif magic == _MCAP:
+        hint = "'jausml record' writes the capture beside it, with the ending .pcap"
+        raise CaptureError(f"the file is an MCAP recording, not a capture; {hint}", 0)
     else:
         raise CaptureError(f"neither pcap nor pcapng: it begins with {magic.hex(' ')}", 0)
 
