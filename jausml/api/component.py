@@ -329,10 +329,14 @@ class Component:
 
         Raises:
             MessageError: There is no such message, or the fields are wrong.
+            Refused: Control was taken, or the component left Ready, in a `control` block: nothing
+                is sent.
         """
         address = component_address(target)
         entry = self._operator.find(address, _text(name))
-        self._operator.send(address, self._operator.message(entry, fields or {}))
+        message = self._operator.message(entry, fields or {})
+        self._operator.check_obeyed(address)
+        self._operator.send(address, message)
 
     # ---- answering --------------------------------------------------------------------------
 

@@ -309,3 +309,19 @@ def test_asyncio_over_cells_of_a_notebook(port):
 def test_a_component_shows_who_it_is(vehicle):
     assert repr(vehicle) == "<Component 100.1.1, runs>"
     assert repr(jausml.Component("1.1.1")) == "<Component 1.1.1, stopped>"
+
+
+def test_who_loses_control_is_told_at_the_next_command(operator, port):
+    effort = {"PropulsiveLinearEffortX": 1.0}
+
+    def refusal():
+        try:
+            operator.command(VEHICLE, "SetWrenchEffort", effort)
+        except jausml.Refused as error:
+            return str(error)
+        return ""
+
+    with operator.control(VEHICLE, authority=100):
+        assert refusal() == ""
+        with jausml.Component("201.1.1", port=port) as other, other.control(VEHICLE, authority=200):
+            assert wait_for(refusal).startswith("100.1.1 ")

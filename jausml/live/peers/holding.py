@@ -37,6 +37,7 @@ class Hold:
         is_lost: Whether Ready, or control of a component that was not Ready, was lost at any time.
         was_ready: Whether it came to Ready, and is to stay there.
         session: Our share in its control.
+        last_change: What became of control last, in words; empty when nothing did.
     """
 
     def __init__(self, target: JausAddress, on_change: Callable[[str], None] | None) -> None:
@@ -52,6 +53,7 @@ class Hold:
         self.is_lost = False
         self.was_ready = False
         self.session: ControlSession | None = None
+        self.last_change = ""
         self._on_change = on_change
         self._first: SimpleQueue[ControlState] = SimpleQueue()
         self._state = ControlState.SEEKING
@@ -63,6 +65,11 @@ class Hold:
     def is_held(self) -> bool:
         """Whether the component is controlled."""
         return self.session is not None and self.session.state in HELD
+
+    @property
+    def is_obeyed(self) -> bool:
+        """Whether the component takes our commands, as far as is known."""
+        return self._obeys(self._state)
 
     def answer(self, timeout: float) -> ControlState | None:
         """Returns the first answer, or None when none comes in time."""
@@ -123,11 +130,11 @@ class Hold:
         return state is ControlState.READY or (state in HELD and not self.was_ready)
 
     def _tell(self, before: ControlState, state: ControlState) -> None:
-        if self._on_change is None:
-            return
         if state is ControlState.REFUSED:
-            self._on_change("gives us no control any more")
+            self.last_change = "gives us no control any more"
         elif state is ControlState.SEEKING:
-            self._on_change("is not controlled by us any more")
+            self.last_change = "is not controlled by us any more"
         else:
-            self._on_change(_CHANGES[before in HELD, state])
+            self.last_change = _CHANGES[before in HELD, state]
+        if self._on_change is not None:
+            self._on_change(self.last_change)

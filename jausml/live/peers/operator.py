@@ -283,6 +283,16 @@ class Operator(Asker):
         """Whether we hold control of a component."""
         return target in self._holds and self._holds[target].is_held
 
+    def check_obeyed(self, target: JausAddress) -> None:
+        """Refuses to go on when a component that we control obeys us no more.
+
+        Raises:
+            Refused: It does not; the text says what has become of it.
+        """
+        hold = self._holds.get(target)
+        if hold is not None and not hold.is_obeyed:
+            raise Refused(f"{target} {hold.last_change or 'does not obey us'}")
+
     @property
     def holds(self) -> tuple[Hold, ...]:
         """The components whose control was given to us, whatever became of it since."""
