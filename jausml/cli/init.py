@@ -10,7 +10,7 @@ import click
 
 from jausml.cli.common import PROBLEMS, EnvironmentFault, find_files
 from jausml.cli.manners import painted_findings
-from jausml.cli.topics import chosen_crossings, tell, topic_options, topics_of
+from jausml.cli.topics import chosen_crossings, tell, tell_unanswered, topic_options, topics_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -103,6 +103,7 @@ def _from_topics(
     chosen = chosen_crossings(topics, maps, side=side, yes=yes)
     written = start_from_topics(folder, wish, chosen, topics)
     tell(chosen, topics)
+    tell_unanswered(chosen)
     return written
 
 

@@ -8,7 +8,7 @@ import click
 
 from jausml.cli.graph import graph_options, topics_that_run
 from jausml.cli.new_places import model_option, place_for, report, stopping
-from jausml.cli.topics import chosen_crossings, tell, topic_options, topics_of
+from jausml.cli.topics import chosen_crossings, tell, tell_unanswered, topic_options, topics_of
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -60,4 +60,5 @@ def command(
         )
         files = add_bridge(place, name, chosen, topics, address or "")
     tell(chosen, topics)
+    tell_unanswered(chosen)
     report(place, files)

@@ -179,6 +179,18 @@ def tell(chosen: Sequence[Crossing], topics: Sequence[TopicEnd]) -> None:
         click.echo(f"{said} unless a quantity of the bridge states that of the vehicle")
 
 
+def tell_unanswered(chosen: Sequence[Crossing]) -> None:
+    """Says which queries of the services of a new bridge nothing answers.
+
+    Args:
+        chosen: All ways of the bridge.
+    """
+    from jausml.proposals.topics import unanswered
+
+    for service, queries in unanswered(chosen).items():
+        remark(f"{service}: no connection answers {', '.join(queries)}")
+
+
 def _assumed(chosen: Sequence[Crossing]) -> list[tuple[bridge.Quantity, str]]:
     """Returns the numbers of a vehicle that maps assume, each with the name of a map."""
     from jausml.model.names import name_of

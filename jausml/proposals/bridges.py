@@ -96,7 +96,7 @@ def _connections(
     names = list(taken)
     fed: set[str] = set()
     for each in chosen:
-        names.append(free_name(_connection_name(each, chosen), names))
+        names.append(free_name(_connection_name(each, chosen, names), names))
         draft = Draft(
             each.offer,
             peer_of(scope, each.offer) if each.offer.is_provided else None,
@@ -112,7 +112,8 @@ def _connections(
     return found
 
 
-def _connection_name(crossing: Crossing, chosen: Sequence[Crossing]) -> str:
+def _connection_name(crossing: Crossing, chosen: Sequence[Crossing], taken: Sequence[str]) -> str:
     """Returns the name of a connection: its topic's, or its map's where a topic has several."""
+    own = snake_case(crossing.topic.name)
     is_shared = sum(each.topic.name == crossing.topic.name for each in chosen) > 1
-    return snake_case(name_of(crossing.map) if is_shared else crossing.topic.name)
+    return snake_case(name_of(crossing.map)) if is_shared or own in taken else own

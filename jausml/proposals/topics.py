@@ -11,6 +11,7 @@ from jausml.model.words import words
 from jausml.proposals.bridging import is_served, offer_of, stop_in
 from jausml.semantics.commands import is_command
 from jausml.semantics.ros_paths import ros_name
+from jausml.semantics.services import query_name
 from jausml.semantics.used_maps import used_maps
 from jausml.semantics.ways import EVENT, MESSAGE
 
@@ -175,3 +176,26 @@ def joins_of(crossing: Crossing, topics: Sequence[TopicEnd], taken: set[str]) ->
                 taken.add(each.name)
                 break
     return found
+
+
+def unanswered(chosen: Sequence[Crossing]) -> dict[str, list[str]]:
+    """Returns the queries of the services of a bridge that none of its ways answers.
+
+    Args:
+        chosen: All ways of the bridge.
+
+    Returns:
+        The names of queries by the names of the services that the bridge provides.
+    """
+    carried = {name_of(each.offer.message) for each in chosen if not each.offer.to_ros}
+    found: dict[str, list[str]] = {}
+    for each in chosen:
+        service = each.offer.service
+        if each.offer.is_provided or name_of(service) in found:
+            continue
+        reports = [one for one in service.outputs if name_of(one) not in carried]
+        offered = (offer_of(one, to_ros=False) for one in reports)
+        found[name_of(service)] = [
+            query_name(one.message) for one in offered if one is not None and one.exchange == EVENT
+        ]
+    return {service: queries for service, queries in found.items() if queries}

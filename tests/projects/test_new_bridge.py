@@ -134,6 +134,18 @@ def test_it_says_which_numbers_of_the_vehicle_a_map_assumes(rover, jausml):
     assert "max_speed of velocity_command is 2 m/s unless a quantity of the bridge" in done.output
 
 
+def test_it_says_which_queries_nothing_answers(rover, jausml):
+    rover("text")
+    done = jausml("new", "bridge", "rover", DRIVE, ODOM, "--yes")
+    line = "VelocityStateDriver: no connection answers QueryVelocityCommand, QueryAccelerationLimit"
+    assert line in done.output
+    # The local pose is all that its sensor can be asked for.
+    assert "LocalPoseSensor: no connection" not in done.output
+    report = f"{DRIVE}:velocity_command,velocity_command_report"
+    done = jausml("new", "bridge", "other", report)
+    assert "VelocityStateDriver: no connection answers QueryAccelerationLimit\n" in done.output
+
+
 def test_ways_that_say_the_same_are_told_apart(rover, jausml):
     rover("text")
     done = jausml("new", "bridge", "rover", ODOM)
@@ -168,7 +180,7 @@ def test_a_bridge_gets_further_topics(rover, jausml, notation):
         (["report"], "velocity_command_report"),
     ]
     made = the_bridge(model)
-    assert [each.name for each in made.bridgeConnections][1:3] == ["odom", "odom_2"]
+    assert [each.name for each in made.bridgeConnections][1:3] == ["odom", "velocity_state"]
     provided = ["VelocityStateDriver", "LocalPoseSensor", "VelocityStateSensor", "RangeSensor"]
     assert list(map(name_of, made.provides)) == provided
     done = jausml("validate", "models", "--strict")
