@@ -186,12 +186,20 @@ def check_name(name: str, whole: system.System) -> None:
 
 
 def ready_maps(place: Place) -> list[bridge.AttributeMap]:
-    """Returns the maps of a model, as far as it is there, and then those of the library."""
+    """Returns the maps of a model, and those of the library that it has no copies of."""
     ready = library().instances(bridge.AttributeMap)
     if not place.path.exists():
         return list(ready)
     own = read_models([place.path], project_root=place.root, notations=NOTATIONS).model
-    return [*own.instances(bridge.AttributeMap, library=False), *ready]
+    mine = own.instances(bridge.AttributeMap, library=False)
+    copied = set(map(_identity, mine))
+    return [*mine, *(each for each in ready if _identity(each) not in copied)]
+
+
+def _identity(used: bridge.AttributeMap) -> tuple[str, str, str]:
+    """Returns what a map and a copy of it have in common."""
+    message, kind = used.message, used.type
+    return name_of(used), name_of(message) if message else "", name_of(kind) if kind else ""
 
 
 def _present(crossing: Crossing, scope: Scope) -> Crossing:

@@ -188,6 +188,14 @@ def test_a_bridge_gets_further_topics(rover, jausml, notation):
     assert jausml("generate", model, "-o", "src").exit_code == 0
 
 
+def test_a_copy_of_a_ready_map_stands_for_it(rover, jausml):
+    rover("xmi")
+    assert jausml("new", "bridge", "front", "scan:sensor_msgs/LaserScan").exit_code == 0
+    done = jausml("new", "bridge", "rear", "scan:sensor_msgs/LaserScan")
+    assert done.exit_code == 0, done.output
+    assert jausml("validate", "models", "--strict").exit_code == 0
+
+
 def test_of_several_bridges_one_gets_the_topics(rover, jausml):
     model = rover("text")
     done = jausml("new", "connection", DRIVE, "--yes")
