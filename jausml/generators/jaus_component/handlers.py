@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from textwrap import indent
 from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import MethodContract
@@ -70,8 +71,8 @@ class Method:
     @property
     def contract(self) -> MethodContract:
         """What the drift report compares the user's class with."""
-        body = [self.signature, f"    {self.docstring}", f"    {self.placeholder}"]
-        stub = "".join(f"    {line}\n" for text in body for line in text.split("\n"))
+        body = indent(f"{self.docstring}\n{self.placeholder}", " " * _BODY)
+        stub = f"    {self.signature}\n{body}\n"
         names = tuple(name for name, _ in self.parameters)
         return MethodContract(self.name, names, self.identity, laid_out(stub))
 
