@@ -17,13 +17,17 @@ LAST_FAILED = ROOT / ".pytest_cache" / "v" / "cache" / "lastfailed"
 MOST = 3
 """So many failures may be bad luck; more are a fault."""
 
-FAILED, NOTHING_CHOSEN = 1, 5
+FAILED, NOTHING_CHOSEN, INTERRUPTED = 1, 5, 130
 
 
 def run(*arguments: str) -> int:
-    """Runs pytest, and returns its exit status; 0 where no test was chosen."""
+    """Runs pytest, and returns its exit status; 0 where no test was chosen, 130 after Ctrl-C."""
     command = [sys.executable, "-m", "pytest", *arguments]
-    status = subprocess.run(command, cwd=ROOT, check=False).returncode
+    try:
+        status = subprocess.run(command, cwd=ROOT, check=False).returncode
+    except KeyboardInterrupt:
+        # Pytest has had it too, and tells of it.
+        return INTERRUPTED
     return 0 if status == NOTHING_CHOSEN else status
 
 

@@ -204,7 +204,8 @@ class Supervisor:
             running.discard(event.name)
             code = self._processes[event.name].returncode
             if code != 0:
-                self.failures.append((event.name, f"{_how(code)}; all others were stopped"))
+                others = "; all others were stopped" if len(self._processes) > 1 else ""
+                self.failures.append((event.name, f"{_how(code)}{others}"))
                 return
 
     def _next_event(self, deadline: float | None) -> _Exited | _Signalled | None:

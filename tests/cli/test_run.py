@@ -154,7 +154,7 @@ def test_killed_process_is_named_by_its_signal(workspace):
     program = "import os, signal\nos.kill(os.getpid(), signal.SIGKILL)"
     code, _, err = finish(start(workspace(alpha=program)))
     assert code == 1
-    assert "alpha was ended by SIGKILL" in err
+    assert err == "jausml: alpha was ended by SIGKILL\n"
 
 
 def test_second_signal_does_not_wait(workspace):

@@ -162,8 +162,11 @@ def test_numbers_keep_every_bit(value):
 def test_a_file_that_cannot_be_written_is_left_as_it_was(tmp_path):
     path = tmp_path / "model.xmi"
     path.write_text("old", encoding="utf-8")
-    with pytest.raises(OSError, match="directory"):
+    with pytest.raises(OSError, match="directory") as raised:
         replace_file(tmp_path / "nowhere" / "model.xmi", b"new")
+    # What is named is the file of the user, not the one beside it.
+    assert raised.value.filename == str(tmp_path / "nowhere" / "model.xmi")
+    assert "jausml-tmp" not in str(raised.value)
     (tmp_path / ".model.xmi").write_text("other", encoding="utf-8")
     link_to = tmp_path / "link.xmi"
     link_to.symlink_to(path)

@@ -1,8 +1,11 @@
 """The run of the whole suite: what fails in the crowd runs again, alone."""
 
+import os
 import shutil
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -64,3 +67,28 @@ def test_many_failures_are_a_fault(suite):
 
 def test_nothing_chosen_is_no_failure(suite):
     assert suite()[0] == 0
+
+
+@pytest.mark.usefixtures("suite")
+def test_an_interrupt_is_no_traceback(tmp_path):
+    test = "def test_long():\n    import time\n    open('begun', 'x')\n    time.sleep(60)\n"
+    (tmp_path / "test_long.py").write_text(test, encoding="utf-8")
+    command = [sys.executable, "tools/suite.py"]
+    process = subprocess.Popen(
+        command,
+        cwd=tmp_path,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    try:
+        end = time.monotonic() + 60
+        while not (tmp_path / "begun").exists() and time.monotonic() < end:
+            time.sleep(0.05)
+        os.killpg(process.pid, signal.SIGINT)
+        _, errors = process.communicate(timeout=60)
+    finally:
+        process.kill()
+        process.wait()
+    assert (process.returncode, "Traceback" in errors) == (130, False), errors

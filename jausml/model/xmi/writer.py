@@ -7,6 +7,7 @@ differences: attributes in the order of the metamodel, values that equal their d
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 import re
@@ -89,8 +90,12 @@ def replace_file(path: Path, data: bytes) -> None:
         if real.exists():
             shutil.copymode(real, temporary)
         temporary.replace(real)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
+    except BaseException as error:
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            # Nobody but this function knows the temporary file.
+            error.filename, error.filename2 = str(path), None
         raise
 
 
