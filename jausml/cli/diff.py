@@ -168,7 +168,7 @@ def _read(
 
 
 def _drawn(
-    states: Sequence[tuple[Model, Path]],
+    models: Sequence[tuple[Model, Path]],
     view: str,
     matching: Matching,
     found: Sequence[Change],
@@ -188,17 +188,23 @@ def _drawn(
 
     drawn: list[Drawn] = []
     faults: list[UnknownViewError] = []
-    for model, folder in states:
+    for model, folder in models:
         try:
             graph = graph_of(model, view, root=folder)
         except UnknownViewError as error:
             faults.append(error)
             graph = Graph(view, "")
         drawn.append(Drawn(graph, model, Path(os.path.realpath(folder))))
-    if len(faults) == len(states):
+    if len(faults) == len(models):
         raise EnvironmentFault(str(faults[-1]))
     old, new = drawn
     graph = compared(old, new, matching, found)
+    states = [each.state for each in graph.groups]
+    states += [each.state for each in graph.edges]
+    states += [each.state for each in graph.nodes]
+    states += [each.state for node in graph.nodes for each in node.ports]
+    if found and not any(states):
+        click.echo(f"note: nothing changed in {view}; {_summary(found)} elsewhere", err=True)
     render = svg.render if output_format == "svg" else html.render
     try:
         return render(graph, Graphviz())

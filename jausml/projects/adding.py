@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.editing.commands import EditError
-from jausml.metamodel.classes import bridge
+from jausml.metamodel.classes import bridge, system
 from jausml.model.names import name_of
 from jausml.model.reading.reader import read_models
 from jausml.model.uris import shipped_as
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from jausml.editing.commands import Command
-    from jausml.metamodel.classes import system
     from jausml.model import Model
     from jausml.projects.places import Place
     from jausml.proposals.topics import Crossing, TopicEnd
@@ -253,7 +252,7 @@ def check_map_name(name: str, owner: bridge.Bridge) -> None:
 
 
 def bridge_in(at: Opened, name: str) -> bridge.Bridge:
-    """Returns the bridge of a model that gets something.
+    """Returns the bridge of a model that gets something, in whichever file it stands.
 
     Args:
         at: The model.
@@ -262,7 +261,10 @@ def bridge_in(at: Opened, name: str) -> bridge.Bridge:
     Raises:
         ProjectError: There is none, or there are several.
     """
-    found = bridges_of(at.scope)
+    roots = at.scope.model.documents[0].roots
+    # Eclipse's Control... puts what a system owns into a file of its own.
+    apart = (each for one in roots if isinstance(one, system.System) for each in one.bridges)
+    found = list(dict.fromkeys((*bridges_of(at.scope), *apart)))
     chosen = [each for each in found if name in ("", name_of(each))]
     if len(chosen) == 1:
         return chosen[0]

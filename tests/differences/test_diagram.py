@@ -84,6 +84,18 @@ def test_nothing_changed_has_no_colours(drawn):
     assert "added" not in picture
 
 
+def test_a_view_in_which_nothing_changed_is_told(tmp_path):
+    old, new = tmp_path / "old.xmi", tmp_path / "new.xmi"
+    old.write_text(OLD, encoding="utf-8")
+    new.write_text(OLD.replace('address="10.1.1"', 'address="10.1.9"'), encoding="utf-8")
+    words = ["diff", "--format", "svg", str(old), str(new)]
+    done = CliRunner().invoke(main, [*words, "--view", "map:velocity"])
+    assert done.stderr == (
+        "note: nothing changed in map:velocity; 1 change, 1 breaks peers elsewhere\n"
+    )
+    assert CliRunner().invoke(main, words).stderr == ""
+
+
 def test_a_map_shows_assignments(drawn):
     line = (
         '<toRos xsi:type="bridge:ConstantAssignment" target="header.frame_id" value="base_link"/>'

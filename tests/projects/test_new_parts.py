@@ -118,3 +118,27 @@ def test_eclipse_opens_what_grew_and_would_save_it_as_it_is(rover, jausml):
     done = emf_check.ask("--resave", saved, model)
     assert (done.returncode, done.stdout) == (0, "")
     assert model.read_text("utf-8") == saved.read_text("utf-8")
+
+
+def test_a_bridge_that_eclipse_put_into_a_file_of_its_own(rover, jausml):
+    """Control... in the tree editor leaves an href in the system."""
+    model = rover("xmi", "example")
+    text = model.read_text("utf-8")
+    start, end = text.index("  <bridges"), text.index("</system:System>")
+    head = text[text.index(" xmi:version") : text.index(" xmi:id")]
+    inner = text[start:end].strip().replace(' peers="sensor"', "")
+    inner = inner.replace("<topics", '<peers href="rover.xmi#sensor"/>\n      <topics')
+    part = inner.replace("<bridges", f"<bridge:Bridge{head}").replace(
+        "</bridges", "</bridge:Bridge"
+    )
+    model.with_name("part.xmi").write_text(f"{text[:start].splitlines()[0]}\n{part}\n", "utf-8")
+    model.write_text(
+        f'{text[:start]}  <bridges href="part.xmi#sensor_bridge"/>\n{text[end:]}', "utf-8"
+    )
+    before = model.read_bytes()
+    words = "new map speed ReportVelocityState std_msgs/Float64 --to-ros data=Velocity_X"
+    done = jausml(*words.split(), "--model", model)
+    assert done.exit_code == 0, done.output
+    assert "models/part.xmi written" in done.output
+    assert model.read_bytes() == before
+    assert '<maps name="speed"' in model.with_name("part.xmi").read_text("utf-8")
