@@ -325,3 +325,13 @@ def test_who_loses_control_is_told_at_the_next_command(operator, port):
         assert refusal() == ""
         with jausml.Component("201.1.1", port=port) as other, other.control(VEHICLE, authority=200):
             assert wait_for(refusal).startswith("100.1.1 ")
+
+
+def test_reports_that_stay_away_are_logged(vehicle, port, caplog):
+    with (
+        jausml.Component("201.1.1", port=port, timeout=0.3) as operator,
+        operator.subscribe(VEHICLE, "VelocityState", rate=50) as reports,
+    ):
+        assert reports.next(timeout=30).sender == VEHICLE
+        vehicle.stop()
+        wait_for(lambda: "no ReportVelocityState of 100.1.1 for 0.3 s" in caplog.text)

@@ -37,6 +37,9 @@ OCU_TYPE = 20001
 _WATCH = 0.5
 """Seconds between two looks at a component that we control."""
 
+_LATE_REPORTS = 3
+"""Periodic reports that may be missing before it is told."""
+
 _SERVICES = tuple(
     ServiceIdentity(CORE + name, 1, 1) for name in ("Transport", "Events", "Liveness", "Discovery")
 )
@@ -90,6 +93,8 @@ class Operator(Asker):
     ) -> EventSubscription:
         """Subscribes to a report by an event.
 
+        When periodic reports stay away, that is counted and logged.
+
         Args:
             target: The component.
             name: Name or code of the query or of its report.
@@ -102,12 +107,16 @@ class Operator(Asker):
             Refused: It gives no such event.
         """
         query, report = self.exchange(target, name)
+        patience = max(self.timeout, _LATE_REPORTS / rate) if rate and rate > 0 else 0.0
+        silence = f"no {report.name} of {target} for {patience:g} s"
         subscription = self._component.subscribe(
             target,
             self.message(query, full_query(query, report)),
             message_class(report),
             lambda message, _: on_report(report, message.fields),
             rate=rate,
+            silence_timeout=patience,
+            on_silence=lambda: self._component.counters.count("event_client.silent", silence),
         )
         return self._confirmed(target, subscription, report)
 
