@@ -46,7 +46,8 @@ def topics_of(words: Sequence[str]) -> list[TopicEnd]:
         kind, _, maps = rest.partition(":")
         package, _, message = kind.replace("/msg/", "/", 1).partition("/")
         if not (is_package_name(package) and is_type_name(message)):
-            example = "cmd_vel:geometry_msgs/Twist"
+            full = _full(kind)
+            example = f"{name}:{full}" if full else "cmd_vel:geometry_msgs/Twist"
             raise click.UsageError(f"{word!a} is no TOPIC:TYPE[:MAP,...] such as {example}")
         if fault := topic_fault(name):
             raise click.UsageError(f"{word!a}: the name of the topic {fault}")
@@ -55,6 +56,17 @@ def topics_of(words: Sequence[str]) -> list[TopicEnd]:
         chosen = tuple(each for each in maps.split(",") if each)
         found[name] = TopicEnd(name, f"{package}/{message}", maps=chosen)
     return list(found.values())
+
+
+def _full(message: str) -> str:
+    """Returns the type with its package of which ready maps have a message name; empty for none."""
+    from jausml.metamodel.classes import bridge
+    from jausml.proposals.elements import library
+    from jausml.semantics.ros_paths import ros_name
+
+    maps = library().instances(bridge.AttributeMap)
+    known = {ros_name(each.type) for each in maps if each.type is not None}
+    return min((each for each in known if each.partition("/")[2] == message), default="")
 
 
 def chosen_crossings(

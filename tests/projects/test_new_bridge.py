@@ -223,6 +223,7 @@ def test_of_several_bridges_one_gets_the_topics(rover, jausml):
     [
         ((), "name topics"),
         (("cmd_vel",), "is no TOPIC:TYPE"),
+        (("wheels:Odometry",), "is no TOPIC:TYPE[:MAP,...] such as wheels:nav_msgs/Odometry"),
         (("cmd vel:geometry_msgs/Twist",), "the name of the topic has characters"),
         ((DRIVE, DRIVE), "is there twice"),
         (("a:geometry_msgs/Twits",), "did you mean 'geometry_msgs/Twist'?"),
