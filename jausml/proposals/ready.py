@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from jausml.editing.commands import Add
 from jausml.editing.describing import described
 from jausml.metamodel.classes import bridge, jaus
+from jausml.model.names import name_of
 from jausml.proposals.elements import library
 from jausml.semantics.layouts import signature
 from jausml.semantics.ros_paths import ros_name
@@ -30,16 +31,20 @@ def between(
 ) -> list[bridge.AttributeMap]:
     """Returns the maps between a message and a type, whatever their directions.
 
+    One of the library gives way to one of its name in the project, which is mostly a copy.
+
     Args:
         scope: The model.
         message: The JAUS message.
         kind: The ROS type.
     """
-    found = [
-        *fitting(scope, message, kind, to_ros=True),
-        *fitting(scope, message, kind, to_ros=False),
-    ]
-    return list(dict.fromkeys(found))
+    ways = (fitting(scope, message, kind, to_ros=way) for way in (True, False))
+    found = dict.fromkeys(each for way in ways for each in way)
+    by_name: dict[str, bridge.AttributeMap] = {}
+    for each in maps_of(scope):
+        if each in found:
+            by_name.setdefault(name_of(each), each)
+    return list(by_name.values())
 
 
 def copied(

@@ -132,6 +132,13 @@ def test_a_ready_map_is_offered_and_copied_with_its_vectors(ears, jausml, notati
     assert done.exit_code == 0, done.output
 
 
+def test_a_map_of_the_project_stands_for_that_of_the_library(ears, jausml):
+    ears("text")
+    assert jausml("new", "map", "velocity_state", *STATE, "--copy", "velocity_state").exit_code == 0
+    done = jausml("new", "map", "own", *STATE)
+    assert (done.exit_code, done.output.count("velocity_state,")) == (2, 0), done.output
+
+
 @NOTATION
 def test_a_copy_has_its_own_tables(ears, jausml, notation):
     model = ears(notation)
