@@ -11,6 +11,7 @@ from jausml.editing.commands import EditError
 from jausml.editing.reading import NOTATIONS, Reader, model_files, stored
 from jausml.merging.carrying import Carrying
 from jausml.merging.conflicts import ELSEWHERE, MERGE_RULES, Conflict
+from jausml.merging.places import with_places
 from jausml.merging.planning import planned
 from jausml.merging.sides import Sides
 from jausml.merging.stand_ins import stand_ins
@@ -92,7 +93,8 @@ def merged(file: str, root: Path, base: bytes, ours: bytes, theirs: bytes) -> Me
     conflicts += _elsewhere(files, carrying.files, file, mine)
     known = {*_comments(base), *_comments(ours)}
     left_out = tuple(each for each in _comments(theirs) if each not in known)
-    return Merged(carrying.files[file].data, _findings(conflicts, carrying, file), left_out)
+    data = with_places(carrying.files[file].data, base, ours, theirs)
+    return Merged(data, _findings(conflicts, carrying, file), left_out)
 
 
 def _comments(data: bytes) -> list[str]:

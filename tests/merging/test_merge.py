@@ -274,6 +274,21 @@ def test_what_is_not_in_another_file_yet_can_be_referred_to(merge, tmp_path):
         assert text.count(f'<map href="{each}"/>') == 1
 
 
+def test_places_of_metamodels_follow_a_model_that_moved(merge):
+    """They are no part of the model, but without them Eclipse opens nothing."""
+    name = ' name="minimal"'
+    place = (
+        ' xsi:schemaLocation="http://www.jausml.org/system/1.0 {}metamodels/system.ecore"'.format
+    )
+    base, deeper = (
+        MINIMAL.replace(name, f"{place(folder)}{name}", 1) for folder in ("../", "../../")
+    )
+    assert merge(base, replaced(base, RATE), deeper) == (replaced(deeper, RATE), ())
+    assert merge(base, deeper, replaced(base, RATE)) == (replaced(deeper, RATE), ())
+    odd = base.replace("../metamodels", "elsewhere")
+    assert merge(base, odd, deeper) == (odd, ())
+
+
 def test_comments_that_theirs_added_are_told(tmp_path):
     added = replaced(MINIMAL, ("  <bridges", "  <!-- of\n theirs -->\n  <bridges"), RATE)
     states = (each.encode() for each in (MINIMAL, MINIMAL, added))
