@@ -80,7 +80,6 @@ def rules_in(output):
 @pytest.mark.parametrize(
     ("notation", "message", "kind", "rules"),
     [
-        ("xmi", *STATE, set()),
         ("text", *COMMAND, {"JML416"}),
         ("xmi", "ReportLocalPose", "std_msgs/String", set()),
     ],
@@ -139,9 +138,8 @@ def test_a_map_of_the_project_stands_for_that_of_the_library(ears, jausml):
     assert (done.exit_code, done.output.count("velocity_state,")) == (2, 0), done.output
 
 
-@NOTATION
-def test_a_copy_has_its_own_tables(ears, jausml, notation):
-    model = ears(notation)
+def test_a_copy_has_its_own_tables(ears, jausml):
+    model = ears("xmi")
     done = jausml(
         *("new", "map", "lights", "SetIlluminationState", "std_msgs/Bool"),
         "--copy",

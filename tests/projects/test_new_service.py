@@ -85,9 +85,8 @@ def test_messages_in_words_are_messages_with_queries_and_events(water, jausml, n
     assert sonar.outputs[0].body.presenceVector.name == "uint8"
 
 
-@NOTATION
-def test_without_messages_it_has_an_example_that_generates(water, jausml, notation):
-    model = water(notation)
+def test_without_messages_it_has_an_example_that_generates(water, jausml):
+    model = water("text")
     assert jausml("new", "service", "Depth").exit_code == 0
     assert jausml("new", "component", "sonar", "--provides", "Depth").exit_code == 0
     assert jausml("validate", model, "--strict").exit_code == 0
