@@ -68,7 +68,12 @@ def merged(file: str, root: Path, base: bytes, ours: bytes, theirs: bytes) -> Me
     reader = Reader(root)
     files = _files(root, file, ours)
     results = [_read(root, file, each, {}) for each in (base, ours, theirs)]
-    absent = [each for one in results for each in one.lost if each.path != root / file]
+    absent = [
+        each
+        for one in results
+        for each in one.lost
+        if each.path is not None and each.path != root / file and each.path.is_relative_to(root)
+    ]
     others = stand_ins(absent, results[0].model.metamodels)
     if others:
         results = [_read(root, file, each, others) for each in (base, ours, theirs)]

@@ -317,6 +317,7 @@ def test_another_file_whose_references_would_shift_is_named(merge, tmp_path):
         (0, "the base", ""),
         (1, "our side", "<a>"),
         (2, "their side", MINIMAL.replace('type="vehicle"', 'typ="vehicle"')),
+        (2, "no element 'Velocity'", MINIMAL.replace('#VelocityStateSensor"', '#Velocity"')),
     ],
 )
 def test_a_state_that_cannot_be_read_whole_is_not_merged(merge, spoilt, where, text):
