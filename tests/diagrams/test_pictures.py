@@ -192,3 +192,56 @@ def test_the_pictures_of_the_docs_show_what_is_there(name, path, view):
     drawn = svg.render(graph(path, view), Graphviz(), "light")
     texts = re.compile(r">([^<]*)</text>")
     assert texts.findall(shown) == texts.findall(drawn)
+
+
+MAPPINGS = MODELS / "library" / "mappings"
+
+
+@pytest.mark.parametrize(
+    ("file", "view"),
+    [
+        ("velocity_state_driver", "map:velocity_command"),
+        ("odometry", "map:odometry"),
+        ("power_plant", "map:battery"),
+        ("global_pose_sensor", "map:global_pose"),
+    ],
+)
+def test_the_rows_of_maps_face_each_other(monkeypatch, file, view):
+    """Lines go straight across, both directions beside each other, and labels cover no other."""
+    monkeypatch.setattr("jausml.diagrams.layout.graphviz.find_spec", lambda _: None)
+    found = graph(MAPPINGS / f"{file}.ros2jaus", view)
+    assert_legible(found)
+    sheet = shapes.sheet_of(found, packed=False)
+    places = Graphviz().place(sheet)
+    left = [each for each in sheet.boxes if each.column == min(b.column for b in sheet.boxes)]
+    begin = max(places.boxes[each.id][0] + each.width for each in left)
+    end = min(places.boxes[each.id][0] for each in sheet.boxes if each not in left)
+    for line in sheet.lines:
+        points = places.lines[line.id].points
+        assert {points[0][0], points[-1][0]} == {begin, end}
+        assert all(begin <= x <= end for x, _ in points)
+    labels = [
+        (*places.lines[line.id].label, line.width, line.height - 4)
+        for line in sheet.lines
+        if line.width
+    ]
+    assert labels
+    for index, (x, y, wide, high) in enumerate(labels):
+        assert begin <= x - wide / 2 <= x + wide / 2 <= end
+        for a, b, c, d in labels[index + 1 :]:
+            assert abs(x - a) * 2 >= wide + c - 0.5 or abs(y - b) * 2 >= high + d - 0.5
+
+
+def test_lines_of_both_directions_stand_beside_each_other():
+    found = graph(MAPPINGS / "velocity_state_driver.ros2jaus", "map:velocity_command")
+    sheet = shapes.sheet_of(found, packed=False)
+    places = Graphviz().place(sheet)
+    ways = {}
+    for line in sheet.lines:
+        points = places.lines[line.id].points
+        ways.setdefault(frozenset((line.source, line.target)), []).append(points)
+    both = [each for each in ways.values() if len(each) == 2]
+    assert len(both) == 6
+    for one, other in both:
+        assert one[0][1] == other[-1][1] - 7
+        assert one[-1][1] == other[0][1] - 7

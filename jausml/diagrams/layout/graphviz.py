@@ -12,6 +12,7 @@ from importlib.util import find_spec
 from math import dist
 from typing import TYPE_CHECKING, Any
 
+from jausml.diagrams.layout.facing import can_face, face
 from jausml.diagrams.layout.sheet import LayoutError, Places, Route
 from jausml.diagrams.nesting import nested
 
@@ -31,7 +32,9 @@ class Graphviz:
     """An engine that runs `dot` in a process of its own."""
 
     def place(self, sheet: Sheet) -> Places:
-        """Returns where everything stands."""
+        """Returns where everything stands; what needs no search is placed without Graphviz."""
+        if can_face(sheet):
+            return face(sheet)
         if find_spec("pygraphviz") is None:
             raise LayoutError(MISSING)
         return _places(sheet, json.loads(_run("\n".join(_graph(sheet)))))

@@ -97,6 +97,7 @@ class Sheet:
         lines: The lines.
         downwards: Whether lines go from top to bottom.
         packed: Whether what no line joins is packed into a rectangle.
+        facing: Whether rows of two columns face each other, as in maps.
     """
 
     boxes: tuple[Box, ...]
@@ -104,6 +105,7 @@ class Sheet:
     lines: tuple[Line, ...]
     downwards: bool = False
     packed: bool = False
+    facing: bool = False
 
 
 @dataclass(frozen=True)

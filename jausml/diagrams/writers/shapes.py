@@ -21,6 +21,8 @@ TITLE, SMALL, ROW = 13, 10, 11
 ROW_HEIGHT, LINE_HEIGHT, PADDING, INDENT, GAP = 18, 13, 10, 12, 12
 LONGEST_TITLE, _LONGEST_LABEL, _LONGEST_NOTE, _LONGEST_LINE = 48, 96, 72, 44
 _MOST_LINES, _MOST_FINDINGS = 5, 4
+_ACROSS = ("to_ros", "to_jaus")
+"""Kinds of edges between rows that stand close: their labels have one line."""
 _SIGNS = {"error": "\N{MULTIPLICATION SIGN} ", "warning": "! ", "info": "i "}
 
 
@@ -73,6 +75,8 @@ def label_lines(edge: Edge) -> list[str]:
     grave = severity(edge.findings)
     lines = [f"{_SIGNS[grave]}{grave}"] if grave else []
     lines += [cut(each, _LONGEST_LINE) for each in edge.labels if each]
+    if edge.kind in _ACROSS:
+        return [cut(", ".join(lines), _LONGEST_LINE)] if lines else []
     if len(lines) > _MOST_LINES:
         lines[_MOST_LINES - 1 :] = [f"and {len(lines) - _MOST_LINES + 1} more"]
     return lines
@@ -95,6 +99,7 @@ def sheet_of(graph: Graph, *, packed: bool) -> Sheet:
         tuple(_line(each, is_labelled=not packed) for each in graph.edges),
         graph.downwards,
         packed,
+        facing=graph.view.startswith("map:"),
     )  # fmt: skip
 
 

@@ -23,7 +23,7 @@ _ROUND = {"node": 9, "type": 9, "state": 12, "others": 9}
 _LONGEST_TITLE = 90
 _LEGENDS = {
     "system": "square: JAUS · thick: bridge · rounded: ROS · dashed: control",
-    "map": "left: JAUS · right: ROS · arrows: assignments, with their conversions",
+    "map": "left: JAUS · right: ROS · blue: JAUS to ROS · green: ROS to JAUS",
     "service": "arrows of messages: what answers · dashed: what a service takes and sends",
     "machine": "rows: what a state does and stays · all inside: in each state of the frame",
 }
