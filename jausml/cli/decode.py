@@ -244,7 +244,6 @@ class _Reading:
     def lines(self, lines: Iterable[Line], *, are_datagrams: bool) -> None:
         """Shows lines of hex: payloads, or datagrams with their headers."""
         from jausml.live.messages import MessageError
-        from jausml.live.traffic.observing import is_datagram
 
         found = islice(self._bytes(lines), self._count)
         if are_datagrams:
@@ -254,6 +253,8 @@ class _Reading:
             try:
                 self._output.message(self._catalogue.decode(payload, *self._meaning))
             except MessageError as error:
+                from jausml.live.traffic.observing import is_datagram
+
                 hint = "; it has the form of a datagram: --datagram" if is_datagram(payload) else ""
                 self._output.problem(place, f"{error}{hint}")
 

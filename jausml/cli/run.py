@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 _MAIN = (
     "import runpy, sys; sys.path = [each for each in sys.path if each]; "
-    "runpy.run_module('{module}', run_name='__main__', alter_sys=True)"
+    "runpy.run_module(sys.argv.pop(1), run_name='__main__', alter_sys=True)"
 )
 """What `-m` does, without the current folder: a script there may have the name of a package."""
 
@@ -152,7 +152,7 @@ def _command(entry: Mapping[str, Any], folder: Path, handed: Handed) -> Command:
     arguments += handed.ros
     return Command(
         entry["name"],
-        (sys.executable, "-u", "-c", _MAIN.format(module=entry["module"]), *arguments),
+        (sys.executable, "-u", "-c", _MAIN, entry["module"], *arguments),
         {"ROS_DOMAIN_ID": str(entry.get("domain", 0))},
     )
 

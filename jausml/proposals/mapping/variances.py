@@ -9,6 +9,7 @@ from jausml.editing.commands import Child
 from jausml.model.words import words
 from jausml.proposals.mapping.trial import judge
 from jausml.semantics.attributes import NUMBER, NUMBERS
+from jausml.semantics.conversions.numbers import CovarianceToRms, Square
 from jausml.semantics.paths import outer_scope
 from jausml.semantics.ros_paths import RosPlace
 from jausml.semantics.units import attribute_measure
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes import bridge
     from jausml.proposals.elements import Scope
     from jausml.proposals.mapping.members import Member
+    from jausml.semantics.conversions.conversion import Conversion
     from jausml.semantics.units import Measure
 
 _DIAGONALS = {9: ((0, 4, 8),), 36: ((0, 7, 14), (21, 28, 35))}
@@ -94,13 +96,13 @@ def _assignments(deviation: Member, cells: Sequence[str], *, to_ros: bool) -> It
     if to_ros:
         for each in cells:
             values = {"target": (each,), "source": (deviation.path,)}
-            yield Child("toRos", kind, values, (_conversion("square"),))
+            yield Child("toRos", kind, values, (_conversion(Square),))
         return
     values = {"target": (deviation.path,), "source": (", ".join(cells),)}
     if deviation.attribute.optional:
         values["outOfRange"] = ("dropField",)
-    yield Child("toJaus", kind, values, (_conversion("covariance_to_rms"),))
+    yield Child("toJaus", kind, values, (_conversion(CovarianceToRms),))
 
 
-def _conversion(name: str) -> Child:
-    return Child("conversions", "bridge.Conversion", {"kind": (name,)})
+def _conversion(known: type[Conversion]) -> Child:
+    return Child("conversions", "bridge.Conversion", {"kind": (known.name,)})

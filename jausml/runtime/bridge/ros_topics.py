@@ -205,10 +205,11 @@ class NodeTopics:
 
     def _finder(self, *, publishes: bool) -> Callable[[str], list[Any]]:
         """Returns what finds the other ends of a topic, by its full name."""
-        node = self._node
-        if publishes:
-            return node.get_subscriptions_info_by_topic  # type: ignore[no-any-return]
-        return node.get_publishers_info_by_topic  # type: ignore[no-any-return]
+        node: Any = self._node
+        found: Callable[[str], list[Any]] = (
+            node.get_subscriptions_info_by_topic if publishes else node.get_publishers_info_by_topic
+        )
+        return found
 
     def _made(self, kind: Any, found: type[Any], topic: Topic, health: EndpointHealth) -> Any:
         """Returns the handle of a new publisher or subscription."""
