@@ -32,7 +32,7 @@ _INTRODUCTION = """\
 
 Look up how a bridge reacts when something fails, and how long it takes to recover. `make faults`
 writes this page from `benchmarks/faults.json`; do not edit it. The figures are from CPython
-{python} on {processors} processors that also had other work; their load was {load:g} in the last
+{python} on {processors} processors; their load, other work included, was {load:g} in the last
 run. Each line is from a single run, so the times are examples and not guarantees.
 
 The system has one generated bridge (`tests/cases/bridge_loop`) between a JAUS vehicle, a JAUS
