@@ -7,6 +7,7 @@ down until lines are as level as they can be, and labels stand beside each other
 from __future__ import annotations
 
 from collections import defaultdict
+from statistics import median
 from typing import TYPE_CHECKING
 
 from jausml.diagrams.layout.settling import GAP, Area
@@ -23,7 +24,7 @@ _LEAST_LANE, _ROOM = 140, 36
 _APART = 7
 """Between lines of the same two rows."""
 
-_PARTS = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.12, 0.88)
+_PARTS = tuple(0.5 + step / 50 * side for step in range(21) for side in (-1, 1))
 """Where labels may stand on their lines."""
 
 
@@ -93,7 +94,8 @@ class _Work:
             columns[box.column != self._left].append(box)
         tops = {box.id: top for column in columns for box, top in _stacked(column)}
         steps = [self._step(line, tops) for line in self._sheet.lines]
-        down = round(sum(steps) / len(steps)) if steps else 0
+        # Of most lines: one from the last row to the first shall not tilt all others.
+        down = round(median(steps)) if steps else 0
         widest = max(box.width for box in columns[0])
         right = widest + self._lane()
         found = {box.id: (float(widest - box.width), tops[box.id]) for box in columns[0]}
@@ -105,9 +107,13 @@ class _Work:
         return ends[1] - ends[0] if self._goes_left(line) else ends[0] - ends[1]
 
     def _lane(self) -> int:
-        """Returns the room between the columns: for the labels of lines beside each other."""
+        """Returns the room between the columns: for labels that come to stand beside each other.
+
+        Those are the labels of lines of the same rows, and the widest two where lines cross.
+        """
+        widths = sorted(line.width + _ROOM for line in self._sheet.lines if line.width)
         wide = (sum(line.width + _ROOM for line in each) for each in self._bundles)
-        return max(_LEAST_LANE, *wide, 0)
+        return max(_LEAST_LANE, sum(widths[-2:]), *wide)
 
     def routes(self, corners: dict[str, Point]) -> dict[str, Route]:
         """Returns the ways of lines.
