@@ -268,9 +268,10 @@ def bridge_in(at: Opened, name: str) -> bridge.Bridge:
     chosen = [each for each in found if name in ("", name_of(each))]
     if len(chosen) == 1:
         return chosen[0]
-    names = ", ".join(map(name_of, found)) or "none"
-    which = f"no bridge {name!a}" if name else "not one bridge" if found else "no bridge"
-    raise ProjectError(f"{at.place.file} has {which}; there are: {names}")
+    if not found:
+        raise ProjectError(f"{at.place.file} has no bridge; `jausml new bridge` makes one")
+    which = f"no bridge {name!a}" if name else "not one bridge"
+    raise ProjectError(f"{at.place.file} has {which}; there are: {', '.join(map(name_of, found))}")
 
 
 def namespace_of(place: Place, name: str) -> str:

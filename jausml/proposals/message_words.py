@@ -20,6 +20,7 @@ from jausml.languages.units import UnitError, nearest_units, parse_unit
 from jausml.model.values import suggest
 from jausml.proposals.elements import AnswerError
 from jausml.semantics.names import is_identifier
+from jausml.wire.kinds import TIME_STAMP
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -36,14 +37,6 @@ _INTEGERS = (*_BITS, "int8", "int16", "int32", "int64")
 _TYPES = (*_INTEGERS, *_FLOATS)
 _TEXT, _TIME, _SCALED = "text", "TimeStamp", "scaled"
 _USUAL, _USUAL_SCALED = "float32", "uint16"
-_TIME_PARTS = (
-    ("Milliseconds", 0, 9, 0, 999),
-    ("Seconds", 10, 15, 0, 59),
-    ("Minutes", 16, 21, 0, 59),
-    ("Hour", 22, 26, 0, 23),
-    ("Day", 27, 31, 1, 31),
-)
-"""Parts of a TimeStamp of JAUS: name, lowest and highest bit, smallest and largest value."""
 
 
 @dataclass(frozen=True)
@@ -198,7 +191,7 @@ def _made(values: dict[str, tuple[str, ...]], said: _Words) -> Child:
             raise AnswerError(f"a {said.type} has no unit, range or values")
         if said.type == _TEXT:
             return Child("fields", "jaus.VariableLengthString", values)
-        parts = tuple(_time_part(*each) for each in _TIME_PARTS)
+        parts = tuple(_time_part(*each) for each in TIME_STAMP)
         return Child("fields", "jaus.BitField", {**values, "type": ("uint32",)}, parts)
     if said.units:
         values["units"] = (said.units,)

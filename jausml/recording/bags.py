@@ -76,7 +76,7 @@ class Bag:
             return None
         try:
             return McapRecording(self._path, self._span).length()
-        except (ImportError, OSError):
+        except (ImportError, RecordingError):
             return None  # who reads it is told
 
     def messages(self) -> Iterator[RosMessage]:

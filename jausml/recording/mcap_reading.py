@@ -51,8 +51,7 @@ class McapRecording:
 
         Raises:
             ImportError: The library is missing.
-            RecordingError: It is no such file, or nothing of it can be read.
-            OSError: It cannot be opened.
+            RecordingError: It cannot be opened, is no such file, or nothing of it can be read.
         """
         yield from self._span.of(self._all(), lambda found: found[2].log_time)
 
@@ -61,17 +60,24 @@ class McapRecording:
 
         Raises:
             ImportError: The library is missing.
-            OSError: It cannot be opened.
+            RecordingError: It cannot be opened.
         """
-        with Path(self._path).open("rb") as stream:
+        with self._opened() as stream:
             summary = _summary(stream)
         told = summary.statistics if summary is not None else None
         if told is None:
             return None
         return self._span.of_length((told.message_end_time - told.message_start_time) / _NANO)
 
+    def _opened(self) -> BinaryIO:
+        try:
+            return Path(self._path).open("rb")
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or error
+            raise RecordingError(f"{self._path}: {reason}") from error
+
     def _all(self) -> Iterator[Found]:
-        with Path(self._path).open("rb") as stream:
+        with self._opened() as stream:
             found = _indexed(stream) or _in_order_of_the_file(stream)
             while True:
                 each = self._next(found)

@@ -90,14 +90,14 @@ class Scaled:
 
 Number: TypeAlias = Integer | Real | Scaled
 
-# Name, lowest and highest bit, smallest and largest value of each group.
-_TIME_STAMP = (
+TIME_STAMP = (
     ("Milliseconds", 0, 9, 0, 999),
     ("Seconds", 10, 15, 0, 59),
     ("Minutes", 16, 21, 0, 59),
     ("Hour", 22, 26, 0, 23),
     ("Day", 27, 31, 1, 31),
 )
+"""Bits of a TimeStamp of JAUS: name, lowest and highest bit, smallest and largest value."""
 
 
 @dataclass(frozen=True)
@@ -157,14 +157,14 @@ class BitField:
     def is_time_stamp(self) -> bool:
         """Whether it is a TimeStamp (AS5710): milliseconds up to the day of the month."""
         places = sorted((each.low, each.high) for each in self.groups)
-        expected = [(low, high) for _, low, high, *_ in _TIME_STAMP]
+        expected = [(low, high) for _, low, high, *_ in TIME_STAMP]
         return self.type.name == "uint32" and places == expected
 
     @property
     def is_published_time_stamp(self) -> bool:
         """Whether it is a TimeStamp to the letter (AS5710): names, order and limits too."""
         groups = tuple((each.name, each.low, each.high, *_limits(each)) for each in self.groups)
-        return self.type.name == "uint32" and groups == _TIME_STAMP
+        return self.type.name == "uint32" and groups == TIME_STAMP
 
     @property
     def minimum_size(self) -> int:

@@ -199,7 +199,10 @@ def test_a_copy_of_a_ready_map_stands_for_it(rover, jausml):
 def test_of_several_bridges_one_gets_the_topics(rover, jausml):
     model = rover("text")
     done = jausml("new", "connection", DRIVE, "--yes")
-    assert (done.exit_code, "has no bridge; there are: none" in done.output) == (2, True)
+    assert (done.exit_code, "has no bridge; `jausml new bridge` makes one" in done.output) == (
+        2,
+        True,
+    )
     for name, topic in (("front", DRIVE), ("rear", "scan:sensor_msgs/LaserScan")):
         assert jausml("new", "bridge", name, topic, "--yes").exit_code == 0
     before = model.read_bytes()

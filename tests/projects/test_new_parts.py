@@ -71,7 +71,7 @@ def test_a_model_that_cannot_be_read_is_left_alone(rover, jausml, notation, told
         (("service", "A", "--urn", "urn:jaus:jss:core:Time"), "already"),
         (
             ("map", "a", "ReportVelocityState", "nav_msgs/Odometry"),
-            "has no bridge; there are: none",
+            "has no bridge; `jausml new bridge` makes one",
         ),
     ],
 )

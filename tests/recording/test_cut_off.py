@@ -133,6 +133,17 @@ def test_what_cannot_be_read_makes_no_file(tmp_path):
     assert not whole.exists()
 
 
+@pytest.mark.parametrize(
+    ("name", "reason"), [("none.mcap", "No such file or directory"), ("f.mcap", "Is a directory")]
+)
+def test_what_cannot_be_opened_is_told(tmp_path, name, reason):
+    (tmp_path / "f.mcap").mkdir()
+    path, whole = tmp_path / name, tmp_path / "whole.mcap"
+    result = CliRunner().invoke(main, ["replay", str(path), "-o", str(whole)])
+    assert (result.exit_code, result.stderr) == (2, f"Error: {path}: {reason}\n")
+    assert not whole.exists()
+
+
 def test_a_recording_is_not_written_over_itself(cut):
     data = cut.read_bytes()
     result = CliRunner().invoke(main, ["replay", str(cut), "-o", str(cut), "--force"])
