@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import shutil
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass
@@ -13,6 +12,7 @@ from catvehicle.events import read_events
 from catvehicle.metrics import Sample, comfort, path_error, read_log, total_variation
 from catvehicle.parameters import VehicleParameters
 from catvehicle.path import StraightArcStraight
+from catvehicle.progress import is_at_goal
 
 from experiments.right_turn.data import Event, Run, Step
 from experiments.right_turn.systems import OPERATOR, Running, Setting, Workspace, wait_for
@@ -33,10 +33,6 @@ STANDSTILL = 0.05
 
 CREEP = 0.2
 """Speed in m/s below which the vehicle may be called arrived: the law slows it down for seconds."""
-
-AT_END = 5.0
-"""Metres from the end of the path within which a vehicle that stands has arrived; how far it is off
-is for the path error to judge: tyres that slip end more than two metres aside."""
 
 
 @dataclass(frozen=True)
@@ -123,8 +119,7 @@ def collect(made: Drive, system: Running) -> Run:
 def is_at_end(sample: Sample) -> bool:
     """Returns whether the vehicle stands, or creeps its last centimetres, at the path's end."""
     path = StraightArcStraight.right_turn(VehicleParameters())
-    end = path.at(path.length)
-    return sample.v < CREEP and math.dist((sample.x, sample.y), (end.x, end.y)) < AT_END
+    return sample.v < CREEP and is_at_goal(path, sample.x, sample.y)
 
 
 def from_first_motion(samples: Sequence[Sample]) -> list[Sample]:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from catvehicle.parameters import VehicleParameters
 from catvehicle.path import StraightArcStraight
 from catvehicle.plants import plant_of
+from catvehicle.progress import is_at_goal
 from catvehicle.realtime import RealTimePlant
 
 from experiments.right_turn.data import Run
@@ -40,9 +41,6 @@ runs in wall time show. It is the same for J and R, and what conditions ask for 
 ROS_HOP = 0.0003
 """Way of a ROS message between two processes of one computer, s; an assumption likewise."""
 
-
-NEAR_END = 2.0
-"""Metres from the end of the path within which a vehicle has arrived."""
 LIMIT = 60.0
 """Virtual seconds after which a drive is over in any case."""
 START_SPREAD = 0.1
@@ -261,7 +259,7 @@ class Drive:
         if not (self.record.is_over and self.record.samples):
             return False
         last = self.record.samples[-1]
-        return abs(PATH.remaining(last.x, last.y)) < NEAR_END
+        return is_at_goal(PATH, last.x, last.y)
 
     def _packets(self) -> dict[str, int]:
         """Returns how many packets went, got lost, or were overwritten before a look at them."""

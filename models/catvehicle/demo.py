@@ -26,14 +26,15 @@ from catvehicle.evaluation import draw, report
 from catvehicle.parameters import VehicleParameters
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
 
 MODEL = HERE / "catvehicle.xmi"
 TIME_LIMIT = 45.0
-"""Seconds after which a drive that has not arrived is ended."""
+"""Seconds after which a drive that has not arrived is ended, unless `--limit` says another time."""
 GRACE = 15.0
 """Seconds in which the processes must have ended after they were asked to."""
-SHOWN = ("operator_control_unit", "error", "warning", "Traceback")
+OPERATOR = "operator_control_unit"
+SHOWN = (OPERATOR, "error", "warning", "Traceback")
 
 
 def jausml(*arguments: str | Path) -> None:
@@ -74,7 +75,7 @@ def settings(logs: Path) -> Mapping[str, str]:
 
 
 @contextmanager
-def running(workspace: Path, logs: Path) -> Iterator[subprocess.Popen[str]]:
+def running(workspace: Path, logs: Path, limit: float) -> Iterator[subprocess.Popen[str]]:
     """Starts the whole system and stops it cleanly in the end."""
     command = [sys.executable, "-m", "jausml", "run", str(workspace)]
     print("$ jausml run", workspace, flush=True)
@@ -86,7 +87,7 @@ def running(workspace: Path, logs: Path) -> Iterator[subprocess.Popen[str]]:
         text=True,
         errors="replace",
     )
-    watchdog = threading.Timer(TIME_LIMIT, process.send_signal, [signal.SIGINT])
+    watchdog = threading.Timer(limit, process.send_signal, [signal.SIGINT])
     watchdog.start()
     try:
         yield process
@@ -97,10 +98,10 @@ def running(workspace: Path, logs: Path) -> Iterator[subprocess.Popen[str]]:
         process.wait(GRACE)
 
 
-def drive(workspace: Path, logs: Path) -> list[str]:
+def drive(workspace: Path, logs: Path, limit: float) -> list[str]:
     """Runs the system until the operator sees the vehicle arrive; returns what was printed."""
     lines: list[str] = []
-    with running(workspace, logs) as process:
+    with running(workspace, logs, limit) as process:
         assert process.stdout is not None  # noqa: S101 - for the type checker
         for line in process.stdout:
             lines.append(line.rstrip())
@@ -112,15 +113,29 @@ def drive(workspace: Path, logs: Path) -> list[str]:
     return lines
 
 
+def reason_of_failure(lines: Sequence[str], limit: float) -> str:
+    """Returns why a drive was none, by the words of the operator; empty if the vehicle arrived."""
+    said = [line for line in lines if line.startswith(OPERATOR)]
+    if any("arrived at" in line for line in said):
+        return ""
+    places = [line for line in said if "vehicle at" in line or "stands at" in line]
+    last = places[-1].partition("operator: ")[2] or places[-1] if places else "it never reported"
+    return f"the vehicle did not arrive within {limit:g} s; its last word: {last}"
+
+
 def main() -> int:
-    """Command line entry; returns 0 when the vehicle arrived."""
+    """Command line entry; returns 0 when the vehicle arrived, 1 when the drive failed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", nargs="?", type=Path, default=Path("demo-out"))
-    folder: Path = parser.parse_args().folder.resolve()
+    parser.add_argument(
+        "--limit", type=float, default=TIME_LIMIT, help="seconds that the drive may take"
+    )
+    given = parser.parse_args()
+    folder, limit = given.folder.resolve(), given.limit
     workspace = prepare(folder)
     logs = folder / "logs"
     logs.mkdir()
-    lines = drive(workspace, logs)
+    lines = drive(workspace, logs, limit)
     parameters = VehicleParameters()
     try:
         table = report(logs, lines, parameters)
@@ -130,10 +145,10 @@ def main() -> int:
         return 1
     (folder / "table.txt").write_text(table + "\n", encoding="utf-8")
     print(f"\n{table}\n\npicture: {folder / 'turn.png'}")
-    arrived = any("arrived at" in line for line in lines)
-    if not arrived:
-        print("the vehicle did not arrive in time", file=sys.stderr)
-    return 0 if arrived else 1
+    failure = reason_of_failure(lines, limit)
+    if failure:
+        print(failure, file=sys.stderr)
+    return 1 if failure else 0
 
 
 if __name__ == "__main__":

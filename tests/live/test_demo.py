@@ -31,6 +31,21 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     return folder, result.stdout
 
 
+def test_a_drive_that_does_not_arrive_has_failed(tmp_path: Path) -> None:
+    result = subprocess.run(
+        [sys.executable, str(ROOT / "models/catvehicle/demo.py"), str(tmp_path), "--limit", "9"],
+        env={**os.environ, "ROS_DOMAIN_ID": "88"},
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+
+    assert result.returncode == 1, result.stdout[-4000:]
+    assert "arrived at" not in result.stdout
+    reason = r"the vehicle did not arrive within 9 s; its last word: (vehicle|stands) at x"
+    assert re.search(reason, result.stderr), result.stderr
+
+
 def value(table: str, name: str) -> float:
     """Returns the first number behind a name in the printed tables."""
     found = re.search(rf"^{re.escape(name)} +([-\d.e]+)", table, re.MULTILINE)

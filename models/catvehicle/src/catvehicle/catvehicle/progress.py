@@ -1,20 +1,44 @@
-"""What an operator says about a drive: where the vehicle is, and that it has arrived."""
+"""What an operator says about a drive: where the vehicle is, and how the drive has ended.
+
+All of it follows from the reports themselves: where the vehicle was, and when it says that it was
+there. When reports come says nothing, since a busy computer lets them wait and come together.
+"""
 
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .path import StraightArcStraight
 
 PROGRESS_EVERY = 10
 """Reports of the vehicle's pose for each line of progress."""
 
-REPORT_PERIOD = 0.1
-"""Seconds between two reports of the vehicle's pose."""
+STANDSTILL = 0.05
+"""Metres that a vehicle moves at most while it stands."""
 
-STANDSTILL = 0.01
-"""Metres between two reports below which the vehicle stands."""
+REST = 0.5
+"""Seconds between reports of the same place after which the vehicle stands."""
+
+STUCK = 5.0
+"""Seconds after which a vehicle that stands short of its goal is spoken of."""
 
 UNDER_WAY = 1.0
-"""Metres from the start from which on a standstill is an arrival."""
+"""Metres from the start from which on a vehicle has begun its drive."""
+
+SHORT = 2.0
+"""Metres along the path that may be left, or passed, at the goal."""
+
+ASIDE = 5.0
+"""Metres beside the path at the goal: tyres that slip end more than two metres aside, and how far
+off a drive ends is for the path error to judge."""
+
+
+def is_at_goal(path: StraightArcStraight, x: float, y: float) -> bool:
+    """Return whether a position (m, ROS axes) is at the end of a path."""
+    nearest = path.nearest(x, y)
+    return abs(path.length - nearest.station) < SHORT and abs(nearest.cross_track_error) < ASIDE
 
 
 class Progress:
@@ -23,34 +47,62 @@ class Progress:
     Positions are metres, in the JAUS axes in which they are reported.
     """
 
-    def __init__(self) -> None:
-        """Begin before the first report."""
-        self._position: tuple[float, float] | None = None
+    def __init__(self, path: StraightArcStraight) -> None:
+        """Begin before the first report.
+
+        Args:
+            path: Its end is the goal.
+        """
+        self._path = path
         self._estimate: tuple[float, float] | None = None
+        self._last: tuple[float, float, float] | None = None
+        self._rest: tuple[float, float, float] | None = None
         self._reports = 0
-        self._moved = False
-        self._arrived = False
+        self._moved = self._arrived = self._is_stuck = False
 
     def take_estimate(self, x: float, y: float) -> None:
         """Keep the position that the controller has integrated."""
         self._estimate = x, y
 
-    def take_position(self, x: float, y: float) -> list[str]:
-        """Take the true position; return the lines that are to be said."""
-        last, self._position = self._position, (x, y)
-        travelled = math.dist(last, self._position) if last is not None else 0.0
-        self._moved = self._moved or math.hypot(x, y) > UNDER_WAY
-        self._reports += 1
+    def take_position(self, x: float, y: float, sensed: float) -> list[str]:
+        """Take a report; return the lines that are to be said.
+
+        Args:
+            x: True position forward, m.
+            y: True position to the right, m.
+            sensed: When the vehicle was there, s on its own clock.
+        """
+        if self._last is not None and sensed <= self._last[2]:
+            return []  # an older report, or the same once more
         lines = []
+        self._reports += 1
         if self._reports % PROGRESS_EVERY == 0:
-            lines.append(self._said(x, y, travelled / REPORT_PERIOD))
-        if self._moved and not self._arrived and travelled < STANDSTILL:
-            self._arrived = True
-            lines.append(f"arrived at x {x:.2f} m, y {y:.2f} m")
+            lines.append(self._said(x, y, sensed))
+        self._last = x, y, sensed
+        self._moved = self._moved or math.hypot(x, y) > UNDER_WAY
+        if self._rest is None or math.dist(self._rest[:2], (x, y)) > STANDSTILL:
+            self._rest, self._is_stuck = self._last, False
+        elif self._moved and not self._arrived:
+            lines += self._standing(x, y, sensed - self._rest[2])
         return lines
 
-    def _said(self, x: float, y: float, speed: float) -> str:
-        off = math.nan if self._estimate is None else math.dist((x, y), self._estimate)
+    def _standing(self, x: float, y: float, seconds: float) -> list[str]:
+        """Return what is to be said of a vehicle that has been at a place for some seconds."""
+        if seconds >= REST and is_at_goal(self._path, x, -y):
+            self._arrived = True
+            return [f"arrived at x {x:.2f} m, y {y:.2f} m"]
+        if seconds >= STUCK and not self._is_stuck:
+            self._is_stuck = True
+            left = self._path.remaining(x, -y)
+            return [f"stands at x {x:.2f} m, y {y:.2f} m, {left:.1f} m from the end of its path"]
+        return []
+
+    def _said(self, x: float, y: float, sensed: float) -> str:
+        speed = off = math.nan
+        if self._last is not None:
+            speed = math.dist(self._last[:2], (x, y)) / (sensed - self._last[2])
+        if self._estimate is not None:
+            off = math.dist((x, y), self._estimate)
         return (
             f"vehicle at x {x:6.2f} m, y {y:6.2f} m (JAUS axes), {speed:4.1f} m/s; "
             f"estimate off by {off:.2f} m"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import astuple
+from typing import TYPE_CHECKING
 
 from catvehicle.events import EventLog
 from catvehicle.metrics import COLUMNS, Sample
@@ -24,6 +25,9 @@ from .messages import (
     SetWrenchEffort,
 )
 from .vehicle_base import ADDRESS, SETTINGS, VehicleBase
+
+if TYPE_CHECKING:
+    from datetime import datetime
 
 
 class Vehicle(VehicleBase):
@@ -106,13 +110,7 @@ class Vehicle(VehicleBase):
             velocity_x=state.v,
             velocity_y=0.0,
             yaw_rate=-self._plant.yaw_rate,
-            time_stamp=ReportVelocityState.TimeStamp(
-                milliseconds=now.microsecond // 1000,
-                seconds=now.second,
-                minutes=now.minute,
-                hour=now.hour,
-                day=now.day,
-            ),
+            time_stamp=_stamp(now),
         )
 
     def report_wrench_effort(
@@ -129,4 +127,16 @@ class Vehicle(VehicleBase):
         """Returns the pose of the rear axle."""
         state = self._plant.state()
         yaw = -math.remainder(state.psi, math.tau)
-        return ReportLocalPose(x=state.x, y=-state.y, yaw=yaw)
+        stamp = _stamp(self.clock.utc())
+        return ReportLocalPose(x=state.x, y=-state.y, yaw=yaw, time_stamp=stamp)
+
+
+def _stamp(now: datetime) -> ReportLocalPose.TimeStamp:
+    """Returns the time stamp of a report that is made now (UTC)."""
+    return ReportLocalPose.TimeStamp(
+        milliseconds=now.microsecond // 1000,
+        seconds=now.second,
+        minutes=now.minute,
+        hour=now.hour,
+        day=now.day,
+    )

@@ -5,8 +5,10 @@ from __future__ import annotations
 import logging
 
 from catvehicle.parameters import VehicleParameters
+from catvehicle.path import StraightArcStraight
 from catvehicle.progress import Progress
 from jausml_runtime import ComponentSettings, JausAddress, Transport
+from jausml_runtime.conversions import Time, timestamp_to_time
 
 from .messages import ReportLocalPose, SetVelocityCommand
 from .operator_control_unit_base import ADDRESS, SETTINGS, OperatorControlUnitBase
@@ -27,8 +29,9 @@ class OperatorControlUnit(OperatorControlUnitBase):
         settings: ComponentSettings = SETTINGS,
     ) -> None:
         super().__init__(transport, address, settings)
-        self._cruise_speed = VehicleParameters().reference_speed
-        self._progress = Progress()
+        parameters = VehicleParameters()
+        self._cruise_speed = parameters.reference_speed
+        self._progress = Progress(StraightArcStraight.right_turn(parameters))
 
     def start(self) -> None:
         """Starts the component and the repetition of the cruise command."""
@@ -42,10 +45,14 @@ class OperatorControlUnit(OperatorControlUnitBase):
             self.loop.call_later(COMMAND_PERIOD, self._command)
 
     def on_vehicle_pose(self, report: ReportLocalPose, provider: JausAddress) -> None:
-        """Shows progress, and says so once the vehicle stands at the end of its way."""
-        if report.x is not None and report.y is not None:
-            for line in self._progress.take_position(report.x, report.y):
-                _log.info(line)
+        """Shows progress; a report without a time tells nothing about standing."""
+        if report.x is None or report.y is None or report.time_stamp is None:
+            return
+        about_now = Time(int(self.clock.utc().timestamp()), 0)
+        sensed = timestamp_to_time(report.time_stamp, near=about_now)
+        seconds = sensed.sec + sensed.nanosec / 1e9
+        for line in self._progress.take_position(report.x, report.y, seconds):
+            _log.info(line)
 
     def on_vehicle_pose_silent(self, provider: JausAddress) -> None:
         """Says that the vehicle stopped reporting."""

@@ -16,6 +16,7 @@ from pathlib import Path
 from catvehicle.events import EventLog
 from catvehicle.parameters import VehicleParameters
 from catvehicle.path import Pose, StraightArcStraight
+from catvehicle.progress import is_at_goal
 from catvehicle.steering import SteeringController
 from catvehicle.velocity import VelocityController
 from jausml_runtime import ComponentSettings, ControlState, JausAddress, Transport
@@ -47,7 +48,7 @@ class Driver(DriverBase):
         self._steering = SteeringController(self._parameters, self._path)
         self._velocity = VelocityController(self._parameters)
         self._speed = self._tyre_angle = 0.0
-        self._moved = self._arrived = False
+        self._arrived = False
         folder = os.environ.get(LOG_FOLDER)
         self._events = EventLog(Path(folder) / "driver.csv" if folder else None)
         self._events.write("event", "received_s", "stamp_ms", "x_m", "y_m", "psi_rad")
@@ -88,8 +89,8 @@ class Driver(DriverBase):
             SetVelocityCommand(command_type=0, velocity_x=speed, yaw_rate=-yaw_rate),
             self.SIMULATED_CAR,
         )
-        self._moved = self._moved or self._speed > 1.0
-        if self._moved and not self._arrived and self._speed < STANDSTILL:
+        stands = abs(self._speed) < STANDSTILL and is_at_goal(self._path, pose.x, pose.y)
+        if stands and not self._arrived:
             self._arrived = True
             _log.info("arrived at x %.2f m, y %.2f m (ROS axes)", pose.x, pose.y)
 
