@@ -60,7 +60,7 @@ class Conditions:
         seed: Seed of the network and of the phases between the processes.
         sense: Fields of the `Link` of reports, from the vehicle; added to those of `HOP`.
         act: Fields of the `Link` of commands, to the vehicle; likewise.
-        rate: Reports each second.
+        rate: Reports of speed and tyre angle each second; 0 means as the models say.
         polling: Looks each second of a bridge that polls; 0 means the generated one as it is.
         plant: Name of the plant, one of `catvehicle.plants.PLANTS`.
         patience: Seconds that vehicle and bridge wait for a command before they stop; 0 means as
@@ -71,7 +71,7 @@ class Conditions:
     seed: int = 1
     sense: Mapping[str, float] = field(default_factory=dict)
     act: Mapping[str, float] = field(default_factory=dict)
-    rate: float = 25.0
+    rate: float = 0.0
     polling: float = 0.0
     plant: str = "kinematic"
     patience: float = 0.0
@@ -101,7 +101,13 @@ def _observed_vehicle(
 
 
 def _observed_controller(controller: Any, record: Record, rate: float) -> Any:
-    """Returns the class of the JAUS controller with reports at a rate, and seen by a record."""
+    """Returns the class of the JAUS controller, seen by a record.
+
+    Args:
+        controller: The generated class.
+        record: Sees it.
+        rate: Reports each second; 0 means as its model says.
+    """
 
     class ObservedController(controller):  # type: ignore[misc] - known when it runs
         def __init__(self, transport: Any) -> None:
@@ -109,7 +115,7 @@ def _observed_controller(controller: Any, record: Record, rate: float) -> Any:
             self._log = ControllerLog(record)
 
         def subscribe(self, *arguments: Any, **options: Any) -> Any:
-            if "rate" in options:
+            if rate and "rate" in options:
                 options["rate"] = rate
             return super().subscribe(*arguments, **options)
 
@@ -191,7 +197,9 @@ class Drive:
 
     def _start_bridge(self) -> None:
         conditions = self.conditions
-        given = {f"{name}.rate": conditions.rate for name in ("odometry", "steering_angle")}
+        given = {}
+        if conditions.rate:
+            given = {f"{name}.rate": conditions.rate for name in ("odometry", "steering_angle")}
         if conditions.patience:
             given["speed_command.silence_timeout"] = conditions.patience
         ros: Any = self.world.ros_node("bridge", given, link=self._ros_link)

@@ -251,7 +251,7 @@ def _listen_by_jaus(drive: Drive, workspace: Workspace, number: int, heard: list
         messages.QueryVelocityState(),
         messages.ReportVelocityState,
         lambda report, _provider: heard.append(report.CODE),
-        rate=25.0,
+        rate=VehicleParameters().report_rate,
     )
     listener.start()
 

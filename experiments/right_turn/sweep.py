@@ -13,6 +13,9 @@ import shutil
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
+from catvehicle.parameters import VehicleParameters
+from catvehicle.plants import UNDERSTEER, plant_of
+
 from experiments.right_turn.breaking import breaking_points
 from experiments.right_turn.cells import BOUNDS, Cell, cells
 from experiments.right_turn.loops import HOP, Conditions
@@ -25,6 +28,13 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from experiments.right_turn.data import Plan, Run
+
+
+WIDE = 0.01
+"""Tyre angle in rad of a turn so wide that the tyres' force is in proportion to it."""
+
+SETTLED = 20.0
+"""Seconds after which speed, tyre angle and slip have settled."""
 
 
 def workspaces(folder: Path) -> dict[str, Path]:
@@ -101,7 +111,8 @@ class Sweep:
         return Task(place.name, conditions, self._workspaces["J"], folder=place)
 
     def _place_of_reference(self, rate: float, seed: int) -> Path:
-        return self._folder / "J" / f"rate-{rate:g}-{seed:02}"
+        name = f"rate-{rate:g}" if rate else "modelled"
+        return self._folder / "J" / f"{name}-{seed:02}"
 
     def _task(self, cell: Cell, seed: int) -> Task:
         conditions = replace(cell.conditions, seed=seed)
@@ -171,7 +182,7 @@ def run(folder: Path, plan: Plan, tell: Callable[[str], None]) -> list[Run]:
         "hop": HOP,
         "cells": rows,
         "limits": limits,
-        "claims": claims(rows),
+        "claims": [*claims(rows), claim_on_plant(VehicleParameters())],
     }
     store(folder, summary)
     return sweep.kept
@@ -189,3 +200,24 @@ def claims(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     return [
         {"text": text, "holds": accepted[name] == wanted} for name, (text, wanted) in must.items()
     ]
+
+
+def claim_on_plant(parameters: VehicleParameters) -> dict[str, Any]:
+    """Returns the claim that tyres slip as those of the public simulator: it is what mass, axles
+    and stiffnesses must give together, which only drives that must differ from J make use of.
+
+    Args:
+        parameters: Those of the vehicle.
+    """
+    text = f"the plant whose tyres slip understeers by K = {UNDERSTEER:g} s²/m²"
+    return {"text": text, "holds": abs(_understeer(parameters) - UNDERSTEER) < 0.02 * UNDERSTEER}
+
+
+def _understeer(parameters: VehicleParameters) -> float:
+    """Returns K (s²/m²) of a wide steady turn at the speed of the scenario."""
+    plant = plant_of("dynamic", parameters)
+    plant.command(parameters.reference_speed, WIDE)
+    plant.advance(SETTLED)
+    state = plant.state
+    rolling = state.v * math.tan(state.delta) / parameters.wheelbase
+    return (rolling / plant.yaw_rate - 1.0) / state.v**2

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import filecmp
+import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
 from experiments.right_turn.generated import Workspace
 from experiments.right_turn.loops import Conditions, Drive, drive
+
+if TYPE_CHECKING:
+    from experiments.right_turn.data import Run
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -77,6 +82,34 @@ def test_delay_is_in_the_latencies(workspaces: dict[str, Workspace]) -> None:
     assert 0.1 < run.latency["to_controller"].p50 < 0.102
     assert 0.1 < run.latency["to_vehicle"].p50 < 0.102
     assert run.metrics["violation_fraction"] > 0.0, "a control: it must fail"
+
+
+def test_rates_are_those_of_the_model(
+    virtual_workspaces: dict[str, Path], workspaces: dict[str, Workspace], tmp_path: Path
+) -> None:
+    # The code of a model whose rates are a tenth.
+    slow = tmp_path / "slow"
+    shutil.copytree(virtual_workspaces["R"], slow)
+    base = slow / "bridge" / "bridge" / "bridge_base.py"
+    text = base.read_text(encoding="utf-8")
+    assert text.count("rate=25.0") == 2
+    base.write_text(text.replace("rate=25.0", "rate=2.5"), encoding="utf-8")
+
+    as_modelled = reports(drive(Conditions(system="R"), workspaces["R"], "x"))
+    tenth = reports(drive(Conditions(system="R"), Workspace.at(slow), "x"))
+    stated = reports(drive(Conditions(system="R", rate=10.0), workspaces["R"], "x"))
+    alone = reports(drive(Conditions(system="J"), workspaces["J"], "x"))
+
+    assert as_modelled == pytest.approx(25.0, rel=0.1)
+    assert alone == pytest.approx(25.0, rel=0.1)
+    assert tenth == pytest.approx(2.5, rel=0.1)
+    assert stated == pytest.approx(10.0, rel=0.1)
+
+
+def reports(run: Run) -> float:
+    """Returns how many reports the vehicle sent in each second of a drive."""
+    times = [event.time for event in run.events if event.kind == "report"]
+    return (len(times) - 1) / (times[-1] - times[0])
 
 
 def test_the_vehicle_stops_when_its_network_is_cut(workspaces: dict[str, Workspace]) -> None:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import pytest
 from catvehicle.metrics import Sample
+from catvehicle.parameters import VehicleParameters
 
 from experiments.right_turn.breaking import breaking_points
 from experiments.right_turn.cells import BOUNDS, DELAYS, LOSSES, cells
 from experiments.right_turn.data import Plan, Run
 from experiments.right_turn.pool import compared, standing
-from experiments.right_turn.sweep import claims
+from experiments.right_turn.sweep import claim_on_plant, claims
 
 WITHIN = asdict(BOUNDS)
 
@@ -95,3 +96,11 @@ def test_a_sweep_that_accepts_everything_claims_nothing() -> None:
 def test_no_two_cells_have_one_name() -> None:
     names = [cell.name for cell in cells(Plan())]
     assert len(names) == len(set(names))
+
+
+def test_a_mass_that_the_tyres_do_not_fit_is_seen() -> None:
+    parameters = VehicleParameters()
+
+    assert claim_on_plant(parameters)["holds"]
+    assert not claim_on_plant(replace(parameters, mass=2883.2))["holds"]
+    assert not claim_on_plant(replace(parameters, rear_axle_distance=1.2))["holds"]
