@@ -61,6 +61,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     broken = [claim for claim in found["claims"] if claim["holds"] is False]
     for claim in broken:
         print(f"does not hold: {claim['text']}", file=sys.stderr)
+    for claim in found["claims"]:
+        if claim["holds"] is None:
+            print(f"not measured: {claim['text']}", file=sys.stderr)
     return 1 if failed or broken else 0
 
 

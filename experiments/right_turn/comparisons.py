@@ -14,6 +14,7 @@ from matplotlib import rc_context
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from experiments.right_turn import style
+from experiments.right_turn.tables import number
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -21,10 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    _Pair = tuple[Sequence[Sample], Sequence[Sample]]
-
 _MOST_POINTS = 130
-_MOST_PAIRS = 20
 _STEP = 0.1
 """Seconds between two places at which drives are compared."""
 
@@ -90,7 +88,7 @@ def _distribution(axes: Axes, system: str, times: Sequence[float]) -> None:
     xs, ys = [x for x, _ in points], [y for _, y in points]
     look = style.look(system)
     middle, tail = (ordered[math.ceil(share * len(ordered)) - 1] for share in (0.5, 0.99))
-    words = f"{system}, median {middle:.2g}, 99 % {tail:.2g}"
+    words = f"{system}, median {number(middle)}, 99 % {number(tail)}"
     axes.step(xs, ys, where="post", label=words, **look)
     axes.plot([tail], [0.99], "v", color=look["color"], markersize=4.5, markeredgecolor="black")
 
@@ -122,6 +120,8 @@ def steering(drives: Mapping[str, Sequence[Sequence[Sample]]]) -> Figure:
         angle.set_ylabel("tyre angle (°)")
         activity.set_ylabel("sum of |change| (°)")
         sums.set_ylabel("sum of |change| (°)")
+        # From zero on, as beside it: a cut axis would make a hundredth look wild.
+        sums.set_ylim(activity.get_ylim())
         for axes in (angle, activity):
             axes.set_xlabel("time since the first motion (s)")
             axes.legend(loc="lower right")
@@ -146,6 +146,14 @@ def _dots(axes: Axes, place: int, values: Sequence[float], colour: str) -> None:
     axes.plot(spread, values, "o", color=colour, markersize=3.5, markeredgewidth=0.4, mec="black")
     mean = sum(values) / count
     axes.plot([place - 0.32, place + 0.32], [mean, mean], color="black", linewidth=1.2)
+    axes.annotate(
+        f"{mean:.2f}",
+        (place, min(values)),
+        xytext=(0, -6),
+        textcoords="offset points",
+        ha="center",
+        va="top",
+    )
 
 
 def gaps(
@@ -170,7 +178,7 @@ def gaps(
         ):
             style.name_panel(axes, letter, f"difference in {name}")
             for system, pairs, words in (("R", both, "R from J"), ("J", null, "J from J")):
-                curves = [_difference(one, two, take) for one, two in _some(pairs)]
+                curves = [_difference(one, two, take) for one, two in pairs]
                 _band(axes, system, curves, words)
             if name in bounds:
                 bound = bounds[name]
@@ -193,10 +201,6 @@ _QUANTITIES = {
     "speed": ("difference (m/s)", lambda one, two: abs(one.v - two.v)),
     "angle": ("difference (°)", lambda one, two: math.degrees(abs(one.delta - two.delta))),
 }
-
-
-def _some(pairs: Sequence[_Pair]) -> list[_Pair]:
-    return style.thinned(pairs, _MOST_PAIRS)
 
 
 def _difference(

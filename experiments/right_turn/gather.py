@@ -96,7 +96,7 @@ def _controls(controls: Mapping[str, Any]) -> dict[str, Any]:
     return {
         each["about"]: {
             "drives": each["drives"],
-            "arrived": None,
+            "arrived": each.get("arrived"),
             "clock": "wall",
             "measures": measures(each["metrics"]),
             "latency": {},

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 _MOST_POINTS = 130
 _LONGEST = 30.0
 """Seconds of a drive that are shown."""
-_DARK = 0.45
-"""Share of the colours' way up to which white letters are read better than black ones."""
+_DARK = 0.6
+"""Share of the colours' way from which on white letters are read better than black ones."""
 
 
 @dataclass(frozen=True)
@@ -45,9 +45,12 @@ def grid(
 ) -> Figure:
     """Returns a map of the smallest margin, with the boundary of what is accepted.
 
+    Painted is how far drives went beyond the boundary, the farther the darker. A margin that was
+    kept is not painted: a car that hardly drives keeps the largest.
+
     Args:
         cells: By horizontal and vertical place; both are shown as steps of equal width.
-        label: What the numbers are, with unit.
+        label: What is painted, with unit.
         horizontal: Name of the first part of a place, with unit.
         vertical: Name of the second one.
 
@@ -62,17 +65,16 @@ def grid(
         figure = style.canvas(2.9, 5.2)
         axes = figure.subplots()
         axes.grid(visible=False)
-        finite = [cell.margin for cell in cells.values() if math.isfinite(cell.margin)]
-        shades = colormaps["cividis"]
-        low, high = min(finite, default=0.0), max(finite, default=1.0)
         values = [
-            [cells[x, y].margin if (x, y) in cells else math.nan for x in columns] for y in rows
+            [_beyond(cells[x, y]) if (x, y) in cells else math.nan for x in columns] for y in rows
         ]
-        image = axes.pcolormesh(values, cmap=shades, vmin=low, vmax=high)
+        most = max((each for row in values for each in row if math.isfinite(each)), default=0.0)
+        most = most or 1.0
+        image = axes.pcolormesh(values, cmap=colormaps["Oranges"], vmin=0.0, vmax=most)
         for x, across in enumerate(columns):
             for y, up in enumerate(rows):
                 if (across, up) in cells:
-                    _write_cell(axes, x, y, cells[across, up], (low, high))
+                    _write_cell(axes, x, y, cells[across, up], most)
         _draw_boundary(axes, cells, columns, rows)
         axes.set_xticks([x + 0.5 for x in range(len(columns))], [f"{x:g}" for x in columns])
         axes.set_yticks([y + 0.5 for y in range(len(rows))], [f"{y:g}" for y in rows])
@@ -84,21 +86,32 @@ def grid(
         return figure
 
 
-def _write_cell(axes: Axes, x: int, y: int, cell: Cell, span: tuple[float, float]) -> None:
+def _beyond(cell: Cell) -> float:
+    """Returns how far a cell went beyond the boundary, m/s; NaN where that is not known."""
+    return max(-cell.margin, 0.0) if math.isfinite(cell.margin) else math.nan
+
+
+def _write_cell(axes: Axes, x: int, y: int, cell: Cell, most: float) -> None:
     if not math.isfinite(cell.margin):
         axes.text(x + 0.5, y + 0.5, "–", ha="center", va="center")
         return
-    share = (cell.margin - span[0]) / ((span[1] - span[0]) or 1.0)
     axes.text(
         x + 0.5,
         y + 0.5,
-        f"{cell.margin:.2f}".replace("-", "−"),
+        _signed(cell.margin),
         ha="center",
         va="center",
         fontsize=7,
-        color="white" if share < _DARK else "black",
+        color="white" if _beyond(cell) > _DARK * most else "black",
         fontweight="bold" if cell.margin < 0 else "normal",
     )
+
+
+def _signed(margin: float) -> str:
+    """Returns a margin with as many digits as it needs not to be a zero with a sign."""
+    text = next(text for text in (f"{margin:.2f}", f"{margin:.3f}", f"{margin:.1g}", "0.00")
+                if float(text) or not margin)  # fmt: skip
+    return text.replace("-", "−")
 
 
 def _draw_boundary(

@@ -90,7 +90,7 @@ def _swept(data: Mapping[str, Any]) -> Iterator[tuple[str, Figure]]:
             "map",
             maps.grid(
                 cells,
-                label="least margin to the boundary (m/s)",
+                label="beyond the boundary (m/s)",
                 horizontal="delay added on each way (ms)",
                 vertical="packets lost on each way (%)",
             ),

@@ -178,8 +178,8 @@ def _drives(data: Mapping[str, Any], figures: str) -> Iterator[str]:
     yield (
         "On the left, the prescribed path and the driven one. On the right, the speed over the "
         "tyre angle, with the boundary of the safe region and the limiter of the speed controller. "
-        "Thin grey lines show all drives, the coloured line the first one. Both rows have the same "
-        "axes.\n"
+        "The coloured line is the first drive. Thin grey lines show the others; where none is to "
+        "be seen, they lie below it. Both rows have the same axes.\n"
     )
     head, *rows = table_of_drives(data)
     yield markdown_table(head, rows)

@@ -21,7 +21,7 @@ def controls(data: Mapping[str, Any]) -> Iterator[str]:
         (
             each["about"],
             each["drives"],
-            "yes" if each["differs"] else "**no**",
+            answer({"holds": each["differs"]}),
             "; ".join(each["by"]),
         )
         for each in found.values()
@@ -107,8 +107,10 @@ def _sweep(data: Mapping[str, Any], figures: str) -> Iterator[str]:
     yield figure("map", figures, "Least safety margin over delay and loss", data)
     yield (
         "The number in a cell is the smallest margin to the boundary of the safe region, in m/s; a "
-        "negative number means that the vehicle left the region. The delay is added in each "
-        "direction, so it occurs twice in the loop.\n"
+        "negative number means that the vehicle left the region, and the cell is the darker the "
+        "farther it went. Where many packets are lost, the car drives so slowly that it keeps away "
+        "from the boundary: the cross shows that other bounds are broken. The delay is added in "
+        "each direction, so it occurs twice in the loop.\n"
     )
     names = [name for name in found["bounds"] if name in _BOUNDS]
     head = ("cell", "system", *(_BOUNDS[name] for name in names), "margin, m/s", "accepted")

@@ -203,8 +203,10 @@ def claims(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
 
 
 def claim_on_plant(parameters: VehicleParameters) -> dict[str, Any]:
-    """Returns the claim that tyres slip as those of the public simulator: it is what mass, axles
-    and stiffnesses must give together, which only drives that must differ from J make use of.
+    """Returns the claim that the tyres slip as those of the public simulator.
+
+    It is what mass, axles and stiffnesses give together. Only drives that must differ from J make
+    use of them, so that no drive shows that they are wrong.
 
     Args:
         parameters: Those of the vehicle.

@@ -94,6 +94,7 @@ def _draw_paths(axes: Axes, row: Turns, path: StraightArcStraight) -> None:
         if index != row.chosen:
             points = style.thinned(drive, _MOST_POINTS)
             axes.plot(*_xy(points), color=_THIN, linewidth=0.6)
+    _name_others(axes, row)
     chosen = style.thinned(row.drives[row.chosen], 2 * _MOST_POINTS)
     axes.plot(*_xy(chosen), color=style.BLUE, linewidth=2.0, label="driven (rear axle)")
     axes.plot(
@@ -142,6 +143,7 @@ def _draw_region(
         if index != row.chosen:
             points = style.thinned(drive, _MOST_POINTS)
             axes.plot(*_angle_speed(points), color=_THIN, linewidth=0.6)
+    _name_others(axes, row)
     drive = row.drives[row.chosen]
     points = style.thinned(drive, _MOST_DOTS)
     axes.plot(*_angle_speed(points), color="0.35", linewidth=1.0)
@@ -170,6 +172,12 @@ def _draw_region(
     axes.text(0.5 * degrees[-1], 0.12 * parameters.reference_speed, "safe", ha="center")
     axes.legend(loc="lower left")
     return dots
+
+
+def _name_others(axes: Axes, row: Turns) -> None:
+    """Names the thin lines in the legend, if there are any."""
+    if len(row.drives) > 1:
+        axes.plot([], [], color=_THIN, linewidth=0.6, label=f"the other {len(row.drives) - 1}")
 
 
 def _angle_speed(samples: Sequence[Sample]) -> tuple[list[float], list[float]]:

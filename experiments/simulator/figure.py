@@ -58,7 +58,7 @@ def draw(folder: Path) -> Figure:
 
 
 def _counts(axes: Axes, folder: Path, names: list[str]) -> None:
-    style.name_panel(axes, "a", "Events while the pace stays")
+    style.name_panel(axes, "a", "events while the pace stays")
     for name in names:
         result = Result.read(folder / name)
         segment = result.segments[0]
@@ -77,7 +77,7 @@ def _counts(axes: Axes, folder: Path, names: list[str]) -> None:
 
 
 def _rates(axes: Axes, folder: Path) -> None:
-    style.name_panel(axes, "b", "Rate while the pace changes")
+    style.name_panel(axes, "b", "rate while the pace changes")
     times = [each.received for each in arrivals(folder)]
     segments = Result.read(folder).segments
     begin, end = segments[0].begin, segments[-1].end
@@ -114,7 +114,7 @@ def _rates(axes: Axes, folder: Path) -> None:
 
 
 def _errors(axes: Axes, folder: Path, names: list[str]) -> None:
-    style.name_panel(axes, "c", "Distance from the path")
+    style.name_panel(axes, "c", "distance from the path")
     path = StraightArcStraight.right_turn(VehicleParameters())
     lines = {"double": (0, (1, 1.2)), "half": (0, (4, 1.5))}
     for name in names:

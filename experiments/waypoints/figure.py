@@ -43,7 +43,7 @@ def draw(folder: Path) -> Figure:
 
 
 def _path(axes: Axes, whole: Result, folder: Path) -> None:
-    style.name_panel(axes, "a", "Paths and waypoints")
+    style.name_panel(axes, "a", "paths and waypoints")
     for number, (x, y) in enumerate(whole.waypoints, 1):
         circle = Circle(
             (x, y), TOLERANCE, facecolor="0.85", edgecolor=style.BLACK, linewidth=0.7, zorder=1
@@ -80,7 +80,7 @@ def _emergency(axes: Axes, folder: Path) -> None:
 
 
 def _times(axes: Axes, whole: Result, folder: Path) -> None:
-    style.name_panel(axes, "b", "Active element, as the operator is told")
+    style.name_panel(axes, "b", "active element, as the operator is told")
     told, truth = events(folder / "whole"), states(folder / "whole")
     begin = _begin(told)
     _steps(axes, told, begin, truth, color=style.BLUE, label="whole list")

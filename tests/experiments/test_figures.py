@@ -73,6 +73,11 @@ def test_delays_tell_their_median_and_their_tail():
     assert len(figure.axes) == 1
 
 
+def test_long_delays_are_told_as_numbers():
+    figure = comparisons.latencies({"to_controller": {"J": [0.12] * 90 + [1.234] * 10}})
+    assert "median 120, 99 % 1,234" in texts(figure)
+
+
 def test_delays_that_nobody_measured_are_refused():
     with pytest.raises(ValueError, match="no message"):
         comparisons.latencies({"to_controller": {"J": []}})
@@ -82,6 +87,19 @@ def test_steering_is_summed_over_a_drive():
     figure = comparisons.steering({"J": [drive()], "R": [drive(wiggle=0.05)]})
     calm, wild = (line.get_ydata()[-1] for line in figure.axes[1].lines)
     assert wild > 5 * calm > 0
+
+
+def test_a_hundredth_more_steering_does_not_look_wild():
+    figure = comparisons.steering({"J": [drive(wiggle=0.05)], "R": [drive(wiggle=0.0505)]})
+    low, high = figure.axes[2].get_ylim()
+    assert low <= 0 < high
+
+
+def test_gaps_are_of_all_pairs():
+    drives = [drive(0.01 * number) for number in range(8)]
+    figure = comparisons.gaps(drives, drives, {})
+    assert "R from J, 64 pairs" in texts(figure)
+    assert "J from J, 28 pairs" in texts(figure)
 
 
 def test_gaps_are_those_of_pairs_at_equal_times():
@@ -101,6 +119,18 @@ def test_the_boundary_on_the_map_parts_what_is_accepted():
     boundary = figure.axes[0].lines[0]
     assert {x for x in boundary.get_xdata() if x == x} == {1}
     assert "−1.50" in texts(figure)
+
+
+def test_who_keeps_the_margin_is_not_painted_and_who_left_it_is_darker():
+    margins = (0.45, 0.03, -0.003, -0.3, -0.6)
+    cells = {(x, 0.0): maps.Cell(margin, accepted=False) for x, margin in enumerate(margins)}
+    figure = maps.grid(cells, label="", horizontal="", vertical="")
+    (mesh,) = figure.axes[0].collections
+    figure.canvas.draw()
+    kept, also_kept, *left = (sum(colour[:3]) for colour in mesh.get_facecolors())
+    assert kept == also_kept > left[0] > left[1] > left[2]
+    assert "−0.003" in texts(figure)
+    assert "−0.00" not in texts(figure).split()
 
 
 def test_a_map_without_cells_is_refused():

@@ -13,6 +13,7 @@ from catvehicle.closed_loop import Loop
 
 from experiments.right_turn.data import Run
 from experiments.right_turn.judging import TOLERATED_DELAY, judge, thresholds
+from experiments.right_turn.wall import judged_control
 
 if TYPE_CHECKING:
     from experiments.right_turn.judging import Row, Verdict
@@ -90,6 +91,24 @@ def test_a_delay_of_20_ms_is_shown_to_differ() -> None:
     assert verdict.differs
 
 
+def test_rare_long_delays_are_shown_to_differ() -> None:
+    # Two of a hundred messages wait 50 ms each way: no median tells of them.
+    def with_tail(run: Run) -> Run:
+        ways = {way: [each[0]] * 98 + [0.05] * 2 for way, each in run.latencies.items()}
+        return replace(run, latencies=ways)
+
+    good = drives(0.0002, 1, 4)
+    verdict = judge(good, [with_tail(run) for run in drives(0.0002, 2, 4)], PARAMETERS)
+
+    found = rows(verdict)
+    assert found["median delay that is added on both ways, s"].passes
+    tail = found["99th percentile of the delay that is added on both ways, s"]
+    assert tail.bound == 0.02, "half a report period"
+    assert tail.differs
+    assert not verdict.passes
+    assert not verdict.moves_differently
+
+
 def test_a_plant_that_understeers_is_shown_to_differ() -> None:
     verdict = judge(drives(0.0002, 1, 4), drives(0.0002, 6, 3, understeer=0.0015), PARAMETERS)
 
@@ -126,6 +145,17 @@ def test_a_drive_that_did_not_arrive_fails() -> None:
     assert verdict.differs
     assert not verdict.moves_differently
     assert rows(verdict)["drives that did not arrive"].value == 1
+
+
+def test_a_control_whose_drive_did_not_arrive_is_not_measured() -> None:
+    good, late = drives(0.0002, 1, 4), drives(0.1, 4, 3)
+    stuck = [*late[:2], replace(late[2], arrived=False)]
+
+    assert judged_control("late", good, late)["differs"] is True
+    assert judged_control("the same", good, drives(0.0002, 2, 3))["differs"] is False
+    found = judged_control("late", good, stuck)
+    assert found["differs"] is None
+    assert (found["drives"], found["arrived"]) == (3, 2)
 
 
 def test_a_vehicle_that_never_moved_fails() -> None:
