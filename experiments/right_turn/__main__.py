@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import shutil
 import sys
 from pathlib import Path
@@ -20,6 +21,7 @@ from typing import TYPE_CHECKING
 from experiments.right_turn import ROOT
 from experiments.right_turn.data import Plan
 from experiments.right_turn.progress import Progress, clock
+from experiments.right_turn.results import QUIET_SHARE
 from experiments.right_turn.stages import DONE, STAGES, digest, is_done, perform
 
 if TYPE_CHECKING:
@@ -39,6 +41,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     folder = options.out / ("quick" if options.quick else "full")
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
     progress = Progress(sys.stdout, width)
+    print(_expected(plan, os.getloadavg()[0], os.cpu_count() or 1))
     failed = _run_stages(options, plan, folder, progress)
     # matplotlib takes a second, which nobody waits for who only asked for help.
     from experiments.right_turn import gather, pictures, report  # noqa: PLC0415
@@ -67,11 +70,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 1 if failed or broken else 0
 
 
+def _expected(plan: Plan, load: float, processors: int) -> str:
+    """Returns what is to be expected of the time that it takes, and of what it measures."""
+    takes = "about seventy seconds" if plan.quick else "about ten minutes"
+    text = f"This takes {takes} on a quiet computer; what was done with these sources is kept."
+    if load > QUIET_SHARE * processors:
+        text += (
+            f"\nOther programs are at work (load {load:.1f} on {processors} processors): it takes "
+            "longer, and a stage may pass its limit. Try --patience 3, and do not believe the "
+            "delays."
+        )
+    return text
+
+
 def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="python -m experiments.right_turn", description=(__doc__ or "").splitlines()[0]
     )
-    parser.add_argument("--quick", action="store_true", help="a look, in less than a minute")
+    parser.add_argument("--quick", action="store_true", help="a look, in about seventy seconds")
     parser.add_argument(
         "--stage",
         action="append",

@@ -70,7 +70,7 @@ def grid(
         ]
         most = max((each for row in values for each in row if math.isfinite(each)), default=0.0)
         most = most or 1.0
-        image = axes.pcolormesh(values, cmap=colormaps["Oranges"], vmin=0.0, vmax=most)
+        image = axes.pcolormesh(values, cmap=colormaps["Blues"], vmin=0.0, vmax=most)
         for x, across in enumerate(columns):
             for y, up in enumerate(rows):
                 if (across, up) in cells:

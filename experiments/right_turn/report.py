@@ -9,7 +9,7 @@ from catvehicle.metrics import Table
 
 from experiments.right_turn import ROOT, report_others
 from experiments.right_turn.comparisons import HOP_NAMES
-from experiments.right_turn.results import MEASURES
+from experiments.right_turn.results import MEASURES, QUIET_SHARE
 from experiments.right_turn.tables import answer, figure, markdown_table, number
 
 if TYPE_CHECKING:
@@ -17,9 +17,6 @@ if TYPE_CHECKING:
 
 DATA = ROOT / "experiments" / "results.json"
 PAGE = ROOT / "docs" / "experiment.md"
-
-_QUIET_SHARE = 0.5
-"""Processes that want a processor, for each there is, up to which a computer is quiet."""
 
 _INTRODUCTION = """\
 # The right turn, by JAUS alone and through the bridge
@@ -130,7 +127,7 @@ def table(data: Mapping[str, Any]) -> str:
 
 
 def _incomplete(data: Mapping[str, Any]) -> Iterator[str]:
-    quiet = _QUIET_SHARE * data["machine"]["processors"]
+    quiet = QUIET_SHARE * data["machine"]["processors"]
     if data["load"] is not None and data["load"] > quiet:
         yield (
             f"**Other work was done meanwhile**: the load of the computer was {data['load']:g} "

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 FORMAT = 1
 """Version of the data."""
 
+QUIET_SHARE = 0.5
+"""Processes that want a processor, for each there is, up to which a computer is quiet."""
+
 
 class Measure(NamedTuple):
     """A metric of drives that tables show.

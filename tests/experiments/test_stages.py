@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from experiments.right_turn.__main__ import _expected
 from experiments.right_turn.data import Plan
 from experiments.right_turn.progress import Progress
 from experiments.right_turn.stages import STAGES, Stage, digest, is_done, perform
@@ -115,3 +116,14 @@ def test_the_digest_changes_with_each_source_and_with_nothing_else(tmp_path):
     changed = digest(tmp_path)
     source.rename(source.with_name("body.py"))
     assert len({first, changed, digest(tmp_path)}) == 3
+
+
+@pytest.mark.parametrize(
+    ("quick", "load", "said"),
+    [(True, 0.2, "seventy seconds"), (False, 0.2, "ten minutes"), (True, 4.0, "--patience 3")],
+)
+def test_what_it_takes_is_said_before(quick: bool, load: float, said: str) -> None:
+    text = _expected(Plan(quick=quick), load, 2)
+
+    assert said in text
+    assert ("longer" in text) is (load > 1.0)
