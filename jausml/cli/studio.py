@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import webbrowser
 from importlib.util import find_spec
 from typing import Any
@@ -71,6 +72,8 @@ def command(
     from jausml.studio.serving import PageMissingError, require_page, serve
     from jausml.studio.session import Session
 
+    # Faults of the studio are told on its terminal; the page has no room for them.
+    logging.getLogger("jausml").addHandler(logging.StreamHandler())
     watched = network_from(None, **network)
     try:
         session = Session(Desk(Project(path), out, watched))

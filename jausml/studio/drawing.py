@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections import defaultdict
 from dataclasses import dataclass, field
@@ -10,12 +11,15 @@ from typing import TYPE_CHECKING, Any
 from jausml.diagrams.framing import framed, is_crowded
 from jausml.diagrams.layout.columns import Columns
 from jausml.diagrams.layout.graphviz import Graphviz
+from jausml.diagrams.layout.sheet import LayoutError
 from jausml.diagrams.writers import values
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from jausml.diagrams.graph import Graph
+
+_LOG = logging.getLogger(__name__)
 
 
 @dataclass
@@ -51,11 +55,24 @@ class Drawings:
         """
         view = self._view(file, graph.view)
         with view.lock:
-            if not view.standing.shown:
-                view.is_crowded = is_crowded(graph)
-            if view.is_crowded:
-                return values.render(framed(graph), Columns(), moved, view.standing)
-            return values.render(graph, self._engine, moved, view.standing)
+            try:
+                return self._drawn(view, graph, moved)
+            except LayoutError:
+                raise
+            except Exception:
+                # What is remembered of former pictures must not keep the view from being shown.
+                _LOG.exception("the view %s of %s is drawn anew", graph.view, file)
+                view.standing = values.Standing()
+                return self._drawn(view, graph, moved)
+
+    def _drawn(
+        self, view: _View, graph: Graph, moved: Mapping[str, tuple[int, int]]
+    ) -> dict[str, Any]:
+        if not view.standing.shown:
+            view.is_crowded = is_crowded(graph)
+        if view.is_crowded:
+            return values.render(framed(graph), Columns(), moved, view.standing)
+        return values.render(graph, self._engine, moved, view.standing)
 
     def forget(self, file: str, name: str) -> None:
         """Forgets where the boxes of a view stand.

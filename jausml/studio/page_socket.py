@@ -124,9 +124,11 @@ class PageSocket:
             told = rpc.answer(request.id, await self._session.answer(request))
         except RpcError as error:
             told = rpc.refusal(error, request.id)
-        except Exception:
+        except Exception as error:
             _LOG.exception("%s failed", request.method)
-            fault = RpcError(rpc.INTERNAL_ERROR, "this is a fault of jausml; its log shows more")
+            reason = f"{type(error).__name__}: {error}"
+            text = f"this is a fault of jausml ({reason}); the terminal of the studio shows more"
+            fault = RpcError(rpc.INTERNAL_ERROR, text)
             told = rpc.refusal(fault, request.id)
         if not request.is_notification:
             self._outgoing.tell(told)

@@ -253,6 +253,20 @@ def test_a_renamed_box_stays():
     assert after["edges"][0]["route"] == before["edges"][0]["route"] != []
 
 
+def test_a_box_that_users_placed_is_renamed_too():
+    # As another program does it: the place in the layout file keeps the name of before.
+    old = Graph("system", "s", (box("a"), box("b", "bridge"), box("c")), (), (line("a", "b"),))
+    moved = {"component:a": (900, 600)}
+    standing = values.Standing()
+    values.render(old, Graphviz(), moved, standing)
+    new = replace(old, nodes=(box("z"), *old.nodes[1:]), edges=(line("z", "b"),))
+    after = values.render(new, Graphviz(), moved, standing)
+    assert corners(after)["component:z"] == (900, 600)
+    both = (box("z"), box("b", "bridge"), box("y"))
+    twice = values.render(replace(new, nodes=both), Graphviz(), moved, standing)
+    assert {"component:z", "component:y"} <= set(corners(twice))
+
+
 def test_a_place_that_users_gave_counts_and_its_edges_lose_their_ways():
     shown = graph()
     before = values.render(shown, Graphviz())

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
+
 from jausml.generation import render
+from jausml.generators.bridge.parameters import parameter_lines
 from jausml.generators.bridge.target import TARGET
+from jausml.generators.bridge.views import bridge_views
 from jausml.model import read_models
 from jausml.runtime import BridgeSettings, JausAddress
 from jausml.runtime.bridge.bridge import Bridge
@@ -46,3 +50,23 @@ def test_a_connection_hides_nothing_of_its_bridge(tmp_path: Path) -> None:
     base = next(each.text for each in render(model, [TARGET]) if each.path.endswith("_base.py"))
     hidden = [name for name in names if f"self.{name}_ = ListToAction(" not in base]
     assert hidden == []
+
+
+@pytest.mark.parametrize("name", ["range", "input", "map", "filter", "clock", "SonarRange"])
+def test_a_connection_is_told_by_its_name_in_the_model(tmp_path: Path, name: str) -> None:
+    # In Python it may have another name; diagnostics, parameters and logs say the model's.
+    path = tmp_path / "robot.ros2jaus"
+    path.write_text(
+        "import jaus.mobility\nimport mappings.velocity_state_sensor\n"
+        "bridge robot { address: 1.1.1  provides: VelocityStateSensor\n"
+        f"connection `{name}` {{ map: velocity_state  topic odom }} }}",
+        encoding="utf-8",
+    )
+    model = read_models([path], notations=NOTATIONS).model
+    base = next(each.text for each in render(model, [TARGET]) if each.path.endswith("_base.py"))
+    (view,) = bridge_views(model)
+
+    assert f' = TopicsToReport(\n            "{name}",' in base
+    owners = {line.name.partition(".")[0] for line in parameter_lines(view) if "." in line.name}
+    assert name in owners
+    assert view.connections[0].name not in owners - {name}

@@ -38,13 +38,13 @@ class Standing:
     Boxes that are gone are kept: what undo brings back stands where it stood.
 
     Attributes:
-        boxes: Corners by key.
-        shown: Kinds of the boxes that were drawn last, by key.
+        boxes: Corners by key, without those that users gave.
+        shown: What was drawn last, by key: kinds and corners, whoever gave them.
         routes: Ways of lines, by where they start and end.
     """
 
     boxes: dict[str, Point] = field(default_factory=dict)
-    shown: dict[str, str] = field(default_factory=dict)
+    shown: dict[str, tuple[str, Point]] = field(default_factory=dict)
     routes: dict[_Way, Route] = field(default_factory=dict)
 
 
@@ -83,7 +83,7 @@ def render(
     corners = settle(sheet, {n: known[k] for n, k in keys.items() if k in known}, fixed)
     # A box that users moved goes back to where it stood when they undo that.
     standing.boxes |= {keys[n]: corner for n, corner in corners.items() if n not in fixed}
-    standing.shown = {keys[each.id]: each.kind for each in graph.nodes}
+    standing.shown = {keys[each.id]: (each.kind, corners[each.id]) for each in graph.nodes}
     return _values(graph, sheet, corners, fixed, standing)
 
 
@@ -107,11 +107,15 @@ def _take_over(graph: Graph, keys: Mapping[str, str], standing: Standing) -> Non
     """Gives the only new box of a kind the place of the only one that is gone: it was renamed."""
     now = set(keys.values())
     for kind in {each.kind for each in graph.nodes} if standing.shown else ():
-        gone = [key for key, its in standing.shown.items() if its == kind and key not in now]
+        gone = [
+            corner
+            for key, (its, corner) in standing.shown.items()
+            if its == kind and key not in now
+        ]
         new = [keys[each.id] for each in graph.nodes if each.kind == kind]
         new = [key for key in new if key not in standing.boxes]
         if len(gone) == len(new) == 1:
-            standing.boxes[new[0]] = standing.boxes[gone[0]]
+            standing.boxes[new[0]] = gone[0]
 
 
 def _keep_routes(

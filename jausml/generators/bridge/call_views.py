@@ -45,6 +45,11 @@ class CallView:
         return self.translated.name
 
     @property
+    def model_name(self) -> str:
+        """Its name in the model, by which diagnostics, parameters and logs speak of it."""
+        return str(self.connection.name)
+
+    @property
     def kind(self) -> str:
         """Class of the runtime that carries it."""
         return "RosServiceToJaus" if calls.serves(self.connection) else "JausToRosService"

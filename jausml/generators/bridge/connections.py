@@ -62,6 +62,11 @@ class ConnectionView:
         return self.translated.name
 
     @property
+    def model_name(self) -> str:
+        """Its name in the model, by which diagnostics, parameters and logs speak of it."""
+        return str(self.connection.name)
+
+    @property
     def alike(self) -> object:
         """What connections share whose translations differ in the name of the connection alone."""
         return self.translated.alike

@@ -96,7 +96,7 @@ def parameter_lines(view: BridgeView) -> Iterator[ParameterLine]:
 
 
 def _connection_lines(view: ConnectionView) -> Iterator[ParameterLine]:
-    name, connection = view.name, view.connection
+    name, connection = view.model_name, view.connection
     about = " ".join(printable(connection.documentation or "").split())
     if isinstance(view, ActionView):
         yield from _action_lines(view, f"Action of {name}. {about}".strip())
@@ -134,14 +134,14 @@ def _connection_lines(view: ConnectionView) -> Iterator[ParameterLine]:
 
 
 def _action_lines(view: ActionView, about: str) -> Iterator[ParameterLine]:
-    yield ParameterLine(f"{view.name}.action", str(view.action.action), about)
+    yield ParameterLine(f"{view.model_name}.action", str(view.action.action), about)
     if not view.to_ros:
         about = "Speed at which lists are executed (m/s)."
-        yield ParameterLine(f"{view.name}.speed", view.speed, about)
+        yield ParameterLine(f"{view.model_name}.speed", view.speed, about)
 
 
 def _call_lines(view: CallView) -> Iterator[ParameterLine]:
-    name, connection = view.name, view.connection
+    name, connection = view.model_name, view.connection
     about = " ".join(printable(connection.documentation or "").split())
     yield ParameterLine(
         f"{name}.service", connection.service, f"ROS service of {name}. {about}".strip()
@@ -156,7 +156,7 @@ def _call_lines(view: CallView) -> Iterator[ParameterLine]:
 
 
 def _shape_lines(view: ConnectionView) -> Iterator[ParameterLine]:
-    name, own = view.name, view.connection
+    name, own = view.model_name, view.connection
     if view.is_capped:
         yield ParameterLine(
             f"{name}.rate_cap",
