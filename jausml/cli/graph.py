@@ -104,7 +104,8 @@ def _heard(publishers: Sequence[GraphEnd]) -> dict[str, str] | None:
     if not publishers:
         return None
     sure = all(each.reliability == "reliable" for each in publishers)
-    kept = all(each.durability == "transient_local" for each in publishers)
+    # What was published before is repeated to reliable subscriptions alone.
+    kept = sure and all(each.durability == "transient_local" for each in publishers)
     found = {"reliability": "reliable" if sure else "best_effort"}
     return {**found, "durability": "transient_local"} if kept else found
 

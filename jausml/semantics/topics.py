@@ -122,8 +122,9 @@ def reliability(connection: bridge.Connection, topic: bridge.Topic) -> str:
     """Returns the reliability policy of a topic of a bridge.
 
     Where the model leaves it open, it is what meets every other end. A subscription that is
-    best_effort hears publishers of both kinds; one of commands is reliable all the same, since a
-    command may be sent only once.
+    best_effort hears publishers of both kinds. Two are reliable all the same: one of commands,
+    since a command may be sent only once, and one that is transient_local, since what was published
+    before it began is repeated to reliable subscriptions alone.
 
     Args:
         connection: The connection, whose map is known.
@@ -134,7 +135,13 @@ def reliability(connection: bridge.Connection, topic: bridge.Topic) -> str:
     publishes = connection.direction.name == "jausToRos"
     message = connection.map.message
     commands = topic.join is None and message is not None and is_command(message)
-    return "reliable" if publishes or commands else "best_effort"
+    is_sure = publishes or commands or is_latched(topic.qos)
+    return "reliable" if is_sure else "best_effort"
+
+
+def is_latched(profile: ros.QoSProfile | None) -> bool:
+    """Tells whether a profile is one of late subscriptions that get what was published before."""
+    return profile is not None and profile.durability.name == "transient_local"
 
 
 def _stated(profile: ros.QoSProfile | None) -> str:

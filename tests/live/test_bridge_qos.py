@@ -11,10 +11,13 @@ import pytest
 
 pytest.importorskip("rclpy")
 
+from jausml.model import read_models
 from jausml.runtime.bridge.parameter import Parameter
 from jausml.runtime.bridge.parameters import ParameterError
 from jausml.runtime.bridge.ros_profiles import MOST_KEPT
 from jausml.runtime.bridge.topics import Qos, Topic
+from jausml.semantics.topics import endpoints
+from jausml.text.notation import NOTATIONS
 
 from .bridge_support import wait_for
 
@@ -22,6 +25,24 @@ pytestmark = [
     pytest.mark.live,
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
 ]
+
+
+LATCHED = """
+import mappings.global_pose_sensor
+
+system fleet {
+    bridge front {
+        address: 1.1.2
+        provides: GlobalPoseSensor
+        connection latched {
+            map: global_pose
+            direction: rosToJaus
+            exchange: periodicEvent
+            topic latched { qos: { durability: transient_local  depth: 1 } }
+        }
+    }
+}
+"""
 
 
 def policies(**named):
@@ -48,6 +69,29 @@ def test_best_effort_subscriptions_hear_publishers_of_both_kinds(node, peer):
         )
         peer.node.destroy_publisher(publisher)
     assert tested.faults(topic, publishes=False) == []
+
+
+def latched_qos(folder):
+    """What a bridge asks for whose model says no more than that a topic is latched."""
+    path = folder / "fleet.ros2jaus"
+    path.write_text(LATCHED, encoding="utf-8")
+    (end,) = endpoints(read_models([path], notations=NOTATIONS).model.root.bridges)
+    return Qos(reliability=end.reliability, durability=end.element.qos.durability.name, depth=1)
+
+
+def test_what_was_published_on_a_latched_topic_before_arrives(node, peer, tmp_path):
+    from std_msgs.msg import Float64
+
+    kept = policies(durability="TRANSIENT_LOCAL", reliability="RELIABLE")
+    publisher = peer.node.create_publisher(Float64, "latched", kept)
+    publisher.publish(Float64(data=7.0))
+    tested, found = node(), []
+    decode = tested.codec(Float64).decode
+    topic = Topic("latched", latched_qos(tmp_path))
+    tested.subscribe(Float64, topic, lambda data, _: found.append(decode(data).data))
+    tested.start(pytest.fail)
+    wait_for(lambda: found == [7.0], "message of before")
+    peer.node.destroy_publisher(publisher)
 
 
 def test_a_publisher_that_does_not_fit_is_named_with_the_cure_until_it_goes(node, peer):

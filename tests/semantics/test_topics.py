@@ -38,6 +38,13 @@ system fleet {
             topic stated { qos: { reliability: reliable } }
             topic stated_imu { join: imu  qos: { reliability: system_default } }
         }
+        connection latched {
+            map: global_pose
+            direction: rosToJaus
+            exchange: periodicEvent
+            topic latched { qos: { durability: transient_local  depth: 1 } }
+            topic latched_imu { join: imu  qos: { durability: transient_local } }
+        }
         connection command {
             map: velocity_command
             direction: rosToJaus
@@ -69,7 +76,7 @@ def model(tmp_path):
     return result
 
 
-def test_what_becomes_reports_hears_everybody_and_commands_are_reliable(model):
+def test_what_becomes_reports_hears_everybody_and_commands_and_latched_topics_are_reliable(model):
     fleet = model.model.root
     assert isinstance(fleet, system.System)
     found = {end.topic: end.reliability for end in endpoints([*fleet.bridges, *fleet.nodes])}
@@ -78,6 +85,8 @@ def test_what_becomes_reports_hears_everybody_and_commands_are_reliable(model):
         "/imu": "best_effort",
         "/stated": "reliable",
         "/stated_imu": "system_default",
+        "/latched": "reliable",
+        "/latched_imu": "reliable",
         "/cmd_vel": "reliable",
         "/obeyed": "reliable",
         "/imu_in": "reliable",

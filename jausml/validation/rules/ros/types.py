@@ -16,7 +16,13 @@ from jausml.model.values import show
 from jausml.semantics.attributes import primitive
 from jausml.semantics.names import DEVICES
 from jausml.semantics.ros_paths import ros_name
-from jausml.semantics.topics import Endpoint, endpoints, namespace_fault, topic_fault
+from jausml.semantics.topics import (
+    Endpoint,
+    endpoints,
+    is_latched,
+    namespace_fault,
+    topic_fault,
+)
 from jausml.semantics.values import constant_fault, is_integer, is_real
 from jausml.validation.rule import Finding, Note, rule
 
@@ -94,13 +100,19 @@ def qos_compatible(subject: Subject) -> Iterator[Finding]:
 
     Otherwise ROS 2 does not connect the two. A subscription that is reliable needs a reliable
     publisher, a transient_local one a transient_local publisher; a deadline or a lease needs one
-    that is no longer at the publisher.
+    that is no longer at the publisher. What was published before a subscription began is repeated
+    between reliable ends alone: best_effort and transient_local together have no effect.
 
     Bad: a best_effort publisher and a subscription of a node, which is reliable unless it says
     otherwise
 
     Good: `<qos reliability="best_effort"/>` at both ends
     """
+    for profile in subject.instances(ros.QoSProfile, needs=("reliability", "durability")):
+        if profile.reliability.name == "best_effort" and is_latched(profile):
+            message = "transient_local has no effect with best_effort: what was published before"
+            hint = "leave reliability out, or set durability volatile"
+            yield Finding(profile, f"{message} does not come", "durability", hint)
     for ends in _topics(subject):
         for subscription in (end for end in ends if not end.publishes):
             for publisher in (end for end in ends if end.publishes):
