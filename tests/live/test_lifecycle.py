@@ -97,6 +97,36 @@ def drive(system):
         wait_for(lambda: len(efforts(system.vehicle)) > yield_to, "more commands")
 
 
+def test_what_is_not_possible_now_is_refused_and_ends_nothing(system):
+    from lifecycle_msgs.srv import ChangeState
+    from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+    from rcl_interfaces.srv import SetParameters, SetParametersAtomically
+
+    wait_for(lambda: lifecycle(system) == "active", "active state")
+    for number in (1, 3, 2, 99):  # configure, activate, clean up, nothing that there is
+        request = ChangeState.Request()
+        request.transition.id = number
+        assert not call(system, ChangeState, "change_state", request).success
+    assert not change(system, "activate")
+    assert not change(system, "no such transition")
+    known = Parameter(
+        name="latency", value=ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=False)
+    )
+    strange = Parameter(name="latency", value=ParameterValue(type=99))
+    request = SetParameters.Request(parameters=[known, strange, known])
+    results = call(system, SetParameters, "set_parameters", request).results
+    assert [each.successful for each in results] == [True, False, False]
+    assert "99" in results[1].reason
+    request = SetParametersAtomically.Request(parameters=[known, strange])
+    answer = call(system, SetParametersAtomically, "set_parameters_atomically", request)
+    assert not answer.result.successful
+    assert lifecycle(system) == "active"
+    drive(system)
+    assert system.bridge.stop() == 0
+    assert "ros.request_refused" in system.bridge.log.read_text()
+    assert "Traceback" not in system.bridge.log.read_text()
+
+
 def test_inactive_stops_and_passes_nothing_either_way(system):
     from geometry_msgs.msg import Twist, TwistStamped
     from nav_msgs.msg import Odometry

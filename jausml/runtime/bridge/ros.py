@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.context import Context
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import ExternalShutdownException
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import try_shutdown
 
@@ -25,6 +25,7 @@ from ..conversions import Time
 from . import parameters
 from .errors import RosLostError
 from .ros_codec import Codec
+from .ros_executor import GuardedExecutor
 from .ros_internals import require_internals
 from .ros_lifecycle import ManagedNode
 from .ros_log import RosLogHandler
@@ -79,7 +80,7 @@ class RosNode:
             )
             self._node = ManagedNode(name, namespace=namespace, context=self._context)
         require_internals(self._node)
-        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor = GuardedExecutor(self._context)
         self._executor.add_node(self._node)
         self._thread: threading.Thread | None = None
         self._fail: Callable[[BaseException], None] | None = None
@@ -163,6 +164,7 @@ class RosNode:
             ParameterError: Only a listener would do, and there is none.
         """
         self._loop = loop
+        self._executor.counters = loop.counters
         self._services = NodeServices(self._node, loop)
         self._topics = NodeTopics(
             self._node, self._context, loop, self._waiting_name, self._parameters, self._age_limit

@@ -13,6 +13,7 @@ from __future__ import annotations
 from typing import Any
 
 from rclpy.duration import Duration
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
@@ -53,6 +54,7 @@ def require_internals(node: Any) -> None:
         (QoSProfile, "QoSProfile", ("get_c_qos_profile",)),
         (Node, "Node", ("handle", "resolve_topic_name")),
         (node, "node", ("_parameter_overrides",)),
+        (SingleThreadedExecutor, "SingleThreadedExecutor", ("_make_handler",)),
     ]
     lacking = [
         f"{name}.{part}"
