@@ -100,12 +100,12 @@ class CommandEvents:
 
     def _check(self, payload: bytes, sender: JausAddress) -> tuple[Handler, Message]:
         """Return what executes a command; raises RequestError when that is not possible."""
-        code = read_code(payload)
-        handler = self._component.command_handler(code)
-        is_query = self._component.provision(code) is not None
-        if handler is None or is_query or code in NO_COMMANDS:
-            raise RequestError(RejectCode.MESSAGE_NOT_SUPPORTED, f"no command {code:04X}")
         try:
+            code = read_code(payload)
+            handler = self._component.command_handler(code)
+            is_query = self._component.provision(code) is not None
+            if handler is None or is_query or code in NO_COMMANDS:
+                raise RequestError(RejectCode.MESSAGE_NOT_SUPPORTED, f"no command {code:04X}")
             message = handler.message_class.decode(payload)
         except DecodeError as error:
             raise RequestError(RejectCode.INVALID_EVENT_SETUP, f"bad command: {error}") from error

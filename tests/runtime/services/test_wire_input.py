@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -11,6 +12,7 @@ from jausml.runtime.messages import (
     CreateCommandEvent,
     DeleteElement,
     QueryStatus,
+    RejectEventRequest,
     ReportStatus,
     RequestControl,
     Resume,
@@ -48,12 +50,18 @@ def times():
     return words.map(lambda parts: SetTime.CODE.to_bytes(2, "little") + b"\3" + b"".join(parts))
 
 
+def command_event(request_id, duration, command):
+    """CreateCommandEvent with a command of any length, which the codec would not encode."""
+    template = CreateCommandEvent(request_id, duration, bytes(2)).encode()
+    return template[:-6] + len(command).to_bytes(4, "little") + command
+
+
 def command_events(commands):
     """CreateCommandEvent with any command."""
     return st.builds(
-        lambda duration, command: CreateCommandEvent(1, duration, command).encode(),
+        lambda duration, command: command_event(1, duration, command),
         st.integers(0, 3),
-        commands.filter(lambda command: len(command) >= 2),
+        st.one_of(st.binary(max_size=1), commands),
     )
 
 
@@ -95,3 +103,15 @@ def test_any_messages(world, message_classes, data):
     assert answer.status == tested.status
     tested.stop()
     world.run(0.1, step=0.1)
+
+
+@pytest.mark.parametrize("command", [b"", b"\x0c", b"\x0c\x04"], ids=["none", "half", "code"])
+def test_a_command_event_without_a_command_is_rejected(world, command):
+    tested = world.component("1.1.1", services=SERVICES)
+    tested.start()
+    client = world.probe("3.1.1")
+    client.take()
+    client.send_bytes(command_event(7, 0, command), tested)
+    answers = client.take()
+    assert [(type(each), each.request_id) for each in answers] == [(RejectEventRequest, 7)]
+    assert not {*FAILURES} & world.counters.snapshot().keys()
