@@ -10,13 +10,21 @@ import click
 
 from jausml.cli.common import PROBLEMS, EnvironmentFault, find_files
 from jausml.cli.manners import painted_findings
-from jausml.cli.topics import chosen_crossings, tell, tell_unanswered, topic_options, topics_of
+from jausml.cli.topics import (
+    chosen_crossings,
+    tell,
+    tell_unanswered,
+    tell_undecided,
+    topic_options,
+    topics_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.importers.jsidl import ImportResult
     from jausml.projects.creating import Wish
+    from jausml.proposals.topics import Crossing
 
 _EXAMPLE, _EMPTY, _TOPICS, _JSIDL = "example", "empty", "topics", "jsidl"
 _EXAMPLES = {_TOPICS: "odom:nav_msgs/Odometry", _JSIDL: "services/Winch.jsidl"}
@@ -53,6 +61,7 @@ def command(
     origin: str,
     side: str,
     yes: bool,
+    holds: tuple[str, ...],
 ) -> None:
     """Make a project of models in DIR, which may already exist.
 
@@ -71,10 +80,11 @@ def command(
         if sources and all(":" in each for each in sources):
             what += "; did you mean --from topics?"
         raise click.UsageError(f"--from {origin} {what}")
+    chosen: Sequence[Crossing] = ()
     try:
         wish = Wish(name or name_for(folder), notation == "text", origin == _EMPTY)
         if origin == _TOPICS:
-            written = _from_topics(folder, wish, sources, side=side, yes=yes)
+            written, chosen = _from_topics(folder, wish, sources, side=side, yes=yes, holds=holds)
         elif origin == _JSIDL:
             written = _from_jsidl(folder, wish, sources)
         else:
@@ -89,22 +99,29 @@ def command(
     click.echo("  jausml validate models")
     click.echo(f"  jausml generate {wish.model} -o src")
     click.echo("  jausml run src --for 10")
+    tell_undecided(chosen)
 
 
 def _from_topics(
-    folder: Path, wish: Wish, sources: Sequence[str], *, side: str, yes: bool
-) -> list[str]:
+    folder: Path,
+    wish: Wish,
+    sources: Sequence[str],
+    *,
+    side: str,
+    yes: bool,
+    holds: Sequence[str],
+) -> tuple[list[str], Sequence[Crossing]]:
     from jausml.metamodel.classes import bridge
     from jausml.projects.starting import start_from_topics
     from jausml.proposals.elements import library
 
     topics = topics_of(sources)
     maps = library().instances(bridge.AttributeMap)
-    chosen = chosen_crossings(topics, maps, side=side, yes=yes)
+    chosen = chosen_crossings(topics, maps, side=side, yes=yes, holds=holds)
     written = start_from_topics(folder, wish, chosen, topics)
     tell(chosen, topics)
     tell_unanswered(chosen)
-    return written
+    return written, chosen
 
 
 def _from_jsidl(folder: Path, wish: Wish, sources: Sequence[str]) -> list[str]:

@@ -8,7 +8,14 @@ import click
 
 from jausml.cli.graph import graph_options, topics_that_run
 from jausml.cli.new_places import model_option, place_for, report, stopping
-from jausml.cli.topics import chosen_crossings, tell, tell_unanswered, topic_options, topics_of
+from jausml.cli.topics import (
+    chosen_crossings,
+    tell,
+    tell_unanswered,
+    tell_undecided,
+    topic_options,
+    topics_of,
+)
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -33,6 +40,7 @@ def command(
     address: str | None,
     side: str,
     yes: bool,
+    holds: tuple[str, ...],
     model: Path | None,
 ) -> None:
     """Add a bridge named NAME that carries ROS topics by ready maps.
@@ -56,9 +64,10 @@ def command(
         place = place_for(model)
         topics = topics_that_run(words, seconds) if from_graph else topics_of(words)
         chosen = chosen_crossings(
-            topics, ready_maps(place), side=side, yes=yes, all_needed=bool(words)
+            topics, ready_maps(place), side=side, yes=yes, holds=holds, all_needed=bool(words)
         )
         files = add_bridge(place, name, chosen, topics, address or "")
     tell(chosen, topics)
     tell_unanswered(chosen)
     report(place, files)
+    tell_undecided(chosen)

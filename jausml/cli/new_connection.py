@@ -8,7 +8,7 @@ import click
 
 from jausml.cli.graph import graph_options, topics_that_run
 from jausml.cli.new_places import model_option, place_for, report, stopping
-from jausml.cli.topics import chosen_crossings, tell, topic_options, topics_of
+from jausml.cli.topics import chosen_crossings, tell, tell_undecided, topic_options, topics_of
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -29,6 +29,7 @@ def command(
     seconds: float,
     side: str,
     yes: bool,
+    holds: tuple[str, ...],
     model: Path | None,
 ) -> None:
     """Add connections to a bridge, which carry further ROS topics by ready maps.
@@ -44,7 +45,8 @@ def command(
         place = place_for(model)
         space = namespace_of(place, bridge or "")
         topics = topics_that_run(words, seconds, space) if from_graph else topics_of(words)
-        chosen = chosen_crossings(topics, ready_maps(place), side=side, yes=yes)
+        chosen = chosen_crossings(topics, ready_maps(place), side=side, yes=yes, holds=holds)
         files = add_connections(place, bridge or "", chosen, topics)
     tell(chosen, topics)
     report(place, files)
+    tell_undecided(chosen)

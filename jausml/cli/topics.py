@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import click
@@ -10,7 +11,7 @@ from jausml.cli.asking import can_ask, choose
 from jausml.cli.manners import remark
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from jausml.metamodel.classes import bridge
     from jausml.proposals.topics import Crossing, TopicEnd
@@ -27,7 +28,38 @@ def topic_options(command: Callable[..., None]) -> Callable[..., None]:
         "one.",
     )
     yes = click.option("--yes", is_flag=True, help="Take the likeliest map without asking.")
-    return side(yes(command))
+    hold = click.option(
+        "--hold",
+        "holds",
+        metavar="TOPIC=REASON",
+        multiple=True,
+        help="Why the last command of a topic may stand when its source is lost: what you know "
+        "about its receiver. May be repeated.",
+    )
+    return side(hold(yes(command)))
+
+
+def holds_of(words: Sequence[str], topics: Sequence[TopicEnd]) -> dict[str, str]:
+    """Returns the reasons of a person why last commands may stand, by topic.
+
+    Raises:
+        UsageError: A word has no topic of these, or no reason that only a person can state.
+    """
+    from jausml.semantics.stops import is_reason
+
+    known = {each.name for each in topics}
+    found: dict[str, str] = {}
+    for word in words:
+        name, _, reason = word.partition("=")
+        if name not in known:
+            raise click.UsageError(f"--hold {word!a}: there is no topic {name!a} here")
+        if not is_reason(reason):
+            raise click.UsageError(
+                f"--hold {name}: say what you know about the receiver, such as "
+                "'the planner of the vehicle drives to the goal by itself'"
+            )
+        found[name] = reason.strip()
+    return found
 
 
 def topics_of(words: Sequence[str]) -> list[TopicEnd]:
@@ -75,6 +107,7 @@ def chosen_crossings(
     *,
     side: str,
     yes: bool,
+    holds: Sequence[str] = (),
     all_needed: bool = True,
 ) -> list[Crossing]:
     """Returns the ways that are taken; asks where a topic has several.
@@ -84,6 +117,8 @@ def chosen_crossings(
         maps: The maps that there are.
         side: What the nodes of ROS are.
         yes: Whether the likeliest is taken without a question.
+        holds: Why last commands may stand, `TOPIC=REASON`. What is missing is asked on a terminal,
+            unless the likeliest is taken, and nothing else answers it.
         all_needed: Whether each topic must have a way; else those without one are told.
 
     Raises:
@@ -91,6 +126,7 @@ def chosen_crossings(
     """
     from jausml.proposals.topics import crossings
 
+    reasons = holds_of(holds, topics)
     offered = {each.name: crossings(each, maps, side) for each in topics}
     fed = _feeding(offered)
     found: list[Crossing] = []
@@ -103,7 +139,31 @@ def chosen_crossings(
         found += _taken(topic, ways, yes=yes)
     if not found:
         raise click.UsageError("no topic is left that a bridge could carry")
-    return found
+    return [_decided(each, reasons, yes=yes) for each in found]
+
+
+def _decided(crossing: Crossing, reasons: Mapping[str, str], *, yes: bool) -> Crossing:
+    """Returns a way with the reason of a person why its last command may stand, if there is one."""
+    if not crossing.has_no_stop:
+        return crossing
+    reason = reasons.get(crossing.topic.name, "")
+    if not reason and not yes and can_ask():
+        reason = _asked(crossing)
+    return replace(crossing, hold_reason=reason)
+
+
+def _asked(crossing: Crossing) -> str:
+    from jausml.model.names import name_of
+    from jausml.semantics.stops import is_reason
+
+    click.echo(
+        f"Nothing stops what {name_of(crossing.offer.message)} of {crossing.topic.name} sets in "
+        "motion when its source is lost.",
+        err=True,
+    )
+    question = "Why is it safe that the last command stands then? (empty: decide later)"
+    reason = str(click.prompt(question, "", show_default=False, err=True)).strip()
+    return reason if is_reason(reason) else ""
 
 
 def _feeding(offered: dict[str, list[Crossing]]) -> set[str]:
@@ -191,6 +251,29 @@ def tell(chosen: Sequence[Crossing], topics: Sequence[TopicEnd]) -> None:
         click.echo(f"{said} unless a quantity of the bridge states that of the vehicle")
 
 
+def tell_undecided(chosen: Sequence[Crossing]) -> None:
+    """Says last of all what a person has to decide before anything is generated.
+
+    Args:
+        chosen: All ways that were taken.
+    """
+    from jausml.model.names import name_of
+
+    names = [each for each in chosen if each.has_no_stop and not each.hold_reason]
+    if not names:
+        return
+    click.echo("\nYou have to decide what happens when the source of a command is lost:", err=True)
+    for each in names:
+        message = name_of(each.offer.message)
+        click.echo(f"  {each.topic.name}: nothing stops what {message} sets in motion", err=True)
+    click.echo(
+        "  validate reports JML451 until each has a stop (a safeValue, or one in its map), or a\n"
+        "  reason why the last command may stand (onSilence: hold and holdReason, or --hold).\n"
+        "  No tool knows what is safe for what receives them.",
+        err=True,
+    )
+
+
 def tell_unanswered(chosen: Sequence[Crossing]) -> None:
     """Says which queries of the services of a new bridge nothing answers.
 
@@ -215,8 +298,7 @@ def _assumed(chosen: Sequence[Crossing]) -> list[tuple[bridge.Quantity, str]]:
 
 
 def _told(crossing: Crossing) -> str:
-    from jausml.proposals.topics import HOLD
-
     arrow = "JAUS -> ROS" if crossing.offer.to_ros else "ROS -> JAUS"
-    held = f"; held when its source is lost: {HOLD}" if crossing.hold else ""
+    reason = crossing.hold_reason
+    held = f"; the last command stands when its source is lost: {reason}" if reason else ""
     return f"{crossing.topic.name}: {arrow}, {crossing.says()}{held}"

@@ -106,7 +106,7 @@ def _connections(
             names[-1],
             each.qos,
             joins_of(each, topics, fed),
-            each.hold,
+            each.hold_reason,
         )
         found.append(draft.connection(scope, place, scope.ref(each.map)))
     return found

@@ -127,7 +127,7 @@ class Draft:
         name: Its name.
         qos: The quality of service that the topic needs.
         joins: Topics of the joins of the map by the names of these, which else name them.
-        hold: Why the last command may stand when its source is lost, for a map without a stop.
+        hold: Why the last command may stand when its source is lost, as a person says it.
     """
 
     offer: Offer

@@ -25,9 +25,6 @@ VEHICLE, OPERATOR = "vehicle", "operator"
 SIDES = (VEHICLE, OPERATOR)
 """What the nodes of ROS are behind a bridge: a vehicle that JAUS commands, or who commands one."""
 
-HOLD = "it stands until the next one; see that something stops the vehicle on its way"
-"""Why the last command may stand that no ready map can take back, such as a goal."""
-
 _LONG = {"cmd": "command", "vel": "velocity", "odom": "odometry", "accel": "acceleration"}
 _COMMANDING = frozenset({"command", "goal", "target", "set", "setpoint", "desired"})
 _MEANT = {"goal": "waypoint", "target": "waypoint"}
@@ -64,17 +61,20 @@ class Crossing:
         topic: The topic.
         map: The ready map.
         offer: The message, its service, the direction and the exchange.
+        hold_reason: Why the last command may stand when its source is lost, as a person says it.
+            Nothing else may fill it in: what is safe depends on what receives the command.
     """
 
     topic: TopicEnd
     map: bridge.AttributeMap
     offer: Offer = field(repr=False)
+    hold_reason: str = ""
 
     @property
-    def hold(self) -> str:
-        """Why the last command may stand where the map has nothing that stops it; else empty."""
-        is_held = self.offer.exchange == MESSAGE and is_command(self.offer.message)
-        return HOLD if is_held and not stop_in(self.map, to_ros=self.offer.to_ros) else ""
+    def has_no_stop(self) -> bool:
+        """Whether it is a command that nothing in its map stops when its source is lost."""
+        commands = self.offer.exchange == MESSAGE and is_command(self.offer.message)
+        return commands and not stop_in(self.map, to_ros=self.offer.to_ros)
 
     @property
     def qos(self) -> dict[str, str]:

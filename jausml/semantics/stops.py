@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge
@@ -17,6 +18,22 @@ SILENCE_TIMEOUT = 1.0
 Whoever steers repeats the command several times a second; one second forgives a few lost datagrams,
 and in it a vehicle at walking pace goes little more than a metre.
 """
+
+
+TOOL_REASONS = frozenset(
+    {"it stands until the next one see that something stops the vehicle on its way"}
+)
+"""Words that tools once wrote as reasons, without punctuation: nobody has decided anything."""
+
+
+def is_reason(text: str) -> bool:
+    """Tells whether a text can be the reason of a person why a last command may stand.
+
+    Args:
+        text: The text; what tools have written is none.
+    """
+    words = " ".join(re.findall(r"\w+", text.casefold()))
+    return bool(words) and words not in TOOL_REASONS
 
 
 def is_command(connection: bridge.Connection) -> bool:

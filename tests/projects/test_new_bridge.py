@@ -158,8 +158,44 @@ def test_what_nothing_stops_says_so(rover, jausml):
     rover("text")
     done = jausml("new", "bridge", "rover", "goal_pose:geometry_msgs/PoseStamped", "--yes")
     assert done.exit_code == 0, done.output
-    assert "held when its source is lost" in done.output
+    assert "You have to decide what happens when the source of a command is lost" in done.output
+    assert "goal_pose: nothing stops what SetLocalWaypoint sets in motion" in done.output
+    found = jausml("validate", "models", "--strict")
+    assert found.exit_code == 1
+    assert "JML451" in found.output
+
+
+def test_a_person_says_why_a_command_may_stand(rover, jausml):
+    model = rover("text")
+    goal = "goal_pose:geometry_msgs/PoseStamped"
+    reason = "the planner of the rover drives to its goal by itself"
+    done = jausml("new", "bridge", "rover", goal, "--yes", "--hold", f"goal_pose={reason}")
+    assert done.exit_code == 0, done.output
+    assert "You have to decide" not in done.output
+    assert f'holdReason: "{reason}"' in model.read_text(encoding="utf-8")
     assert jausml("validate", "models", "--strict").exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("hold", "says"),
+    [
+        ("goal=x y", "there is no topic 'goal' here"),
+        ("goal_pose=", "say what you know about the receiver"),
+        (
+            "goal_pose=It stands until the next one; see that something stops the "
+            "vehicle on its way",
+            "say what you know about the receiver",
+        ),
+    ],
+)
+def test_what_a_tool_could_have_written_is_no_reason(rover, jausml, hold, says):
+    model = rover("text")
+    before = model.read_bytes()
+    goal = "goal_pose:geometry_msgs/PoseStamped"
+    done = jausml("new", "bridge", "rover", goal, "--yes", "--hold", hold)
+    assert done.exit_code == 2
+    assert says in done.output
+    assert model.read_bytes() == before
 
 
 @NOTATION

@@ -11,6 +11,7 @@ from jausml.proposals.mapping.members import leaves
 from jausml.proposals.mapping.statements import UNKNOWN, innermost
 from jausml.semantics.commands import is_command
 from jausml.semantics.paths import outer_scope, parse_path
+from jausml.semantics.rates import fills_rates_alone
 from jausml.semantics.ros_paths import ros_name
 
 if TYPE_CHECKING:
@@ -124,8 +125,14 @@ def _absent(used: bridge.AttributeMap, own: Iterable[Child]) -> Iterator[str]:
 def _of_connections(used: bridge.AttributeMap, ways: Iterable[bool]) -> Iterator[str]:
     """Yields what a connection by the map will ask for."""
     if is_command(used.message):
-        stops = " and ".join("stopRos" if to_ros else "stopJaus" for to_ros in ways)
-        yield f"state what stops the command: {stops} (JML451)"
+        stops = {"stopRos" if to_ros else "stopJaus": to_ros for to_ros in ways}
+        yield f"state what stops the command: {' and '.join(stops)} (JML451)"
+        zeros = [name for name, to_ros in stops.items() if fills_rates_alone(used, to_ros=to_ros)]
+        if zeros:
+            yield (
+                f"all of its numbers are rates, so that {' and '.join(zeros)} of zeros may be what "
+                "stops it; write it if that is so for what you drive"
+            )
     elif False in ways:
         yield "state freshness, or whenStale: keep, for a topic that falls silent (JML455)"
 

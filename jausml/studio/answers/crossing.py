@@ -290,7 +290,7 @@ def _option(
     bridged = name_of(owner) if isinstance(owner, bridge.Bridge) else "a new bridge"
     why = f"{offer.why(name_of(component))}; {_style(offer)} through {bridged}"
     if offer.exchange == MESSAGE and used is not None and not stop_in(used, to_ros=offer.to_ros):
-        why += "; the map has no stop, say what holds when the source falls silent"
+        why += "; nothing stops it when its source is lost: that is for you to decide"
     label = f"{name_of(offer.message)} by {how} ({ros_name(draft.type)})"
     return Option(label, why, draft.preview(), commands)
 

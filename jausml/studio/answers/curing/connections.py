@@ -12,6 +12,7 @@ from jausml.model.names import name_of
 from jausml.semantics.attributes import NUMBER, Attribute
 from jausml.semantics.jaus_paths import JausPlace
 from jausml.semantics.paths import outer_scope, target_paths
+from jausml.semantics.rates import fills_rates_alone
 from jausml.semantics.ros_paths import RosPlace
 from jausml.semantics.services import find_same, inputs, outputs
 from jausml.studio.answers.curing.found import unset
@@ -27,13 +28,13 @@ _PERIODS = 3
 
 
 def stop(found: Found) -> Iterator[Cure]:
-    """Adds a stop: zero for each number that commands fill."""
+    """Adds a stop, where zeros can be one: all numbers that commands fill are rates."""
     connection = found.element
     to_ros = connection.direction.name == "jausToRos"
     used = connection.map
     values = [] if to_ros else list(_zeros(used))
     feature = "stopRos" if to_ros else "stopJaus"
-    if getattr(used, feature) is not None:
+    if getattr(used, feature) is not None or not fills_rates_alone(used, to_ros=to_ros):
         return
     children = tuple(
         Child("values", "bridge.ConstantAssignment", {"target": (path,), "value": ("0",)})

@@ -64,6 +64,9 @@ def commands_stop(subject: Subject) -> Iterator[Finding]:
 def holds_explained(subject: Subject) -> Iterator[Finding]:
     """A command that outlasts its source does so for a stated reason, and sends no stop.
 
+    The reason is something that a person knows about the receiver. The words that former versions
+    of jausml proposed are none.
+
     Bad: `onSilence="hold"` without `holdReason`, or with a `safeValue`
 
     Good: `onSilence="hold" holdReason="the planner of the vehicle drives to the goal by itself"`
@@ -77,9 +80,13 @@ def holds_explained(subject: Subject) -> Iterator[Finding]:
         elif connection.safeValue:
             message = f"'{connection.name}' holds, so its safe value is never sent"
             yield Finding(connection, message, "onSilence", "take one of them")
-        elif not stops.hold_reason(connection).strip():
+        elif not (reason := stops.hold_reason(connection).strip()):
             message = f"'{connection.name}' holds, but says no reason"
             yield Finding(connection, message, "onSilence", "say in holdReason why that is safe")
+        elif not stops.is_reason(reason):
+            message = f"'{connection.name}' holds, but '{reason}' is no reason that a person gave"
+            hint = "say in holdReason what you know about the receiver"
+            yield Finding(connection, message, "holdReason", hint)
 
 
 @rule("JML453", Severity.WARNING, "stop that silence does not send")

@@ -1,0 +1,31 @@
+"""Zeros stop a command of which all numbers are rates, and no other."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from jausml.metamodel.classes import bridge
+from jausml.model import read_models
+from jausml.semantics.rates import fills_rates_alone
+from jausml.text.notation import NOTATIONS
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [("velocity_command", True), ("local_waypoint", False), ("wrench_effort", True)],
+)
+def test_of_ready_maps(tmp_path: Path, name: str, expected: bool) -> None:
+    path = tmp_path / "m.ros2jaus"
+    path.write_text(
+        "import mappings.velocity_state_driver\nimport mappings.local_waypoint_driver\n"
+        "import mappings.primitive_driver\nbridge b { address: 1.1.1 }\n",
+        encoding="utf-8",
+    )
+    model = read_models([path], notations=NOTATIONS).model
+    used = next(each for each in model.instances(bridge.AttributeMap) if each.name == name)
+    assert fills_rates_alone(used, to_ros=True) is expected
