@@ -1,7 +1,7 @@
-"""A lamp of the live tests that answers, refuses or is silent, as its standard input says.
+"""A lamp of the live tests that answers, refuses, is late or silent, as its standard input says.
 
-Lines of standard input are modes: `answer`, `refuse`, `silent`. One line of JSON on standard output
-for each message that it takes.
+Lines of standard input are modes: `answer`, `refuse`, `late`, `silent`. One line of JSON on
+standard output for each message that it takes.
 """
 
 from __future__ import annotations
@@ -17,6 +17,9 @@ SERVICES = [
     *core(*FOUND),
     ServiceIdentity("urn:jausml:tests:Lamp", 1, 0),
 ]
+
+LATE = 1.6
+"""Seconds after which it answers when it is late: longer than the bridge waits."""
 
 
 class Lamp(JausComponent):
@@ -44,6 +47,9 @@ class Lamp(JausComponent):
         say("set", sender=str(sender), brightness=message.brightness)
         if self.mode == "refuse":
             self.send(RejectLamp(response_code=7), sender)
+        elif self.mode == "late":
+            kind = ConfirmLamp if message.brightness else RejectLamp
+            self.loop.call_later(LATE, lambda: self.send(kind(), sender))
         elif self.mode == "answer":
             self.brightness = message.brightness
             self.send(ConfirmLamp(brightness=self.brightness), sender)

@@ -185,6 +185,18 @@ def test_a_peer_that_is_silent_times_out_and_comes_back(system):
     wait_for(lambda: system.switched(data=True).success, "control of the new lamp")
 
 
+def test_a_late_answer_is_not_that_of_the_next_call(system):
+    lamp = system.lamp()
+    assert system.switched(data=True).success
+    system.mode(lamp, "late")
+    first = system.call("switch", data=True)
+    second = system.call("switch", data=False)  # which the lamp refuses, and was taken for done
+    assert (first.success, second.success) == (False, False)
+    assert [each["brightness"] for each in lamp.of_kind("set")] == [100, 100, 0]
+    system.mode(lamp, "refuse")
+    assert "with the code 7" in system.call("switch", data=True).message
+
+
 def test_a_command_is_sent_once(system):
     lamp = system.lamp()
     assert system.switched(data=True).success
@@ -209,8 +221,11 @@ def test_more_calls_than_are_carried_are_refused(system):
     assert not any(each.result().success for each in futures)
     refused = sum("64 calls are under way" in each for each in reasons)
     timed_out = sum("did not answer" in each for each in reasons)
+    unsent = sum("was not asked" in each for each in reasons)
     assert refused
-    assert refused + timed_out == 80
+    assert refused + timed_out + unsent == 80
+    # No more are said to be unanswered than there were questions, each repeated twice.
+    assert 0 < timed_out <= len(system.processes[1].of_kind("query"))
 
 
 def test_a_response_that_cannot_tell_of_failures_is_none(system):

@@ -34,6 +34,7 @@ MOST_CALLS = 64
 
 TOO_MANY = "too_many_calls"
 TIMED_OUT = "timed_out"
+NOT_ASKED = "not_asked"
 REJECTED = "rejected"
 ENDED = "ended"
 FAILED = "answer_not_delivered"
@@ -62,7 +63,7 @@ class Calls(Generic[CallT, AskingT]):
     Attributes:
         name: Name of the connection in the model.
         service: The service of ROS.
-        timeout: Seconds after which a call without an answer has failed.
+        timeout: Seconds after which a call without an answer has failed, once it was sent.
         statistics: What happened so far: calls as arrivals, those that were answered as passed.
         is_command: Whether the calls set something in motion.
         form: Form in which the translations run.
@@ -90,7 +91,7 @@ class Calls(Generic[CallT, AskingT]):
             request: The translation of requests, or what asks without one.
             response: The translation of responses, or the JAUS message that answers without one;
                 None where nothing answers.
-            timeout: Seconds after which a call without an answer has failed.
+            timeout: Seconds after which a call without an answer has failed, once it was sent.
             is_command: Whether the calls set something in motion.
             priority: Priority of JAUS messages (AS5669A).
         """

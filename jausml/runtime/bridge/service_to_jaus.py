@@ -5,11 +5,13 @@ from __future__ import annotations
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
+from ..clients.exchanges import Unanswered
 from ..services.definitions import Guard
 from ..transports.packets.packet import Priority
 from .call_translation import CallFailedError, CallTranslation
 from .calls import (
     FAILED,
+    NOT_ASKED,
     NOT_TRANSLATED,
     REJECTED,
     TIMED_OUT,
@@ -156,9 +158,13 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
             priority=self._priority,
         )
 
-    def _answered(self, call: ServedCall, peer: JausAddress, payload: bytes | None) -> None:
-        if payload is None:
+    def _answered(self, call: ServedCall, peer: JausAddress, payload: bytes | Unanswered) -> None:
+        if payload is Unanswered.SILENT:
             self._fail(call, TIMED_OUT, f"{peer} did not answer within {self.timeout:g} s")
+            return
+        if payload is Unanswered.UNSENT:
+            late = f"{peer} was not asked: answers to calls before it are due"
+            self._fail(call, NOT_ASKED, f"{late} for {self.timeout:g} s")
             return
         rejection = self._rejections.get(payload[0] | payload[1] << 8)
         if rejection is not None:

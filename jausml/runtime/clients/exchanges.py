@@ -1,12 +1,16 @@
 """Exchanges: a message to a component, and the one that answers it.
 
 Messages of JAUS do not say which question they answer. So those of one component that may have the
-same answer wait for each other.
+same answer wait for each other. One that ends without its answer is not forgotten then: each
+message that was sent owes an answer, which may be late. Nothing for which that could be taken is
+sent before it has come, or a stated time has passed.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
+from enum import Enum
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ..transports.packets.packet import Priority
@@ -22,28 +26,100 @@ if TYPE_CHECKING:
 ATTEMPTS = 3
 """How often a query is sent in the time that its answer has."""
 
+LATEST = 5
+"""How late an answer may be, in time-outs of its exchange."""
+
+
+class Unanswered(Enum):
+    """Why there is no answer."""
+
+    SILENT = "did not answer"
+    """The message was sent, and none came in time."""
+    UNSENT = "was not asked"
+    """Those that went before left no time; nothing was sent."""
+
 
 class Exchange:
-    """A message that waits for its answer; made by `Exchanges.ask`."""
+    """A message that waits for its turn, then for its answer; made by `Exchanges.ask`.
+
+    Attributes:
+        payload: The message.
+        codes: Codes of the messages that may answer.
+        end: Is given the answer, or why there is none.
+        timeout: Seconds for which it waits for its turn, and then for its answer.
+        is_query: Whether the message is a query.
+        priority: Priority of the message.
+        owed: Answers that may come, one for each time that it was sent.
+        is_over: Whether it has ended; what is owed may come still.
+        same_until: Until when the same question waits then, by the clock of the loop.
+        others_until: Until when others wait.
+        timers: What it waits for.
+    """
 
     def __init__(
         self,
         payload: bytes,
         answers: Sequence[type[Message]],
-        end: Callable[[bytes | None], None],
+        end: Callable[[bytes | Unanswered], None],
         *,
-        repeat: float | None,
+        timeout: float,
+        is_query: bool,
         priority: Priority,
     ) -> None:
         """Use `Exchanges.ask` instead."""
         self.payload = payload
         self.codes = frozenset(each.CODE for each in answers)
         self.end = end
-        self.repeat = repeat
+        self.timeout = timeout
+        self.is_query = is_query
         self.priority = priority
-        self.is_sent = False
+        self.owed = 0
         self.is_over = False
+        self.same_until = self.others_until = 0.0
         self.timers: list[Timer] = []
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether it was not sent yet."""
+        return not (self.owed or self.is_over)
+
+    def asks_the_same(self, other: Exchange) -> bool:
+        """Tells whether any answer to one is as good for the other."""
+        is_same = self.payload == other.payload and self.codes == other.codes
+        return is_same and self.is_query and other.is_query
+
+    def lets(self, following: Exchange, now: float) -> bool:
+        """Tells whether no answer that is owed to this one can be taken for that of another."""
+        if self.codes.isdisjoint(following.codes):
+            return True
+        until = self.same_until if self.asks_the_same(following) else self.others_until
+        return self.is_over and now >= until
+
+    def close(self, now: float, ending: bytes | Unanswered | None) -> None:
+        """Ends it.
+
+        Who has answered in time soon answers a repeated query too. Who was silent may come late;
+        the same question is asked again earlier, for a late answer is one to it as well.
+
+        Args:
+            now: Time of the loop.
+            ending: The answer, or why there is none; None if nobody waits for it any more.
+        """
+        self.is_over = True
+        self.same_until = now + (self.timeout if ending is Unanswered.SILENT else 0.0)
+        late = self.timeout * (1 if isinstance(ending, bytes) else LATEST)
+        self.others_until = max(self.others_until, now + late)
+
+    def take_over(self, former: Exchange) -> None:
+        """Has what is owed to the same question, asked before, owed to this one."""
+        self.owed += former.owed
+        self.others_until = max(self.others_until, former.others_until)
+
+    def stop_timers(self) -> None:
+        """Waits for nothing any more."""
+        for timer in self.timers:
+            timer.cancel()
+        self.timers.clear()
 
 
 class Exchanges:
@@ -56,7 +132,7 @@ class Exchanges:
             component: The component that asks.
         """
         self._component = component
-        self._open: dict[JausAddress, list[Exchange]] = defaultdict(list)
+        self._known: dict[JausAddress, list[Exchange]] = defaultdict(list)
         self._heard: set[type[Message]] = set()
 
     def listen(self, answers: Sequence[type[Message]]) -> None:
@@ -71,13 +147,13 @@ class Exchanges:
         target: JausAddress,
         payload: bytes,
         answers: Sequence[type[Message]],
-        end: Callable[[bytes | None], None],
+        end: Callable[[bytes | Unanswered], None],
         *,
         timeout: float,
         is_query: bool,
         priority: Priority = Priority.STANDARD,
     ) -> Callable[[], None]:
-        """Sends a message and waits for the answer.
+        """Sends a message when its turn has come, and waits for the answer.
 
         A query is repeated, since it does no harm twice; what commands is acknowledged by the
         transport of the target, and so takes effect once.
@@ -86,70 +162,109 @@ class Exchanges:
             target: The component that is asked.
             payload: The message.
             answers: The messages that may answer, to which `listen` listens.
-            end: Is given the answer, or None when there was none in time.
-            timeout: Seconds until then, with the time for which the message waits for others.
+            end: Is given the answer, or why there is none.
+            timeout: Seconds for which it waits for its turn at most, and then for its answer.
             is_query: Whether the message is a query.
             priority: Priority of the message (AS5669A).
 
         Returns:
             What ends the exchange without an answer; `end` is not called then.
         """
-        repeat = timeout / ATTEMPTS if is_query else None
-        asked = Exchange(payload, answers, end, repeat=repeat, priority=priority)
-        self._open[target].append(asked)
-        loop = self._component.loop
-        asked.timers.append(loop.call_later(timeout, lambda: self._finish(target, asked, None)))
+        asked = Exchange(
+            payload, answers, end, timeout=timeout, is_query=is_query, priority=priority
+        )
+        self._known[target].append(asked)
+        self._end_in(timeout, target, asked, Unanswered.UNSENT)
         self._go_on(target)
 
         def forget() -> None:
-            self._forget(target, asked)
+            self._close(target, asked, None)
 
         return forget
 
     def _go_on(self, target: JausAddress) -> None:
-        """Sends what waits for no other exchange, in the order in which it was asked for."""
-        busy: set[int] = set()
-        for each in list(self._open.get(target, ())):
-            if not each.is_sent and busy.isdisjoint(each.codes):
-                each.is_sent = True
+        """Sends what may be sent, in the order in which it was asked for."""
+        now = self._component.loop.now()
+        former: list[Exchange] = []
+        for each in tuple(self._known.get(target, ())):
+            if each.is_waiting and all(one.lets(each, now) for one in former):
+                each.stop_timers()
+                for one in former:
+                    if one.asks_the_same(each):
+                        each.take_over(one)
+                        self._drop(target, one)
                 self._send(target, each)
-            busy |= each.codes
+                self._end_in(each.timeout, target, each, Unanswered.SILENT)
+            former.append(each)
 
     def _send(self, target: JausAddress, asked: Exchange) -> None:
         component = self._component
+        asked.owed += 1
         component.transport.send(
             component.address,
             target,
             asked.payload,
             priority=asked.priority,
-            acknowledge=asked.repeat is None,
+            acknowledge=not asked.is_query,
         )
-        if asked.repeat is not None:
-            again = component.loop.call_later(asked.repeat, lambda: self._send(target, asked))
-            asked.timers.append(again)
+        if asked.is_query:
+            again = partial(self._send, target, asked)
+            asked.timers.append(component.loop.call_later(asked.timeout / ATTEMPTS, again))
+
+    def _end_in(self, delay: float, target: JausAddress, asked: Exchange, why: Unanswered) -> None:
+        end = partial(self._finish, target, asked, why)
+        asked.timers.append(self._component.loop.call_later(delay, end))
 
     def _answered(self, payload: bytes, sender: JausAddress) -> None:
+        """Takes an answer for the one that has waited for it the longest."""
         code = payload[0] | payload[1] << 8
-        for each in self._open.get(sender, ()):
-            if each.is_sent and code in each.codes:
-                self._finish(sender, each, payload)
+        for each in self._known.get(sender, ()):
+            if each.owed and code in each.codes:
+                each.owed -= 1
+                if each.is_over:
+                    self._note_late(sender, each)
+                else:
+                    self._finish(sender, each, payload)
                 return
 
-    def _finish(self, target: JausAddress, asked: Exchange, payload: bytes | None) -> None:
-        if self._forget(target, asked):
-            asked.end(payload)
+    def _note_late(self, sender: JausAddress, asked: Exchange) -> None:
+        """Lets others go on when nothing is owed any more."""
+        self._component.counters.add("exchanges.late_answer")
+        if not asked.owed:
+            self._drop(sender, asked)
+            self._component.loop.call_soon(partial(self._go_on, sender))
 
-    def _forget(self, target: JausAddress, asked: Exchange) -> bool:
+    def _finish(self, target: JausAddress, asked: Exchange, ending: bytes | Unanswered) -> None:
+        if self._close(target, asked, ending):
+            asked.end(ending)
+
+    def _close(
+        self, target: JausAddress, asked: Exchange, ending: bytes | Unanswered | None
+    ) -> bool:
         """Ends an exchange, and lets those that wait for it go on; False when it has ended."""
         if asked.is_over:
             return False
-        asked.is_over = True
-        for timer in asked.timers:
-            timer.cancel()
-        waiting = self._open[target]
-        waiting.remove(asked)
-        if waiting:
-            self._component.loop.call_soon(lambda: self._go_on(target))
+        loop = self._component.loop
+        asked.stop_timers()
+        asked.close(loop.now(), ending)
+        go_on = partial(self._go_on, target)
+        if asked.owed:
+            lapse = partial(self._lapse, target, asked)
+            asked.timers.append(loop.call_at(asked.same_until, go_on))
+            asked.timers.append(loop.call_at(asked.others_until, lapse))
         else:
-            del self._open[target]
+            self._drop(target, asked)
+        loop.call_soon(go_on)
         return True
+
+    def _lapse(self, target: JausAddress, asked: Exchange) -> None:
+        """Waits no longer for what is owed."""
+        self._drop(target, asked)
+        self._go_on(target)
+
+    def _drop(self, target: JausAddress, asked: Exchange) -> None:
+        asked.stop_timers()
+        known = self._known[target]
+        known.remove(asked)
+        if not known:
+            del self._known[target]

@@ -125,18 +125,21 @@ class ManagementService:
         return Guard.ANY if anyone else Guard.CONTROLLED
 
     def _shutdown(self, _message: Shutdown, sender: JausAddress) -> None:
-        if self.status in (Status.READY, Status.EMERGENCY):
-            LOGGER.info("%s is shut down by %s", self._component.address, sender)
-            self.shut_down(Reject.CONTROL_RELEASED if self._is_1_0 else Reject.NOT_AVAILABLE)
+        if self.status not in (Status.READY, Status.EMERGENCY):
+            self._ignored("shutdown", sender)
+            return
+        LOGGER.info("%s is shut down by %s", self._component.address, sender)
+        self.shut_down(Reject.CONTROL_RELEASED if self._is_1_0 else Reject.NOT_AVAILABLE)
 
     def _reset(self, _message: Reset, sender: JausAddress) -> None:
         if self.status is Status.STANDBY and self._is_1_0:
+            self._ignored("reset", sender)
             return
         was_emergency = self.status is Status.EMERGENCY
         if was_emergency and self._interrupted[0] in FINAL:
             # JAUS-DEVIATION: AS5710 v1.0 resets from any emergency; a component that has failed or
             # was shut down, which no Reset revives, must not be revived by way of an emergency.
-            self._component.counters.count("management.reset_ignored", f"Reset of {sender}")
+            self._ignored("reset", sender)
             return
         self._enter(Status.INITIALIZE)
         self._access.drop(Reject.CONTROL_RELEASED)
@@ -144,6 +147,11 @@ class ManagementService:
             self._component.call(self._component.on_emergency, False)  # noqa: FBT003
         if self.status is Status.INITIALIZE:  # no hook has reported a failure meanwhile
             self.initialize()
+
+    def _ignored(self, name: str, sender: JausAddress) -> None:
+        """Count what the controller demands and the standard has no transition for."""
+        detail = f"of {sender} in {self.status.name}"
+        self._component.counters.count(f"management.{name}_ignored", detail)
 
     def _set_emergency(self, message: SetEmergency, sender: JausAddress) -> None:
         if message.emergency_code not in EMERGENCY_CODES:

@@ -128,6 +128,7 @@ LIFE = (
         *controlled(),
         when=("client", Shutdown()),
         status=Status.STANDBY,
+        counted="management.shutdown_ignored",
         controller="client",
     ),
     row(
