@@ -126,20 +126,20 @@ class ManagementService:
 
     def _shutdown(self, _message: Shutdown, sender: JausAddress) -> None:
         if self.status not in (Status.READY, Status.EMERGENCY):
-            self._ignored("shutdown", sender)
+            self._ignored("management.shutdown_ignored", sender)
             return
         LOGGER.info("%s is shut down by %s", self._component.address, sender)
         self.shut_down(Reject.CONTROL_RELEASED if self._is_1_0 else Reject.NOT_AVAILABLE)
 
     def _reset(self, _message: Reset, sender: JausAddress) -> None:
         if self.status is Status.STANDBY and self._is_1_0:
-            self._ignored("reset", sender)
+            self._ignored("management.reset_ignored", sender)
             return
         was_emergency = self.status is Status.EMERGENCY
         if was_emergency and self._interrupted[0] in FINAL:
             # JAUS-DEVIATION: AS5710 v1.0 resets from any emergency; a component that has failed or
             # was shut down, which no Reset revives, must not be revived by way of an emergency.
-            self._ignored("reset", sender)
+            self._ignored("management.reset_ignored", sender)
             return
         self._enter(Status.INITIALIZE)
         self._access.drop(Reject.CONTROL_RELEASED)
@@ -150,8 +150,7 @@ class ManagementService:
 
     def _ignored(self, name: str, sender: JausAddress) -> None:
         """Count what the controller demands and the standard has no transition for."""
-        detail = f"of {sender} in {self.status.name}"
-        self._component.counters.count(f"management.{name}_ignored", detail)
+        self._component.counters.count(name, f"of {sender} in {self.status.name}")
 
     def _set_emergency(self, message: SetEmergency, sender: JausAddress) -> None:
         if message.emergency_code not in EMERGENCY_CODES:
