@@ -103,7 +103,7 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         self._plain = None
         age = self.make_age()
         if age is not None:
-            self._shaping.open(self.name, ends, age, self.choose_way)
+            self._shaping.open(self.name, ends, age, self.choose_way, self.judge_silence)
 
     def declare(self, ends: Ends) -> None:
         """Declares the parameters of the connection, and reads what they say."""

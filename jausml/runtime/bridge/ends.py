@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .service_client import RosService, ServiceClient
     from .settings import BridgeSettings
     from .simulation import Simulation
+    from .stopping import Stopping
     from .topics import Topic, TopicCounts
 
 
@@ -160,7 +161,17 @@ class ReportHolder:
     """
 
     value: bytes | None = None
-    feeder: object = None
+    feeder: Stopping | None = None
+
+    def present(self) -> bytes | None:
+        """Returns the report that counts now.
+
+        What is too old is withdrawn here too: after a halt of the process, whoever asks may come
+        before the timer of the silence.
+        """
+        if self.feeder is not None:
+            self.feeder.judge_silence()
+        return self.value
 
 
 class Feed(Protocol):

@@ -84,13 +84,21 @@ class Shaping:
         self._age: Age
         self._way: Take
         self._reshaped: Callable[[], None]
+        self._judge_silence: Callable[[], None]
         self._skipped = 0
         self._is_usable = False
         self._passed = -math.inf
         self._waiting: Waiting | None = None
         self._timer: Timer | None = None
 
-    def open(self, name: str, ends: Ends, age: Age, reshaped: Callable[[], None]) -> None:
+    def open(
+        self,
+        name: str,
+        ends: Ends,
+        age: Age,
+        reshaped: Callable[[], None],
+        judge_silence: Callable[[], None],
+    ) -> None:
         """Reads what parameters say.
 
         Args:
@@ -98,8 +106,10 @@ class Shaping:
             ends: The bridge, whose two sides are there.
             age: Tells the age of a message.
             reshaped: Called when other messages shall pass than before.
+            judge_silence: Withdraws what waits if the source is silent.
         """
         self._ends, self._age, self._reshaped = ends, age, reshaped
+        self._judge_silence = judge_silence
         self._skipped, self._is_usable, self._passed = 0, False, -math.inf
         shape, declare = self._shape, ends.ros.parameter
         self._shape = Shape(
@@ -190,6 +200,7 @@ class Shaping:
         if self._ends.clock.now() < self._due:
             self._timer = self._ends.clock.call_at(self._due, self._arrange)
             return
+        self._judge_silence()
         waiting, self._waiting = self._waiting, None
         if waiting is not None:
             now = self._ends.clock.now()

@@ -141,7 +141,7 @@ class SharedMessages:
         """
         if query not in self._reports:
             holder = self._reports[query] = ReportHolder()
-            self._component.provide(query, report, lambda _query, _sender: holder.value)
+            self._component.provide(query, report, lambda _query, _sender: holder.present())
         return self._reports[query]
 
 

@@ -169,6 +169,16 @@ class Stopping:
             if self.is_command:
                 self._log_silence()
 
+    def judge_silence(self) -> None:
+        """Does what is due when the source is silent, without waiting for the timer.
+
+        To be called before what the source said is used again: when the process stood still, other
+        timers may be earlier.
+        """
+        is_minded = self.silence_timeout > 0 and self.stopped is None
+        if is_minded and self.statistics.heard + self.silence_timeout <= self._ends.clock.now():
+            self._check_silence()
+
     def _set_silence_timeout(self, seconds: float) -> None:
         with self._ends.loop.lock:
             self.silence_timeout = seconds

@@ -426,7 +426,7 @@ def test_pace_order_and_last_word(gaps, max_rate, decimation):
         counts.heard = clock.time
 
     shaping = Shaping(Shape(max_rate, decimation), counts, lambda *_: None)
-    shaping.open("any", OneBridge(), lambda *_: None, lambda: None)
+    shaping.open("any", OneBridge(), lambda *_: None, lambda: None, lambda: None)
     take = way if shaping.is_plain else shaping.before(way)
     with clock.loop:
         for number, gap in enumerate(gaps):

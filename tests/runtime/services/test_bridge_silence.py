@@ -2,10 +2,21 @@
 
 from __future__ import annotations
 
-from jausml.runtime import Guard
-from jausml.runtime.messages import SetTime
+import pytest
 
-from .bridge_support import CORE, OTHER, PEER, Number, command, event, minutes, safe
+from jausml.runtime import Guard, Shape
+from jausml.runtime.bridge.stops import StopReason
+from jausml.runtime.bridge.to_reports import TopicsToReport
+from jausml.runtime.bridge.topics import Topic
+from jausml.runtime.messages import (
+    CreateEvent,
+    Event,
+    QueryTime,
+    ReportTime,
+    SetTime,
+)
+
+from .bridge_support import CORE, OTHER, OWN, PEER, Number, command, event, minutes, safe
 
 
 def test_safe_value_once_then_recovery(world, setting):
@@ -78,3 +89,60 @@ def test_failing_safe_value_is_counted(world, setting):
     connection = setting.open(command(silence_timeout=1.0, safe_value=broken))
     world.run(2.0)
     assert setting.drops(connection) == {"translation_failed": 1}
+
+
+def halt(world, seconds):
+    """Lets time pass in which nothing runs, as in a process that was stopped."""
+    world.time += seconds
+    world.settle()
+
+
+def reported(value):
+    return ReportTime(time_stamp=ReportTime.TimeStamp(minutes=value))
+
+
+def events(peer):
+    return [each.report_message for each in peer.take() if isinstance(each, Event)]
+
+
+@pytest.mark.parametrize("empty", [None, ReportTime])
+def test_after_a_halt_no_old_report_is_sent_as_if_it_were_new(world, setting, empty):
+    """Timers of events may run before that of the silence: they judge the age themselves."""
+    peer = world.probe(str(PEER))
+    connection = setting.open(
+        TopicsToReport(
+            "heard",
+            lambda source: reported(int(source.data)),
+            query=QueryTime,
+            message=ReportTime,
+            type=Number,
+            topics=[Topic("numbers")],
+            freshness=1.0,
+            empty=empty,
+        ),
+        services=CORE,
+    )
+    setting.ros.deliver["numbers"](Number(7.0))
+    query = QueryTime(presence_vector=1).encode()
+    create = CreateEvent(event_type=0, requested_periodic_rate=20.0, query_message=query)
+    peer.send(create, OWN)
+    world.run(0.5)
+    known = events(peer)
+    assert len(known) > 5
+    assert set(known) == {reported(7).encode()}
+    halt(world, 5.0)
+    world.run(0.5)
+    assert set(events(peer)) == ({empty().encode()} if empty else set())
+    assert connection.stopped is StopReason.SILENCE
+    setting.ros.deliver["numbers"](Number(8.0))
+    world.run(0.2)
+    assert events(peer)[-1] == reported(8).encode()
+
+
+def test_after_a_halt_no_command_passes_that_waited_for_its_pace(world, setting):
+    peer = world.probe(str(PEER))
+    setting.open(command(silence_timeout=2.0, safe_value=safe, shape=Shape(max_rate=1.0)))
+    setting.ros.deliver["numbers"](Number(5.0))
+    setting.ros.deliver["numbers"](Number(6.0))
+    halt(world, 5.0)
+    assert peer.take() == [minutes(5), minutes(0)]
