@@ -17,7 +17,6 @@ from jausml.runtime.base.settings import (
     add_arguments,
     from_arguments,
 )
-from jausml.runtime.transports import address_book
 from jausml.runtime.transports.address_book import AddressBook
 from jausml.runtime.transports.allowed_hosts import AllowedHosts
 from jausml.runtime.transports.packets.packet import Packet
@@ -189,19 +188,6 @@ class TestFixedSources:
         book.configure({PEER: HERE})
         assert book.learn(PEER, THERE, 0.0)
         assert not book.learn(PEER, HERE, 1.0)
-
-    def test_many_names_do_not_push_out_who_is_heard(
-        self, book: AddressBook, counters: Counters, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
-        monkeypatch.setattr(address_book, "_MAX_LEARNT", 2)
-        first, second, third = (JausAddress(1, 1, number) for number in (1, 2, 3))
-        assert book.learn(first, HERE, 0.0)
-        assert book.learn(second, HERE, 1.0)
-        assert not book.learn(third, THERE, 9.0)
-        assert set(book.learnt) == {first, second}
-        assert book.learn(third, THERE, 10.0)
-        assert set(book.learnt) == {second, third}
-        assert counters.snapshot() == {REFUSED: 1, "transport.address_book_full": 1}
 
     @pytest.mark.parametrize("fixed", [False, True])
     def test_one_datagram_does_not_take_the_traffic_over(

@@ -22,6 +22,9 @@ JUDP_GROUP = "239.255.0.1"
 MAX_FRAGMENT_SIZE = 4079
 """Largest payload of one packet in bytes; Junior's receive buffer cuts longer datagrams."""
 
+LEAST_AMPLIFICATION = 3
+"""Least limit that lets a peer prove itself: the question, one repetition, and acknowledgements."""
+
 Endpoint = tuple[str, int]
 """IPv4 address (or host name in static entries) and UDP port."""
 
@@ -74,6 +77,13 @@ class TransportSettings:
             besides the interface itself; any when empty.
         fixed_sources: Whether a component that was heard from one endpoint is not heard from
             another one before the first was silent for `address_lifetime` (JTCP: has closed).
+        amplification_limit: Bytes that go to a UDP endpoint for each byte from it, until it has
+            acknowledged a number that it could not guess; 0 for no limit, and no proof.
+        max_peers: Components that are remembered, 16 to 65535, besides those of the address book
+            and those in control.
+        max_connections: JTCP connections at a time, 4 to 4096.
+        idle_timeout: Seconds after which a JTCP connection that nothing passes is closed; 0 for
+            never.
 
     Raises:
         ValueError: A value is out of its range.
@@ -101,6 +111,10 @@ class TransportSettings:
     node_manager_directory: str = ""
     allowed_hosts: tuple[str, ...] = ()
     fixed_sources: bool = False
+    amplification_limit: int = 3
+    max_peers: int = 1024
+    max_connections: int = 256
+    idle_timeout: float = 60.0
 
     def __post_init__(self) -> None:
         """Refuse values with which nothing could be exchanged."""
@@ -124,6 +138,15 @@ class TransportSettings:
         _check("send_buffer", self.send_buffer, 0, 1 << 30)
         _check("connection_timeout", self.connection_timeout, 0.01, 600)
         _check("standstill", self.standstill, 0, 3600)
+        _check("amplification_limit", self.amplification_limit, 0, 1000)
+        if 0 < self.amplification_limit < LEAST_AMPLIFICATION:
+            raise ValueError(
+                f"amplification_limit is {self.amplification_limit}; it must be 0 or at least"
+                f" {LEAST_AMPLIFICATION}, to leave room for the question and an answer"
+            )
+        _check("max_peers", self.max_peers, 16, 65535)
+        _check("max_connections", self.max_connections, 4, 4096)
+        _check("idle_timeout", self.idle_timeout, 0, 86400)
         _check("takeover_interval", self.takeover_interval, 0.05, 60)
         for address, (_, port) in self.address_book.items():
             if not address.is_concrete:

@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 import socket
 import sys
-from collections import OrderedDict
+from collections import Counter, OrderedDict
 from enum import Enum, auto
 from typing import TYPE_CHECKING
 
+from ..base.address import address_of
+from .proof import Claim
+
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from ..base.address import JausAddress
     from ..base.counters import Counters
@@ -19,7 +22,10 @@ if TYPE_CHECKING:
 SOURCE_REFUSED = "transport.source_refused"
 """Packets in the name of a component that is heard from elsewhere."""
 
-_MAX_LEARNT = 1024
+MAX_PEERS = 1024
+"""Components that are remembered besides those that have a place of their own."""
+
+_PROOF_LIFE = 60.0
 _NOWHERE: Endpoint = ("", 0)
 _LONG_AGO = -sys.float_info.max
 _SEARCH_INTERVAL = 1.0
@@ -43,16 +49,24 @@ class Entry:
         endpoint: Where it is; nowhere once it is forgotten.
         heard: When it was heard last; never while it is suspected to be elsewhere.
         asked: When it was asked last, in doubt.
-        spoke: When it was heard last before it was suspected.
+        spoke: When it was heard last before it was suspected, or proved where it is.
+        claim: What is owed while it has not proved where it is. It counts as never heard as
+            long, so that nothing goes to it by the short way.
     """
 
-    __slots__ = ("asked", "endpoint", "heard", "spoke")
+    __slots__ = ("asked", "claim", "endpoint", "heard", "spoke")
 
     def __init__(self, endpoint: Endpoint, heard: float) -> None:
         self.endpoint = endpoint
         self.heard = heard
         self.asked = -math.inf
         self.spoke = -math.inf
+        self.claim: Claim | None = None
+
+    @property
+    def latest(self) -> float:
+        """When it was heard last, whatever is thought of it."""
+        return max(self.heard, self.spoke)
 
 
 class AddressBook:
@@ -63,23 +77,41 @@ class AddressBook:
     component that restarted on another port or host is found again.
 
     By that, whoever sends in the name of a component takes its traffic over. Fixed endpoints are
-    learnt anew only after such a silence, and others do not push them out while they are heard.
+    learnt anew only after such a silence.
+
+    Places are lent. When all are taken, a component that has not proved where it is gives way to
+    the next one, and after those one of the host that has most; configured components and those
+    in control have places of their own. So nobody is locked out, whatever others send.
 
     Attributes:
         lifetime: Seconds of silence after which an endpoint is doubted.
         learnt: Components that were heard, the one silent longest first.
     """
 
-    def __init__(self, lifetime: float, counters: Counters, *, fixed: bool = False) -> None:
+    def __init__(
+        self,
+        lifetime: float,
+        counters: Counters,
+        *,
+        fixed: bool = False,
+        places: int = MAX_PEERS,
+        trusts: Callable[[Endpoint], bool] = lambda _endpoint: True,
+    ) -> None:
         """Start empty.
 
         Args:
             lifetime: Seconds of silence after which an endpoint is doubted.
             counters: Where changed and refused endpoints are counted.
             fixed: Whether an endpoint stands for as long as the component is heard from it.
+            places: Components that are remembered.
+            trusts: Whether components at an endpoint need not prove that they are there.
         """
         self.lifetime = lifetime
         self._fixed = fixed
+        self._places = places
+        self._trusts = trusts
+        self._claims: dict[str, OrderedDict[JausAddress, Entry]] = {}
+        self._kept: dict[JausAddress, JausAddress] = {}
         self._counters = counters
         self._configured: dict[JausAddress, Entry] = {}
         self.learnt: OrderedDict[int, Entry] = OrderedDict()
@@ -109,21 +141,66 @@ class AddressBook:
         """
         entry = self.learnt.get(address)
         if entry is None:
-            if len(self.learnt) >= _MAX_LEARNT and not self._forget(now):
-                self._counters.count(SOURCE_REFUSED, f"{address} at {endpoint}: too many others")
-                return False
+            self._make_room()
             entry = self.learnt[address] = Entry(self.find(address) or endpoint, now)
+            self._judge(address, entry, endpoint)
         elif self.refuses(address, entry, endpoint, now):
             return False
         else:
             self.learnt.move_to_end(address)
+            if entry.endpoint != endpoint or now - entry.latest > _PROOF_LIFE:
+                self._judge(address, entry, endpoint)
+        if entry.claim is None:
             entry.heard = now
+        else:
+            entry.spoke = now
         if entry.endpoint != endpoint:
             self._counters.count(
                 "transport.address_changed", f"{address} from {entry.endpoint} to {endpoint}"
             )
             entry.endpoint = endpoint
         return True
+
+    def prove(self, address: JausAddress, entry: Entry, now: float) -> None:
+        """Believe that a component is where it says."""
+        self._drop_claim(address, entry)
+        entry.heard = now
+
+    def keep_place(self, owner: JausAddress, address: JausAddress | None) -> None:
+        """Give a component a place of its own, instead of the one that an owner named before.
+
+        Args:
+            owner: Component of this process.
+            address: Who controls it; None for nobody.
+        """
+        if address is None:
+            self._kept.pop(owner, None)
+        else:
+            self._kept[owner] = address
+
+    def is_kept(self, address: JausAddress) -> bool:
+        """Return whether a component has a place of its own: it is configured or in control."""
+        return address in self._configured or address in self._kept.values()
+
+    def _judge(self, address: JausAddress, entry: Entry, endpoint: Endpoint) -> None:
+        """Decide whether a component must prove that it is at an endpoint."""
+        self._drop_claim(address, entry)
+        configured = self._configured.get(address)
+        is_stated = configured is not None and configured.endpoint == endpoint
+        if not is_stated and not self._trusts(endpoint):
+            entry.claim = Claim(endpoint[0])
+            entry.heard = -math.inf
+            self._claims.setdefault(endpoint[0], OrderedDict())[address] = entry
+
+    def _drop_claim(self, address: JausAddress, entry: Entry) -> None:
+        if entry.claim is None:
+            return
+        host = entry.claim.host
+        entry.claim = None
+        of_host = self._claims[host]
+        del of_host[address]
+        if not of_host:
+            del self._claims[host]
 
     def refuses(self, address: JausAddress, entry: Entry, endpoint: Endpoint, now: float) -> bool:
         """Return whether a component may not be heard from an endpoint; it is counted then.
@@ -142,24 +219,43 @@ class AddressBook:
 
     def _stands(self, entry: Entry, now: float) -> bool:
         """Return whether an endpoint is fixed, and nobody else can have it yet."""
-        return self._fixed and now - max(entry.heard, entry.spoke) < self.lifetime
+        return self._fixed and entry.claim is None and now - entry.latest < self.lifetime
 
-    def _forget(self, now: float) -> bool:
-        """Make room by the component that is silent longest; return whether that may be."""
-        forgotten = next(iter(self.learnt))
-        entry = self.learnt[forgotten]
-        if self._stands(entry, now):
-            return False
-        del self.learnt[forgotten]
+    def _make_room(self) -> None:
+        """Let a component give way when all places are taken."""
+        if len(self.learnt) < self._places:
+            return
+        own = {*self._configured, *self._kept.values()}
+        if len(self.learnt) - sum(each in self.learnt for each in own) < self._places:
+            return
+        forgotten = self._claimant(own) or self._silent_longest(own)
+        entry = self.learnt.pop(forgotten)
+        self._drop_claim(forgotten, entry)
         entry.endpoint = _NOWHERE
         self._counters.count("transport.address_book_full", f"forgot {forgotten}")
-        return True
+
+    def _claimant(self, own: set[JausAddress]) -> JausAddress | None:
+        """Return the oldest claim of the host that has most; None where nobody has any."""
+        for of_host in sorted(self._claims.values(), key=len, reverse=True):
+            for address in of_host:
+                if address not in own:
+                    return address
+        return None
+
+    def _silent_longest(self, own: set[JausAddress]) -> JausAddress:
+        """Return who is silent longest of the host that has most places."""
+        others = [each for each in self.learnt if each not in own]
+        sizes = Counter(self.learnt[each].endpoint[0] for each in others)
+        largest = max(sizes.values())
+        return address_of(
+            next(each for each in others if sizes[self.learnt[each].endpoint[0]] == largest)
+        )
 
     def suspect(self, address: JausAddress) -> None:
         """Doubt an endpoint at once, because the component failed to acknowledge."""
         entry = self.learnt.get(address) or self._configured.get(address)
         if entry is not None:
-            entry.spoke = max(entry.spoke, entry.heard)
+            entry.spoke = entry.latest
             entry.heard = -math.inf
             entry.asked = max(entry.asked, _LONG_AGO)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -96,6 +97,65 @@ class Transport(ABC):
         """
         del address
         return False
+
+    # ---- strangers --------------------------------------------------------------------------
+
+    def is_proved(self, address: JausAddress) -> bool:
+        """Return whether a component has proved where it is, or need not.
+
+        Only UDP has addresses that can be forged.
+
+        Args:
+            address: A component that was heard.
+        """
+        del address
+        return True
+
+    def place_of(self, address: JausAddress) -> tuple[str, str]:
+        """Return the host and the endpoint of a component, as budgets share what there is.
+
+        Args:
+            address: A component that was heard.
+        """
+        del address
+        return "", ""
+
+    def is_kept(self, address: JausAddress) -> bool:
+        """Return whether a component gives way to nobody: it is configured or in control.
+
+        Args:
+            address: A component that was heard.
+        """
+        del address
+        return False
+
+    def keep_place(self, owner: JausAddress, address: JausAddress | None) -> None:
+        """Let a component give way to nobody, instead of the one that an owner named before.
+
+        Args:
+            owner: Component of this process.
+            address: Who controls it; None for nobody.
+        """
+        del owner, address
+
+    def when_proved(self, listener: Callable[[JausAddress], None]) -> None:
+        """Call a listener when a component has proved where it is.
+
+        Args:
+            listener: Takes the component, on the loop's thread.
+        """
+        del listener
+
+    def silence_of(self, address: JausAddress) -> float:
+        """Return for how many seconds nothing came from a component; infinite if nothing did.
+
+        Args:
+            address: The component.
+        """
+        del address
+        return math.inf
+
+    # ---- messages ---------------------------------------------------------------------------
 
     def send(
         self,

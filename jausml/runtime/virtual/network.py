@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from functools import partial
 from struct import Struct
 from typing import TYPE_CHECKING, TypeAlias
@@ -177,7 +178,8 @@ class VirtualTransport(DatagramTransport):
         draw: Callable[[int], int],
     ) -> None:
         """Prepare a transport; ``VirtualWorld.transport`` makes it and opens it."""
-        super().__init__(settings, loop, station, draw)
+        # There are no strangers in a world, so that nobody has to prove where it is.
+        super().__init__(replace(settings, amplification_limit=0), loop, station, draw)
         self.station = station
 
     def open(self) -> None:

@@ -58,6 +58,10 @@ class World:
         self.arrival = Arrival()
         self.lost: Callable[[JausAddress, JausAddress, int], bool] = lambda *_: False
         self._receivers: dict[JausAddress, Receive] = {}
+        self.unproved: set[JausAddress] = set()
+        self.kept: dict[JausAddress, JausAddress | None] = {}
+        self.proof_listeners: list[Callable[[JausAddress], None]] = []
+        self.heard: dict[JausAddress, float] = {}
 
     @property
     def counters(self) -> Counters:
@@ -74,6 +78,25 @@ class World:
         """Messages are lost on their way to nobody."""
         return address not in self._receivers
 
+    def is_proved(self, address: JausAddress) -> bool:
+        return address not in self.unproved
+
+    def place_of(self, address: JausAddress) -> tuple[str, str]:
+        """A host for each subsystem, an endpoint for each node."""
+        return str(address.subsystem), f"{address.subsystem}.{address.node}"
+
+    def is_kept(self, address: JausAddress) -> bool:
+        return address in self.kept.values()
+
+    def keep_place(self, owner: JausAddress, address: JausAddress | None) -> None:
+        self.kept[owner] = address
+
+    def when_proved(self, listener: Callable[[JausAddress], None]) -> None:
+        self.proof_listeners.append(listener)
+
+    def silence_of(self, address: JausAddress) -> float:
+        return self.time - self.heard.get(address, -1e9)
+
     def double_of(self, _address: JausAddress) -> None:
         """Nobody else has an address here: it is attached once."""
 
@@ -89,6 +112,7 @@ class World:
     ) -> None:
         code = int.from_bytes(payload[:2], "little")
         self.log.append((source, destination, code))
+        self.heard[source] = self.time
         received = ReceivedMessage(source, destination, payload, priority, 0)
         reached = [
             address

@@ -70,6 +70,9 @@ class Inbox(Generic[Origin]):
         """Those of them that want payload and sender alone."""
         self.usual: dict[bytes, Any] = {}
         """What readers know of usual packets; emptied by whoever changes what it rests on."""
+        self.proves: Callable[[int, int], bool] = lambda _by, _sequence: False
+        """Told of an acknowledgement that no packet waits for; returns whether it proves who is
+        where."""
 
     @property
     def remembered(self) -> int:
@@ -237,7 +240,7 @@ class Inbox(Generic[Origin]):
         """
         if self._acknowledged(component, sequence, by):
             self._matched.count += 1
-        else:
+        elif not self.proves(by, sequence):
             self._counters.add("transport.unmatched_acknowledgement")
 
     def _on_marked_payload(

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from functools import partial
 from typing import TYPE_CHECKING
 
 from ..address_book import AddressBook
 from ..packets.messenger import Messenger
-from ..packets.packet import Packet, Priority
+from ..packets.packet import AckNak, Packet, Priority
 from ..transport import Transport
 from .sender import Sender
 
@@ -17,11 +18,15 @@ if TYPE_CHECKING:
     from ...base.address import JausAddress
     from ...base.loop import Loop
     from ...base.settings import Endpoint, TransportSettings
+    from ..address_book import Entry
     from ..delivery import OnResult, Receive, Take
     from ..packets.inbox import Inbox
     from .sender import Port
 
 _MAX_PREPARED = 1024
+
+LOOPBACK = "127."
+"""What the addresses of this host alone begin with."""
 
 _TIME_TO_ANSWER = 2.0
 """Seconds that a component has to answer the first message after a silence."""
@@ -54,12 +59,17 @@ class DatagramTransport(Transport):
         """
         super().__init__(settings, loop)
         self._book = AddressBook(
-            settings.address_lifetime, self.counters, fixed=settings.fixed_sources
+            settings.address_lifetime,
+            self.counters,
+            fixed=settings.fixed_sources,
+            places=settings.max_peers,
+            trusts=self._trusts,
         )
-        self._sender = Sender(loop, port, self._book)
+        self._sender = Sender(loop, port, self._book, settings.amplification_limit)
         self._messenger = Messenger(settings, loop, self._sender, draw)
         self.arrival = self._messenger.inbox.arrival
         self._inbox = self._messenger.inbox
+        self._inbox.proves = self._sender.prover.acknowledged
         self._prepared: dict[tuple[int, int, int], Callable[[bytes], None]] = {}
 
     def send(
@@ -126,7 +136,49 @@ class DatagramTransport(Transport):
                 return False
             entry = self._book.learnt.get(address)
             longest = self._book.lifetime + _TIME_TO_ANSWER
-            return entry is None or self.loop.now() - entry.heard > longest
+            if entry is None:
+                return True
+            heard = entry.heard if entry.claim is None else entry.spoke
+            return self.loop.now() - heard > longest
+
+    def is_proved(self, address: JausAddress) -> bool:
+        """Return whether a component is where it says; see ``Transport.is_proved``."""
+        entry = self._book.learnt.get(address)
+        return entry is None or entry.claim is None
+
+    def place_of(self, address: JausAddress) -> tuple[str, str]:
+        """Return where a component is; see ``Transport.place_of``."""
+        host, port = self._book.find(address) or ("", 0)
+        return host, f"{host}:{port}"
+
+    def is_kept(self, address: JausAddress) -> bool:
+        """Return whether a component has a place of its own; see ``Transport.is_kept``."""
+        return self._book.is_kept(address)
+
+    def keep_place(self, owner: JausAddress, address: JausAddress | None) -> None:
+        """Keep the place of a controller; see ``Transport.keep_place``."""
+        self._book.keep_place(owner, address)
+
+    def when_proved(self, listener: Callable[[JausAddress], None]) -> None:
+        """Tell of proofs; see ``Transport.when_proved``."""
+        self._sender.prover.listeners.append(listener)
+
+    def silence_of(self, address: JausAddress) -> float:
+        """Return how long a component was silent; see ``Transport.silence_of``."""
+        entry = self._book.learnt.get(address)
+        return math.inf if entry is None else self.loop.now() - entry.latest
+
+    def _trusts(self, endpoint: Endpoint) -> bool:
+        """Return whether an endpoint needs no proof.
+
+        The kernel drops what comes from outside in the name of this host.
+        """
+        settings = self._settings
+        return (
+            not settings.amplification_limit
+            or endpoint[0] == settings.interface
+            or endpoint[0].startswith(LOOPBACK)
+        )
 
     def _attach(self, address: JausAddress, receive: Receive, take: Take | None) -> None:
         self._inbox.attach(address, receive, take)
@@ -145,4 +197,15 @@ class DatagramTransport(Transport):
         now = self.loop.now()
         if not self._book.learn(packet.source, sender, now):
             return True
+        entry = self._book.learnt[packet.source]
+        if entry.claim is not None:
+            return self._take_unproved(packet, sender, entry, now)
         return self._inbox.take(packet, sender, now)
+
+    def _take_unproved(self, packet: Packet, sender: Endpoint, entry: Entry, now: float) -> bool:
+        """Take a packet of a component that has not proved where it is: one may be the proof."""
+        asker = next((address for address, _ in self._inbox.receivers_of(packet)), None)
+        is_answer = packet.acknowledge >= AckNak.NAK
+        is_taken = is_answer and self._inbox.take(packet, sender, now)
+        self._sender.prover.heard(entry, packet, asker)
+        return is_taken if is_answer else self._inbox.take(packet, sender, now)

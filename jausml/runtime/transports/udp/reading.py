@@ -111,6 +111,7 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
             and stated != EMPTY_MESSAGE_SIZE
             and entry is not None
             and entry.endpoint == origin
+            and entry.claim is None
             and numbers
             and take is not None
             and not flags & _ANSWERS
@@ -211,6 +212,7 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
             or flags & _ACK != _ACK
             or entry is None
             or entry.endpoint != origin
+            or entry.claim is not None
             or destination not in inbox.receivers
             or source in inbox.receivers
             or origin in port.endpoints

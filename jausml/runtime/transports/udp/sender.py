@@ -17,6 +17,7 @@ from ..packets.packet import (
     AckNak,
     Broadcast,
 )
+from ..proof import Prover
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -52,17 +53,19 @@ class Port(Protocol):
 class Sender(Carrier[Endpoint]):
     """Sends each packet where its destination is, from any thread."""
 
-    def __init__(self, loop: Loop, port: Port, book: AddressBook) -> None:
+    def __init__(self, loop: Loop, port: Port, book: AddressBook, limit: int = 0) -> None:
         """Prepare to send.
 
         Args:
             loop: Its clock and counters are used.
             port: Sockets to send from.
             book: Where components are.
+            limit: Bytes to an endpoint without proof for each byte from it.
         """
         self._loop = loop
         self._port = port
         self._book = book
+        self.prover = Prover(book, loop, limit, self.put)
         self._socket_lock = threading.Lock()
         self._sent = loop.counters.tally("judp.sent")
 
@@ -77,6 +80,8 @@ class Sender(Carrier[Endpoint]):
         entry = self._book.learnt.get(destination)
         if entry is not None and self._loop.now() - entry.heard < self._book.lifetime:
             return self.put(packet.encode(), entry.endpoint)
+        if entry is not None and entry.claim is not None:
+            return self.prover.send(destination, entry, packet.encode())
         if destination.is_wildcard:
             packet = packet._replace(broadcast=Broadcast.GLOBAL)
             return self.put(packet.encode(), self._port.group)
@@ -95,7 +100,11 @@ class Sender(Carrier[Endpoint]):
 
     def answer(self, packet: Packet, origin: Endpoint) -> None:
         """Send a packet back to the endpoint that one came from."""
-        self.put(packet.encode(), origin)
+        entry = self._book.learnt.get(packet.destination)
+        if entry is not None and entry.claim is not None:
+            self.prover.send(packet.destination, entry, packet.encode())
+        else:
+            self.put(packet.encode(), origin)
 
     def suspect(self, destination: JausAddress) -> None:
         """Search for a destination that fails to acknowledge, from its next packet on."""

@@ -1,0 +1,242 @@
+"""What a stranger gets: nothing much before it has proved where it is, and nobody else's place."""
+
+from __future__ import annotations
+
+import socket
+import sys
+
+import pytest
+from junior_peer import JuniorPeer
+
+from jausml.runtime import ServiceIdentity
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.counters import Counters
+from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.component.component import JausComponent
+from jausml.runtime.messages import CreateEvent, QueryStatus
+from jausml.runtime.transports.address_book import AddressBook
+from jausml.runtime.transports.packets.packet import AckNak, Packet, parse_datagram
+from jausml.runtime.transports.udp import datagrams
+
+ROBOT, STRANGER, FRIEND = (JausAddress(number, 1, 1) for number in (100, 66, 200))
+HOST, OTHER = "127.0.0.9", "127.0.0.8"
+SERVICES = tuple(
+    ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1)
+    for name in ("Transport", "Events", "AccessControl", "Management", "Discovery", "Liveness")
+)
+
+
+def identities(count: int) -> list[JausAddress]:
+    return [JausAddress(1000 + number, 1, 1) for number in range(count)]
+
+
+@pytest.fixture(autouse=True)
+def outside(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Treats all hosts but that of the interface as if they were on the network."""
+    monkeypatch.setattr(datagrams, "LOOPBACK", "nowhere")
+
+
+class Stranger:
+    """A socket on another host that says what it likes, and acknowledges if it likes."""
+
+    def __init__(self, port: int, host: str, *, acknowledges: bool) -> None:
+        self.sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.sock.bind((host, 0))
+        self.sock.settimeout(0.01)
+        self._to = ("127.0.0.1", port)
+        self._acknowledges = acknowledges
+        self.sent = self.received = 0
+        self.numbers: list[int] = []
+        self.payloads: list[bytes] = []
+
+    def send(self, source: JausAddress, payload: bytes, number: int = 1, **marks) -> None:
+        data = Packet(ROBOT, source, payload, number, **marks).encode()
+        self.sent += len(data)
+        self.sock.sendto(data, self._to)
+
+    def take(self) -> None:
+        """Takes what has come, and acknowledges."""
+        while True:
+            try:
+                data = self.sock.recv(65535)
+            except TimeoutError:
+                return
+            self.received += len(data)
+            for packet in parse_datagram(data, Counters()):
+                self.payloads.append(packet.payload)
+                if packet.acknowledge == AckNak.REQUESTED:
+                    self.numbers.append(packet.sequence)
+                    if self._acknowledges:
+                        self.send(packet.destination, b"", packet.sequence, acknowledge=AckNak.ACK)
+
+
+@pytest.fixture
+def stranger(robot):
+    made = []
+
+    def make(host: str = HOST, *, acknowledges: bool = False) -> Stranger:
+        made.append(Stranger(robot.transport.endpoint[1], host, acknowledges=acknowledges))
+        return made[-1]
+
+    yield make
+    for each in made:
+        each.sock.close()
+
+
+@pytest.fixture
+def robot(station):
+    here = station()
+    made = JausComponent(here.transport, ROBOT, name="robot", services=SERVICES)
+    made.start()
+    yield made
+    made.stop()
+
+
+def event(rate: float) -> bytes:
+    """Returns a request of the status at a rate."""
+    return CreateEvent(1, CreateEvent.EventType.PERIODIC_SC, rate, QueryStatus().encode()).encode()
+
+
+def count(robot: JausComponent, name: str) -> int:
+    return robot.counters.snapshot().get(name, 0)
+
+
+class TestProof:
+    def test_a_mute_one_gets_three_times_what_it_sent(self, robot, stranger, wait_until) -> None:
+        mute = stranger()
+        for number, each in enumerate(identities(20)):
+            mute.send(each, event(100.0), number)
+        wait_until(lambda: count(robot, "transport.unproved_dropped") > 100)
+        mute.take()
+        assert 0 < mute.received <= 3 * mute.sent
+
+    def test_one_that_acknowledges_gets_all_that_waited(self, robot, stranger, wait_until) -> None:
+        honest = stranger(acknowledges=True)
+        honest.send(STRANGER, event(100.0))
+        wait_until(lambda: honest.take() or len(honest.payloads) > 20)
+        assert robot.transport.is_proved(STRANGER)
+        assert count(robot, "transport.address_proved") == 1
+        assert count(robot, "transport.unmatched_acknowledgement") == 0
+
+    def test_a_guess_proves_nothing(self, robot, stranger, wait_until) -> None:
+        mute = stranger()
+        mute.send(STRANGER, QueryStatus().encode())
+        wait_until(lambda: mute.take() or mute.numbers)
+        for number in range(20):
+            guess = (mute.numbers[0] + 1 + number) & 0xFFFF
+            mute.send(STRANGER, b"", guess, acknowledge=AckNak.ACK)
+        wait_until(lambda: count(robot, "transport.unmatched_acknowledgement") == 20)
+        assert not robot.transport.is_proved(STRANGER)
+        # After so many wrong ones the right one does not count any more either.
+        mute.send(STRANGER, b"", mute.numbers[0], acknowledge=AckNak.ACK)
+        wait_until(lambda: count(robot, "transport.unmatched_acknowledgement") == 21)
+        assert not robot.transport.is_proved(STRANGER)
+
+    def test_another_endpoint_proves_itself_anew(self, robot, stranger, wait_until) -> None:
+        honest = stranger(acknowledges=True)
+        honest.send(STRANGER, QueryStatus().encode())
+        wait_until(lambda: honest.take() or robot.transport.is_proved(STRANGER))
+        thief = stranger(OTHER)
+        thief.send(STRANGER, QueryStatus().encode(), 2)
+        wait_until(lambda: not robot.transport.is_proved(STRANGER))
+        honest.send(STRANGER, QueryStatus().encode(), 3)
+        wait_until(lambda: honest.take() or robot.transport.is_proved(STRANGER))
+
+    def test_a_stated_peer_needs_none(self, station, wait_until) -> None:
+        settings = {STRANGER: (HOST, 4000)}
+        here = station(address_book=settings).attach(ROBOT)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+            sock.bind((HOST, 4000))
+            packet = Packet(ROBOT, STRANGER, QueryStatus().encode(), 1).encode()
+            sock.sendto(packet, here.transport.endpoint)
+            wait_until(lambda: here.payloads)
+        assert here.transport.is_proved(STRANGER)
+
+    def test_junior_proves_itself_by_what_it_does_anyway(self, station, free_port, wait_until):
+        here = station(port=free_port).attach(ROBOT)
+        with JuniorPeer(STRANGER, free_port) as junior:
+            assert junior.send(ROBOT, QueryStatus().encode(), acknowledge=True)
+            wait_until(lambda: here.transport.is_proved(STRANGER))
+            here.transport.send(ROBOT, STRANGER, QueryStatus().encode())
+            wait_until(lambda: QueryStatus().encode() in junior.payloads)
+
+    def test_usual_messages_of_a_proved_peer_call_nothing_of_it(
+        self, robot, stranger, wait_until
+    ) -> None:
+        honest = stranger(acknowledges=True)
+        honest.send(STRANGER, QueryStatus().encode())
+        wait_until(lambda: honest.take() or robot.transport.is_proved(STRANGER))
+        for number in (2, 3):
+            honest.send(STRANGER, QueryStatus().encode(), number)
+        wait_until(lambda: honest.take() or len(honest.payloads) >= 4)
+        called: set[str] = set()
+        budgets = ("proof.py", "address_book.py", "budgets.py", "fair_shares.py")
+
+        def note(frame, event, _argument) -> None:
+            if event == "call" and frame.f_code.co_filename.endswith(budgets):
+                called.add(frame.f_code.co_name)
+
+        before = len(honest.payloads)
+        robot.loop.call_soon(lambda: sys.setprofile(note))
+        for number in range(10, 20):
+            honest.send(STRANGER, QueryStatus().encode(), number)
+        wait_until(lambda: honest.take() or len(honest.payloads) == before + 10)
+        robot.loop.call_soon(lambda: sys.setprofile(None))
+        assert called == set()
+
+    @pytest.mark.parametrize("limit", [-1, 1, 2, 1001])
+    def test_a_limit_that_leaves_no_room_is_refused(self, limit: int) -> None:
+        with pytest.raises(ValueError, match="amplification_limit"):
+            TransportSettings(amplification_limit=limit)
+
+
+class TestPlaces:
+    @pytest.fixture(params=[False, True], ids=["newest", "fixed"])
+    def book(self, request: pytest.FixtureRequest) -> AddressBook:
+        trusts = lambda endpoint: endpoint[0].startswith("10.")  # noqa: E731
+        return AddressBook(10.0, Counters(), fixed=request.param, places=16, trusts=trusts)
+
+    def test_invented_names_push_out_each_other(self, book: AddressBook) -> None:
+        assert book.learn(FRIEND, ("10.0.0.1", 1), 0.0)
+        for number, each in enumerate(identities(100)):
+            assert book.learn(each, ("192.0.2.1", 1), float(number))
+        assert FRIEND in book.learnt
+        late = JausAddress(7, 1, 1)
+        assert book.learn(late, ("10.0.0.1", 2), 200.0)
+        assert {FRIEND, late} <= set(book.learnt)
+        assert len(book.learnt) == 16
+
+    def test_so_do_those_of_forged_hosts(self, book: AddressBook) -> None:
+        assert book.learn(FRIEND, ("10.0.0.1", 1), 0.0)
+        for number, each in enumerate(identities(100)):
+            assert book.learn(each, (f"192.0.2.{number}", 1), float(number))
+        assert FRIEND in book.learnt
+        assert len(book.learnt) == 16
+
+    def test_proved_ones_of_one_host_leave_room_for_another(self, book: AddressBook) -> None:
+        for number, each in enumerate(identities(100)):
+            assert book.learn(each, ("10.0.0.66", 1), float(number))
+        assert book.learn(FRIEND, ("10.0.0.1", 1), 100.0)
+        for number, each in enumerate(identities(100)):
+            assert book.learn(each, ("10.0.0.66", 1), 100.0 + number)
+        assert FRIEND in book.learnt
+
+    def test_stated_and_controlling_ones_have_places_of_their_own(self, book: AddressBook) -> None:
+        book.configure({FRIEND: ("10.0.0.1", 1)})
+        book.keep_place(ROBOT, STRANGER)
+        for each in (FRIEND, STRANGER):
+            assert book.learn(each, ("10.0.0.66", 1), 0.0)
+        for number, each in enumerate(identities(100)):
+            assert book.learn(each, ("10.0.0.66", 1), 1.0 + number)
+        assert {FRIEND, STRANGER} <= set(book.learnt)
+        assert len(book.learnt) == 18
+        book.keep_place(ROBOT, None)
+        assert book.learn(JausAddress(7, 1, 1), ("10.0.0.66", 1), 200.0)
+        assert STRANGER not in book.learnt
+
+    def test_who_has_proved_nothing_keeps_nobody_out(self) -> None:
+        book = AddressBook(10.0, Counters(), fixed=True, trusts=lambda _endpoint: False)
+        assert book.learn(FRIEND, ("192.0.2.1", 1), 0.0)
+        assert book.learn(FRIEND, ("10.0.0.1", 1), 0.1)
+        book.prove(FRIEND, book.learnt[FRIEND], 0.2)
+        assert not book.learn(FRIEND, ("192.0.2.1", 1), 0.3)
