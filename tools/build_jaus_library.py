@@ -25,6 +25,32 @@ Facts = Mapping[str, Any]
 
 FRAMES = Path(__file__).with_name("jaus_frames.ini")
 
+MOVES_NOTHING = frozenset(
+    [
+        "AddNoGoZone",
+        "CancelEvent",
+        "CreateCommandEvent",
+        "CreateEvent",
+        "DeleteElement",
+        "RegisterServices",
+        "RemoveDigitalResourceEndpoint",
+        "RemoveNoGoZone",
+        "ResetOdometry",
+        "SetAuthority",
+        "SetElement",
+        "SetEmergency",
+        "SetGeomagneticProperty",
+        "SetGlobalPose",
+        "SetLocalPose",
+        "SetTime",
+        "Standby",
+        "UpdateEvent",
+        "UpdateUGVSummary",
+    ]
+)
+"""Commands that set nothing in motion: they state where the vehicle is, what time it is or what is
+stored, or they stop. Elements of lists move nothing until ExecuteList (AS6009)."""
+
 
 @dataclass(frozen=True)
 class SetFile:
@@ -342,6 +368,8 @@ def message_element(tag: str, service: str, facts: Facts) -> Element:
     element = Element(tag, {"xmi:id": f"{service}.{name}", "name": name, "code": code})
     if facts["command"]:
         element.attributes["isCommand"] = "true"
+    if name in MOVES_NOTHING:
+        element.attributes["moves"] = "false"
     body = facts.get("body", {}).get("fields", [])
     element.children += [field_element("body", with_frames(name, field)) for field in body]
     return element

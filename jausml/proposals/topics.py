@@ -73,8 +73,9 @@ class Crossing:
     @property
     def has_no_stop(self) -> bool:
         """Whether it is a command that nothing in its map stops when its source is lost."""
-        commands = self.offer.exchange == MESSAGE and is_command(self.offer.message)
-        return commands and not stop_in(self.map, to_ros=self.offer.to_ros)
+        message = self.offer.message
+        moves = self.offer.exchange == MESSAGE and is_command(message) and message.moves
+        return moves and not stop_in(self.map, to_ros=self.offer.to_ros)
 
     @property
     def qos(self) -> dict[str, str]:

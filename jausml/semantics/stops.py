@@ -42,16 +42,22 @@ def is_command(connection: bridge.Connection) -> bool:
 
 
 def holds(connection: bridge.Connection) -> bool:
-    """Tells whether the last command stands when its source is lost, for a reason."""
+    """Tells whether the last command stands when its source is lost, for a reason.
+
+    What sets nothing in motion may stand: its definition says so, nobody has to decide it.
+    """
     if connection.onSilence.name == "hold":
         return True
     has_stop = connection.safeValue or stop_of_map(connection) is not None
-    return not has_stop and bool(connection.map.holdReason)
+    used = connection.map
+    return not has_stop and (bool(used.holdReason) or not used.message.moves)
 
 
 def hold_reason(connection: bridge.Connection) -> str:
     """Returns why the last command may stand; empty when nobody says it."""
-    return connection.holdReason or connection.map.holdReason or ""
+    used = connection.map
+    stated = connection.holdReason or used.holdReason
+    return stated or ("" if used.message.moves else f"{used.message.name} moves nothing")
 
 
 def stop_of_map(connection: bridge.Connection) -> bridge.Stop | None:

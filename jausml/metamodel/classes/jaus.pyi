@@ -196,6 +196,13 @@ class MessageDef(NamedElement):
     """True when the message is of the command class: a component obeys it only from its
     controller (AS5710, AccessControl)."""
 
+    moves: bool
+    """False for a command that sets nothing in motion, such as SetLocalPose, which states where the
+    vehicle is: nothing has to stop it.
+
+    A command of which nothing is said counts as one that moves.
+    """
+
     body: Field | None
     """The body: a record, list, variant or sequence, or a reference to a declared one.
 

@@ -124,7 +124,7 @@ def _absent(used: bridge.AttributeMap, own: Iterable[Child]) -> Iterator[str]:
 
 def _of_connections(used: bridge.AttributeMap, ways: Iterable[bool]) -> Iterator[str]:
     """Yields what a connection by the map will ask for."""
-    if is_command(used.message):
+    if is_command(used.message) and used.message.moves:
         stops = {"stopRos" if to_ros else "stopJaus": to_ros for to_ros in ways}
         yield f"state what stops the command: {' and '.join(stops)} (JML451)"
         zeros = [name for name, to_ros in stops.items() if fills_rates_alone(used, to_ros=to_ros)]

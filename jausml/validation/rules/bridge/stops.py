@@ -41,7 +41,7 @@ def commands_stop(subject: Subject) -> Iterator[Finding]:
     Otherwise the last command would stay in effect indefinitely: a vehicle drives on although its
     operator has released it, or has died. Either the connection has a `safeValue`, or its map a
     stop for the direction, or the last command stays in effect for a stated reason: `onSilence`
-    hold and `holdReason`.
+    hold and `holdReason`. A message whose definition says `moves` false needs no stop.
 
     Bad: the map of SetLocalWaypoint, which has no stop, without a word in the connection
 
@@ -57,6 +57,8 @@ def commands_stop(subject: Subject) -> Iterator[Finding]:
         message = f"nothing stops what {used.message.name} of '{connection.name}' sets in motion"
         hint = f"give it a safeValue, or the map a {'stopRos' if to_ros else 'stopJaus'}, "
         hint += "or say onSilence hold with a holdReason"
+        if not subject.model.is_library(used.message):
+            hint += f", or moves false of {used.message.name} if it sets nothing in motion"
         yield Finding(connection, message, "map", hint, (note,))
 
 
