@@ -177,6 +177,7 @@ class AccessControlService:
         self._component.send(ConfirmControl(response_code=code), client)
 
     def _controller_changed(self) -> None:
+        self._component.transport.keep_place(self._component.address, self.controller)
         self._component.call(self._component.on_controller_changed, self.controller)
         self._component.permissions_changed()
         self._component.core_state_changed()

@@ -129,7 +129,7 @@ class CommandEvents:
     def _added(
         self, client: JausAddress, message: Message, payload: bytes, handler: Handler
     ) -> _Command:
-        event_id = self._ids.take()
+        event_id = self._ids.take(client)
         command = self._commands[event_id] = _Command(event_id, client, message, payload, handler)
         return command
 

@@ -75,7 +75,10 @@ class ComponentSettings:
             0 means never (AS5710, QueryEventTimeout).
         event_rate_min: Slowest periodic event in Hz; slower requests get this rate.
         event_rate_max: Fastest periodic event in Hz; faster requests get this rate.
-        max_events: Events that the component serves at a time, 0 to 255.
+        event_rate_budget: Reports a second of all periodic events together; who asks for more
+            than a fair share gets less.
+        max_events: Events that the component serves at a time, 0 to 255. When all are taken, the
+            host that has most gives way to one that has fewer.
         heartbeat_rate: Rate in Hz of unrequested heartbeats, up to 100; 0 means
             never. None means 1 Hz if the component provides the service UnsolicitedHeartbeat of
             the IOP, and never if it does not.
@@ -109,6 +112,7 @@ class ComponentSettings:
     event_timeout: int = 1
     event_rate_min: float = 0.1
     event_rate_max: float = MAX_EVENT_RATE
+    event_rate_budget: float = 4000.0
     max_events: int = 255
     heartbeat_rate: float | None = None
     heartbeat_scope: Scope = Scope.SUBSYSTEM
@@ -131,6 +135,7 @@ class ComponentSettings:
         _check("event_timeout", self.event_timeout, 0, 255)
         _check("event_rate_max", self.event_rate_max, 0.02, MAX_EVENT_RATE)
         _check("event_rate_min", self.event_rate_min, 0.02, self.event_rate_max)
+        _check("event_rate_budget", self.event_rate_budget, 1, 255 * MAX_EVENT_RATE)
         _check("max_events", self.max_events, 0, 255)
         _check("heartbeat_rate", self.heartbeat_rate or 0.0, 0, 100)
         _check("heartbeat_scope", self.heartbeat_scope, Scope.SYSTEM, Scope.SUBSYSTEM)

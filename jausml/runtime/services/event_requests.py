@@ -8,6 +8,8 @@ from ..base.errors import JausError
 from ..messages import RejectEventRequest
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from ..base.address import JausAddress
     from .host import Host
 
@@ -35,18 +37,22 @@ class RequestError(JausError):
 class EventIds:
     """Hands out the ids that are free, each as late as possible after its last use."""
 
-    def __init__(self, limit: int) -> None:
+    def __init__(self, limit: int, make_room: Callable[[JausAddress], object]) -> None:
         """Start with all ids free.
 
         Args:
             limit: Most ids in use at a time, 0 to 255.
+            make_room: Gives an id back, if somebody must give way to a client.
         """
         self._limit = limit
+        self._make_room = make_room
         self._used: set[int] = set()
         self._next = 0
 
-    def take(self) -> int:
-        """Return a free id; raises RequestError when as many as allowed are in use."""
+    def take(self, client: JausAddress) -> int:
+        """Return a free id; raises RequestError when nobody has to give way to the client."""
+        if len(self._used) >= self._limit:
+            self._make_room(client)
         if len(self._used) >= self._limit:
             raise RequestError(RejectCode.CONNECTION_REFUSED, "too many events")
         while self._next in self._used:

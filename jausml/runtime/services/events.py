@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import struct
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..messages import (
     CancelEvent,
@@ -19,6 +19,7 @@ from ..messages import (
 )
 from ..wire.message import DecodeError, Message
 from ..wire.selection import asks_for_all
+from .budgets import Held, fair_rates, who_gives_way
 from .command_events import CommandEvents
 from .definitions import CORE, VERSION_1_1
 from .event_requests import EventIds, RejectCode, RequestError, reject
@@ -31,6 +32,13 @@ if TYPE_CHECKING:
     from ..base.simulated_clock import Timing
     from .dispatch import Provision
     from .host import Host
+
+_TIME_TO_PROVE_S = 5.0
+_UNPROVED_RATE = 1.0
+_SHARING_INTERVAL_S = 0.05
+_LEAST_RATE = 0.01
+
+T = TypeVar("T")
 
 PERIODIC = CreateEvent.EventType.PERIODIC_SC
 EVERY_CHANGE = CreateEvent.EventType.EVERY_CHANGE
@@ -58,6 +66,7 @@ class _Event:
     request_id: int
     setup: _Setup
     send: Callable[[bytes], None]
+    rate: float = 0.0
     sequence: int = 0
     last_report: bytes | None = None
     due: float = 0.0
@@ -85,7 +94,9 @@ class EventsService:
         self._settings = component.settings
         self._events: dict[int, _Event] = {}
         self._watchers: dict[int, list[_Event]] = {}
-        self._ids = EventIds(component.settings.max_events)
+        self._ids = EventIds(component.settings.max_events, self._make_room)
+        self._shares_at: Timer | None = None
+        self._is_cut = False
         self._is_1_1 = component.core_version("Events") >= VERSION_1_1
         self._timeout = component.settings.event_timeout if self._is_1_1 else 0
         self._commands = CommandEvents(component, self._ids)
@@ -101,6 +112,7 @@ class EventsService:
         component.handle(CreateEvent, self._create)
         component.handle(UpdateEvent, self._update)
         component.handle(CancelEvent, self._cancel)
+        component.transport.when_proved(self._client_proved)
         component.provide(
             QueryEvents, ReportEvents, self._report_events, periodic=False, every_change=False
         )
@@ -125,6 +137,9 @@ class EventsService:
         self._commands.stop()
         for event in list(self._events.values()):
             self._remove(event)
+        if self._shares_at is not None:
+            self._shares_at.cancel()
+            self._shares_at = None
 
     # ---- requests ---------------------------------------------------------------------------
 
@@ -201,14 +216,17 @@ class EventsService:
 
     def _add(self, client: JausAddress, request_id: int, setup: _Setup) -> _Event:
         send = self._component.transport.sender(self._component.address, client)
-        event = _Event(self._ids.take(), client, request_id, setup, send)
+        event = _Event(self._ids.take(client), client, request_id, setup, send)
         self._events[event.event_id] = event
+        if not self._component.transport.is_proved(client):
+            self._loop.call_later(_TIME_TO_PROVE_S, lambda: self._judge(event))
         return event
 
     def _apply(self, event: _Event, setup: _Setup, *, report: bool) -> None:
         """Confirm the request, then report and (re)start the timers."""
         rephase = event.timer is None or setup != event.setup
         event.setup = setup
+        event.rate = self._held(event).wanted
         self._index()
         self._restart_expiry(event)
         self._confirm(event.client, event.request_id, event.event_id, setup.rate)
@@ -235,12 +253,74 @@ class EventsService:
                 code = event.setup.provision.report_class.CODE
                 watchers.setdefault(code, []).append(event)
         self._watchers = watchers
+        self._plan_shares()
+
+    # ---- budgets ----------------------------------------------------------------------------
+
+    def _held(self, event: _Event) -> Held[_Event]:
+        """Return an event as budgets see it; without proof it wants one report a second."""
+        held = self._claim(event.client, event)
+        rate = event.setup.rate if held.is_proved else min(event.setup.rate, _UNPROVED_RATE)
+        return replace(held, wanted=rate)
+
+    def _claim(self, client: JausAddress, item: T) -> Held[T]:
+        transport = self._component.transport
+        place = (*transport.place_of(client), client)
+        return Held(item, place, transport.is_proved(client), transport.is_kept(client))
+
+    def _make_room(self, client: JausAddress) -> None:
+        """End an event, if one has to give way to a client."""
+        held = [self._held(each) for each in self._events.values()]
+        event = who_gives_way(held, self._claim(client, None))
+        if event is not None:
+            self._component.counters.count("events.gave_way", f"one of {event.client} to {client}")
+            self._end(event)
+
+    def _judge(self, event: _Event) -> None:
+        """End an event whose client had its time to prove where it is."""
+        is_living = self._events.get(event.event_id) is event
+        if is_living and not self._component.transport.is_proved(event.client):
+            self._component.counters.count("events.never_proved", str(event.client))
+            self._remove(event)
+
+    def _client_proved(self, client: JausAddress) -> None:
+        """Give a client the rate that it asked for, from now on."""
+        for event in self._events.values():
+            if event.client == client and event.setup.periodic:
+                event.rate = event.setup.rate
+                self._stop_timer(event)
+                event.due = self._clock.now()
+                self._schedule(event)
+        self._plan_shares()
+
+    def _plan_shares(self) -> None:
+        """Share the rates soon, where they are more than one component serves."""
+        wanted = sum(each.setup.rate for each in self._events.values())
+        is_due = self._is_cut or wanted > self._settings.event_rate_budget
+        if is_due and self._shares_at is None:
+            self._shares_at = self._loop.call_later(_SHARING_INTERVAL_S, self._share)
+
+    def _share(self) -> None:
+        """Set the rate of each event; a burst of requests is shared once."""
+        self._shares_at = None
+        held = [self._held(each) for each in self._events.values() if each.setup.periodic]
+        rates = fair_rates(held, self._settings.event_rate_budget)
+        cut = 0
+        for event, rate in rates:
+            event.rate = max(rate, _LEAST_RATE)
+            cut += rate < event.setup.rate
+        if cut and not self._is_cut:
+            self._component.counters.count(
+                "events.rate_cut",
+                f"{cut} of {len(rates)} events are slower than their clients ask for",
+            )
+        self._is_cut = bool(cut)
 
     # ---- reports ----------------------------------------------------------------------------
 
     def _schedule(self, event: _Event) -> None:
         """Set the timer one period on; periods that were missed are skipped, not made up for."""
-        period = 1.0 / event.setup.rate
+        period = 1.0 / event.rate
         event.due = max(event.due + period, self._clock.now())
         event.timer = self._clock.call_at(event.due, lambda: self._tick(event))
 
@@ -299,6 +379,10 @@ class EventsService:
 
     def _expire(self, event: _Event) -> None:
         self._component.counters.add("events.expired")
+        self._end(event)
+
+    def _end(self, event: _Event) -> None:
+        """End an event and tell its client."""
         self._remove(event)
         self._confirm(event.client, event.request_id, event.event_id)
 

@@ -1,0 +1,110 @@
+"""Budgets of events: slots are lent, and rates are filled like water, from hosts down to ids.
+
+There is no fixed share. Nobody is refused or cut while there is room; when there is none, the
+host gives way that has most, then its largest endpoint, then its largest id. A hundred components
+of one honest host so keep all that they ask for, and many sockets of one stranger get no more
+than one.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+if TYPE_CHECKING:
+    from collections.abc import Hashable, Mapping, Sequence
+
+    Place = tuple[Hashable, ...]
+
+LEVELS = 3
+"""Host, endpoint and id."""
+
+T = TypeVar("T")
+K = TypeVar("K", bound="Hashable")
+
+
+@dataclass(frozen=True, slots=True)
+class Held(Generic[T]):
+    """Something that holds a slot and asks for a rate.
+
+    Attributes:
+        item: What it is.
+        place: Whose it is: host, endpoint and id.
+        is_proved: Whether it is certain that they are there.
+        is_kept: Whether it gives way to nobody.
+        wanted: Reports a second that it asks for.
+    """
+
+    item: T
+    place: Place
+    is_proved: bool = True
+    is_kept: bool = False
+    wanted: float = 0.0
+
+
+def who_gives_way(held: Sequence[Held[T]], asker: Held[object]) -> T | None:
+    """Return what makes room for one more; None when nothing has to.
+
+    What is not proved goes first, whosever it is; a flood of forged requests thus takes its own
+    places only. For the same reason an asker without proof takes nothing from those who have one.
+
+    Args:
+        held: All that hold a slot, in the order in which they got it.
+        asker: Who asks for one.
+    """
+    left = [each for each in held if not each.is_kept]
+    unproved = [each for each in left if not each.is_proved]
+    if unproved:
+        left = unproved
+    elif not asker.is_proved:
+        return None
+    for level in range(LEVELS):
+        groups = _grouped(left, level)
+        if not groups:
+            return None
+        largest = max(groups, key=lambda each: len(groups[each]))
+        if largest != asker.place[level]:
+            own = len(groups.get(asker.place[level], ()))
+            is_fair = not unproved and not asker.is_kept and len(groups[largest]) <= own + 1
+            return None if is_fair else groups[largest][-1].item
+        left = groups[largest]
+    return left[-1].item if unproved or asker.is_kept else None
+
+
+def fair_rates(held: Sequence[Held[T]], capacity: float, level: int = 0) -> list[tuple[T, float]]:
+    """Share a rate max-min fairly: nobody is cut who asks for less than an equal share.
+
+    Args:
+        held: What asks.
+        capacity: What there is a second.
+        level: Level of the tree that it is shared by first.
+    """
+    if sum(each.wanted for each in held) <= capacity:
+        return [(each.item, each.wanted) for each in held]
+    if level == LEVELS:
+        shares = _filled({index: each.wanted for index, each in enumerate(held)}, capacity)
+        return [(each.item, shares[index]) for index, each in enumerate(held)]
+    groups = _grouped(held, level)
+    wanted = {who: sum(each.wanted for each in group) for who, group in groups.items()}
+    shared = _filled(wanted, capacity)
+    return [
+        rate for who, group in groups.items() for rate in fair_rates(group, shared[who], level + 1)
+    ]
+
+
+def _filled(wanted: Mapping[K, float], capacity: float) -> dict[K, float]:
+    """Fill shares like water, the smallest first; what is left goes to the others."""
+    shares: dict[K, float] = {}
+    ordered = sorted(wanted.items(), key=lambda each: each[1])
+    for index, (who, amount) in enumerate(ordered):
+        shares[who] = min(amount, capacity / (len(ordered) - index))
+        capacity -= shares[who]
+    return shares
+
+
+def _grouped(held: Sequence[Held[T]], level: int) -> dict[Hashable, list[Held[T]]]:
+    groups: dict[Hashable, list[Held[T]]] = defaultdict(list)
+    for each in held:
+        groups[each.place[level]].append(each)
+    return groups

@@ -1,0 +1,157 @@
+"""Budgets of events: who gives way, who gets how much, and what a client without proof gets."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from jausml.runtime import ComponentSettings
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.messages import (
+    ConfirmEventRequest,
+    CreateEvent,
+    Event,
+    QueryStatus,
+    QueryTimeout,
+    RejectEventRequest,
+    RequestControl,
+)
+from jausml.runtime.services.budgets import Held, fair_rates, who_gives_way
+
+ROBOT = JausAddress(1, 1, 1)
+RATES = st.floats(0.1, 1092.0)
+PLACES = st.tuples(*[st.integers(0, 3)] * 3).map(lambda each: (each[0], each[:2], each))
+
+
+def create(rate=20.0, query=QueryStatus):
+    return CreateEvent(1, CreateEvent.EventType.PERIODIC_SC, rate, query().encode())
+
+
+def reports(probe):
+    return sum(isinstance(each, Event) for each in probe.take())
+
+
+def kinds(answers):
+    return {type(each) for each in answers}
+
+
+class TestShares:
+    @given(st.lists(st.tuples(PLACES, RATES), min_size=1, max_size=40), st.floats(1.0, 5000.0))
+    def test_they_are_what_is_asked_for_or_fill_the_budget(self, asked, capacity):
+        held = [Held(n, place, wanted=rate) for n, (place, rate) in enumerate(asked)]
+        shares = dict(fair_rates(held, capacity))
+        assert shares.keys() == set(range(len(asked)))
+        assert all(shares[each.item] <= each.wanted * (1 + 1e-9) for each in held)
+        total = sum(each.wanted for each in held)
+        assert sum(shares.values()) == pytest.approx(min(total, capacity))
+
+    @given(st.lists(st.tuples(PLACES, RATES), min_size=1, max_size=40), RATES)
+    def test_a_host_that_asks_for_less_than_its_share_gets_all(self, asked, rate):
+        held = [Held(n, place, wanted=each) for n, (place, each) in enumerate(asked)]
+        honest = Held("honest", ("host", "endpoint", "id"), wanted=rate)
+        hosts = {each.place[0] for each in held} | {"host"}
+        shares = dict(fair_rates([*held, honest], rate * len(hosts)))
+        assert shares["honest"] == pytest.approx(rate)
+
+
+class TestSlots:
+    ASKER = Held(None, ("a", "a1", "a11"))
+
+    def test_the_largest_host_gives_the_newest(self):
+        held = [Held(n, ("b", "b1", "b11")) for n in range(3)] + [Held(9, ("c", "c1", "c11"))]
+        assert who_gives_way(held, self.ASKER) == 2
+
+    def test_nobody_gives_when_the_asker_has_as_many(self):
+        held = [Held(1, ("b", "b1", "b11")), Held(2, self.ASKER.place)]
+        assert who_gives_way(held, self.ASKER) is None
+
+    def test_within_a_host_the_largest_endpoint_gives(self):
+        held = [Held(n, ("a", "a2", "x")) for n in range(3)] + [Held(9, ("b", "b1", "x"))]
+        assert who_gives_way(held, self.ASKER) == 2
+
+    def test_what_is_not_proved_goes_before_what_is(self):
+        held = [Held(n, ("b", "b1", "b11")) for n in range(3)]
+        held.append(Held(9, ("c", "c1", "c11"), is_proved=False))
+        assert who_gives_way(held, self.ASKER) == 9
+
+    def test_one_without_proof_takes_nothing_from_those_who_have_one(self):
+        held = [Held(n, ("b", "b1", "b11")) for n in range(3)]
+        assert who_gives_way(held, Held(None, self.ASKER.place, is_proved=False)) is None
+
+    def test_what_is_kept_gives_to_nobody_and_gets_in_any_case(self):
+        kept = [Held(n, ("b", "b1", "b11"), is_kept=True) for n in range(3)]
+        assert who_gives_way(kept, self.ASKER) is None
+        asker = Held(None, self.ASKER.place, is_kept=True)
+        assert who_gives_way([*kept, Held(9, self.ASKER.place)], asker) == 9
+
+
+class TestService:
+    def test_a_client_without_proof_gets_one_report_a_second_and_then_none(self, world):
+        tested, client = world.component("1.1.1"), world.probe("3.1.1")
+        tested.start()
+        world.unproved.add(client.address)
+        assert ConfirmEventRequest in kinds(client.ask(create(100.0), tested))
+        world.run(4.9)
+        assert 3 <= reports(client) <= 6
+        world.run(1.0)
+        client.take()
+        world.run(10.0)
+        assert reports(client) == 0
+        assert world.counters.snapshot()["events.never_proved"] == 1
+
+    def test_proof_gives_it_its_rate_at_once(self, world):
+        tested, client = world.component("1.1.1"), world.probe("3.1.1")
+        tested.start()
+        world.unproved.add(client.address)
+        client.ask(create(20.0), tested)
+        world.unproved.clear()
+        for listener in world.proof_listeners:
+            listener(client.address)
+        client.take()
+        world.run(10.0)
+        assert 195 <= reports(client) <= 205
+
+    def test_a_full_service_serves_a_host_that_has_nothing(self, world):
+        tested = world.component("1.1.1", max_events=4)
+        tested.start()
+        greedy = [world.probe(f"9.1.{n}") for n in range(1, 5)]
+        for each in greedy:
+            assert ConfirmEventRequest in kinds(each.ask(create(), tested))
+        honest = world.probe("3.1.1")
+        assert ConfirmEventRequest in kinds(honest.ask(create(), tested))
+        assert ConfirmEventRequest in kinds(greedy[-1].take())
+        # It has more than its share, and so gets no further one.
+        assert kinds(greedy[-1].ask(create(), tested)) == {RejectEventRequest}
+        assert world.counters.snapshot()["events.gave_way"] == 1
+
+    def test_the_controller_gets_a_slot_in_any_case(self, world):
+        tested = world.component("1.1.1", max_events=2)
+        tested.start()
+        operator, other = world.probe("3.1.1"), world.probe("3.1.2")
+        operator.ask(RequestControl(authority_code=9), tested)
+        assert world.is_kept(operator.address)
+        for query in (QueryStatus, QueryTimeout):
+            other.ask(create(query=query), tested)
+        assert ConfirmEventRequest in kinds(operator.ask(create(), tested))
+
+    def test_rates_above_the_budget_are_cut_where_most_is_asked_for(self, world):
+        tested = world.component("1.1.1", event_rate_budget=100.0)
+        tested.start()
+        greedy = [world.probe(f"9.1.{n}") for n in range(1, 4)]
+        honest = world.probe("3.1.1")
+        for each in greedy:
+            each.ask(create(50.0), tested)
+        honest.ask(create(20.0), tested)
+        world.run(1.0)
+        for each in (*greedy, honest):
+            each.take()
+        world.run(10.0)
+        assert 195 <= reports(honest) <= 205
+        assert 750 <= sum(map(reports, greedy)) <= 820
+        assert world.counters.snapshot()["events.rate_cut"] == 1
+
+    @pytest.mark.parametrize("budget", [0.0, -1.0, 1e9])
+    def test_a_budget_that_is_none_is_refused(self, budget):
+        with pytest.raises(ValueError, match="event_rate_budget"):
+            ComponentSettings(event_rate_budget=budget)
