@@ -78,9 +78,15 @@ def test_a_component_that_did_not_acknowledge_is_searched_at_once(
         book.configure({ROBOT: HERE})
     else:
         book.learn(ROBOT, HERE, 100.0)
-    book.suspect(ROBOT)
+    book.suspect(ROBOT, 100.5)
     assert book.doubt(ROBOT, 101.0) is Doubt.SEARCH
-    book.suspect(JausAddress(9, 9, 9))
+    book.suspect(JausAddress(9, 9, 9), 101.0)
+
+
+def test_a_component_that_is_heard_acknowledges_late_and_is_not_searched(book: AddressBook) -> None:
+    book.learn(ROBOT, HERE, 100.0)
+    book.suspect(ROBOT, 99.5)
+    assert book.doubt(ROBOT, 101.0) is Doubt.NONE
 
 
 def test_a_flood_of_sources_forgets_the_silent_and_keeps_the_configured(

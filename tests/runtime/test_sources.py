@@ -179,8 +179,8 @@ class TestFixedSources:
 
     def test_lost_acknowledgements_give_nobody_the_place(self, book: AddressBook) -> None:
         book.learn(PEER, HERE, 0.0)
-        book.suspect(PEER)
-        book.suspect(PEER)
+        book.suspect(PEER, 0.5)
+        book.suspect(PEER, 0.6)
         assert not book.learn(PEER, THERE, 1.0)
         assert book.learn(PEER, THERE, 10.0)
 

@@ -16,6 +16,7 @@ from ..messages import (
     Resume,
 )
 from ..services.definitions import Status
+from ..services.ordering import Ordering
 from .control_state import ControlState, Session
 from .presence import QUICK_TRIES, Pace
 from .questions import Questions
@@ -91,6 +92,7 @@ class ControlledTarget:
         self._sessions: list[Session] = []
         self._is_permitted = True
         self._is_started = False
+        self._ordering = Ordering(component.transport.arrival, component.loop.now)
         self._questions = Questions(component, target, presence)
         self._timeout: int | None = None
         self._refusal: int = _ACCEPTED
@@ -213,7 +215,9 @@ class ControlledTarget:
         if not self._sessions:
             return
         if isinstance(report, ReportStatus):
-            self._status_reported(report.status)
+            # On its way, a state may be overtaken by the one that followed it.
+            if not self._ordering.is_late(self.target):
+                self._status_reported(report.status)
         elif isinstance(report, ReportControl):
             self._control_reported(report)
 
@@ -227,6 +231,9 @@ class ControlledTarget:
         obeys = status is Status.READY
         if obeys:
             self._resumes = 0
+            if self.state is ControlState.READY:
+                # Nobody is Ready without control, and who had lost it was told so.
+                self._confirmed_at = self._loop.now()
         elif self.state is ControlState.READY:
             self._watch.verify()
         if not self._change(ControlState.READY if obeys else ControlState.CONTROLLED):
@@ -282,8 +289,10 @@ class ControlledTarget:
             self._lose()
             return
         missing = self._questions.urgent
-        if not missing:
-            missing = [RequestControl, QueryStatus]
+        # The target counts from when it has a request, however long the answers take.
+        if self._renewal_due <= 0.0 and RequestControl not in missing:
+            missing.append(RequestControl)
+            missing.append(QueryStatus)
             if self._timeout is None and self._questions.are_worth(QueryTimeout):
                 missing.append(QueryTimeout)
         if RequestControl in missing:
@@ -291,7 +300,8 @@ class ControlledTarget:
         for kind in (QueryStatus, QueryTimeout):
             if kind in missing:
                 self._questions.ask(kind())
-        self._check_in(self._settings.retry_min if self._questions.urgent else self._interval)
+        pause = self._settings.retry_min if self._questions.urgent else self._interval
+        self._check_in(min(pause, max(self._renewal_due, 0.0)))
 
     def _look(self) -> None:
         """Ask why control is refused, and now and then for control itself."""
@@ -382,7 +392,7 @@ class ControlledTarget:
     def _answered(self, kind: type[Message]) -> None:
         """Take an answer; after the last one the next round begins in time."""
         if self._questions.answered(kind) and self._holds:
-            self._check_in(self._interval)
+            self._check_in(max(self._renewal_due, 0.0))
 
     def _release(self) -> None:
         if self._timer is not None:
@@ -391,6 +401,11 @@ class ControlledTarget:
         is_asked = self._requested_at > _LONG_AGO
         if is_asked and (self._awaits_answer or self.state is not ControlState.REFUSED):
             self._releases.send(self.target, acknowledge=self._questions.are_hopeful)
+
+    @property
+    def _renewal_due(self) -> float:
+        """Seconds until control is to be renewed, below 0 when that is late."""
+        return self._requested_at + self._interval - self._loop.now()
 
     @property
     def _interval(self) -> float:

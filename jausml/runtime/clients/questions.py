@@ -71,10 +71,14 @@ class Questions:
     def send(self, message: Message) -> None:
         """Send a message.
 
-        The transport repeats commands until they are acknowledged, as long as anyone may be there.
+        The transport repeats commands until they are acknowledged, as long as anyone may be there;
+        of a question that is asked again and again, the first one. The others would wait for each
+        other where the way is long.
         """
+        is_first = self._tries.get(type(message), 0) <= 1
         is_command = not message.NAME.startswith("Query")
-        self._component.send(message, self._target, acknowledge=is_command and self.are_hopeful)
+        acknowledge = is_command and is_first and self.are_hopeful
+        self._component.send(message, self._target, acknowledge=acknowledge)
 
     @property
     def are_hopeful(self) -> bool:

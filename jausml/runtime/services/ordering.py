@@ -37,7 +37,11 @@ class Ordering:
         self._latest: dict[JausAddress, tuple[int, float]] = {}
 
     def is_late(self, sender: JausAddress) -> bool:
-        """Return whether the present message of a sender is late; remember it if it is not."""
+        """Return whether the present message of a sender is late; remember it if it is not.
+
+        One that asks for acknowledgement is to be taken in any case. What was sent before it and
+        comes after it is late all the same: it must not undo a stop.
+        """
         number = self._arrival.number
         if number is None:
             return False
@@ -46,7 +50,7 @@ class Ordering:
         if latest is not None:
             behind = (latest[0] - number) & 0xFFFF
             if 0 < behind <= FARTHEST and now - latest[1] < LATEST:
-                return True
+                return not self._arrival.is_sure
         elif len(self._latest) >= _MOST_SOURCES:
             self._latest.clear()
         self._latest[sender] = number, now

@@ -251,10 +251,16 @@ class AddressBook:
             next(each for each in others if sizes[self.learnt[each].endpoint[0]] == largest)
         )
 
-    def suspect(self, address: JausAddress) -> None:
-        """Doubt an endpoint at once, because the component failed to acknowledge."""
+    def suspect(self, address: JausAddress, since: float) -> None:
+        """Doubt an endpoint at once, because the component failed to acknowledge.
+
+        Args:
+            address: The component.
+            since: When the first packet without acknowledgement was sent: who was heard later is
+                there, and its acknowledgement may only be late.
+        """
         entry = self.learnt.get(address) or self._configured.get(address)
-        if entry is not None:
+        if entry is not None and entry.heard < since:
             entry.spoke = entry.latest
             entry.heard = -math.inf
             entry.asked = max(entry.asked, _LONG_AGO)

@@ -40,15 +40,16 @@ class Arrival:
 
     Attributes:
         number: Its sequence number, by which later ones of its source can be told from earlier
-            ones; None for one that asks for acknowledgement, whose repetition rightly comes late,
-            and where the transport keeps the order.
+            ones; None where the transport keeps the order.
+        is_sure: Whether it asks for acknowledgement; its repetition rightly comes late.
     """
 
-    __slots__ = ("number",)
+    __slots__ = ("is_sure", "number")
 
     def __init__(self) -> None:
         """Begin without a message."""
         self.number: int | None = None
+        self.is_sure = False
 
 
 class Double(NamedTuple):

@@ -19,8 +19,8 @@ class Line:
         self.arrival = Arrival()
         self.ordering = Ordering(self.arrival, lambda: self.time)
 
-    def is_late(self, number, sender=ONE):
-        self.arrival.number = number
+    def is_late(self, number, sender=ONE, *, is_sure=False):
+        self.arrival.number, self.arrival.is_sure = number, is_sure
         return self.ordering.is_late(sender)
 
 
@@ -45,8 +45,20 @@ def test_sources_count_by_themselves(line):
 
 def test_what_asks_for_acknowledgement_is_never_late(line):
     assert not line.is_late(100)
-    assert not line.is_late(None)
+    assert not line.is_late(98, is_sure=True)
     assert line.is_late(99)
+
+
+def test_what_was_sent_before_a_stop_does_not_undo_it(line):
+    assert not line.is_late(100)
+    assert not line.is_late(103, is_sure=True)
+    assert line.is_late(102)
+    assert not line.is_late(104)
+
+
+def test_where_the_transport_keeps_the_order_nothing_is_late(line):
+    assert not line.is_late(100)
+    assert not line.is_late(None)
 
 
 def test_a_source_that_begins_anew_is_believed_soon(line):

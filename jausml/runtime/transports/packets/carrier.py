@@ -25,8 +25,13 @@ class Carrier(ABC, Generic[Origin]):
     def answer(self, packet: Packet, origin: Origin) -> None:
         """Send a packet back to where one came from."""
 
-    def suspect(self, destination: JausAddress) -> None:
-        """Learn that a destination fails to acknowledge, before the last repetition."""
+    def suspect(self, destination: JausAddress, since: float) -> None:
+        """Learn that a destination fails to acknowledge, before the last repetition.
+
+        Args:
+            destination: The destination.
+            since: When the packet was sent first.
+        """
 
 
 class ReliableCarrier(Carrier[Origin]):

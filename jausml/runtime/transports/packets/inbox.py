@@ -181,7 +181,7 @@ class Inbox(Generic[Origin]):
     def deliver(self, packet: Packet, receivers: Receivers) -> None:
         """Hand a whole message to components."""
         message = None
-        self.arrival.number = None if packet.acknowledge else packet.sequence
+        self.arrival.number, self.arrival.is_sure = packet.sequence, bool(packet.acknowledge)
         for address, receive in receivers:
             take = self.takers.get(address)
             try:

@@ -236,7 +236,7 @@ class Outbox:
                 given_up = self._give_up(flight)
                 ready = self._take_off(self._lanes[packet.destination], packet.destination)
         if flight.repetitions == self._retries:
-            self._carrier.suspect(packet.destination)
+            self._carrier.suspect(packet.destination, flight.since)
         for message in given_up:
             self._loop.counters.count("transport.unacknowledged", f"{packet.destination}")
             self._report(message, acknowledged=False)

@@ -187,7 +187,7 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
                     enough = max(enough, count + 2)  # the next one is on its way
                     continue
                 whole = found[0]
-            arrival.number = None if way.answers else sequence
+            arrival.number, arrival.is_sure = sequence, way.answers != 0
             try:
                 way.take(whole, source)
             except Exception as error:  # one component must not silence the others

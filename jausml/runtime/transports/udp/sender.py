@@ -106,9 +106,9 @@ class Sender(Carrier[Endpoint]):
         else:
             self.put(packet.encode(), origin)
 
-    def suspect(self, destination: JausAddress) -> None:
+    def suspect(self, destination: JausAddress, since: float) -> None:
         """Search for a destination that fails to acknowledge, from its next packet on."""
-        self._book.suspect(destination)
+        self._book.suspect(destination, since)
 
     def put(self, datagram: bytes, endpoint: Endpoint) -> bool:
         """Send a datagram from the unicast socket; return whether the system took it."""
