@@ -72,7 +72,7 @@ def command(
     from jausml.studio.serving import PageMissingError, require_page, serve
     from jausml.studio.session import Session
 
-    # Faults of the studio are told on its terminal; the page has no room for them.
+    # Who has no page any more sees faults of the studio here.
     logging.getLogger("jausml").addHandler(logging.StreamHandler())
     watched = network_from(None, **network)
     try:

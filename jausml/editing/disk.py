@@ -3,10 +3,35 @@
 from __future__ import annotations
 
 import os
+import sys
+import time
+from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from jausml.editing.commands import EditError
 from jausml.model.xmi.writer import replace_file
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+if sys.platform != "win32":
+    import fcntl
+
+_PATIENCE, _STEP = 2.0, 0.005
+"""Seconds that is waited for others to have stored, and from one look to the next."""
+
+
+def _is_locked(descriptor: int) -> bool:
+    """Locks what is open unless another has; also where there are no locks."""
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:
+        return True
+    return True
 
 
 class Disk:
@@ -44,6 +69,31 @@ class Disk:
             return self.read(file)
         except EditError:
             return None
+
+    @contextmanager
+    def alone(self) -> Iterator[None]:
+        """Keeps other projects of this folder from storing as long as the context lasts.
+
+        The folder itself is locked, so that no file is left. Windows, and some file systems, have
+        no such lock.
+
+        Raises:
+            EditError: Another one has stored for longer than anybody waits.
+        """
+        if sys.platform == "win32":
+            yield
+            return
+        descriptor = os.open(self._root, os.O_RDONLY)
+        try:
+            end = time.monotonic() + _PATIENCE
+            while not _is_locked(descriptor):
+                if time.monotonic() > end:
+                    message = "another program has been writing into the folder for too long"
+                    raise EditError(message, conflict=True)
+                time.sleep(_STEP)
+            yield
+        finally:
+            os.close(descriptor)
 
     def store(self, file: str, data: bytes | None) -> None:
         """Stores a file, which is old or new at any moment; None deletes it.

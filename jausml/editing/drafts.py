@@ -75,7 +75,7 @@ class Draft:
         if file not in self.models:
             raise EditError(f"{file or ref!r} is no model file of the opened folder")
         if self.files[file].is_stale:
-            raise EditError(f"{file} cannot be parsed as it is: fix it first")
+            raise EditError(f"{file} cannot be parsed as it is: fix it first", conflict=True)
         return file
 
     def element(self, ref: Ref) -> tuple[EObject, Model]:
@@ -114,7 +114,9 @@ class Draft:
         if step:
             data = applied(self.files[file].data, step)
             # Whether it can be parsed shows when it is read: see `check`.
-            self.files[file] = Stored(file, data, digest(data), self._revision, data)
+            self.files[file] = Stored(
+                file, data, digest(data), self._revision, data, self._revision
+            )
             self._steps.setdefault(file, []).append(step)
 
     def put(self, file: str, data: bytes | None) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import os
 import threading
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from time import monotonic
@@ -16,11 +17,13 @@ from jausml.editing.conflicts import takes_back
 from jausml.editing.describing import described, pasted
 from jausml.editing.disk import Disk
 from jausml.editing.drafts import Draft
+from jausml.editing.forest import Forest
 from jausml.editing.layout import is_layout, layout_file, read_layout
 from jausml.editing.log import Log
+from jausml.editing.outside import Outside
 from jausml.editing.reading import Reader, is_library, is_model_file, model_files, stored
 from jausml.editing.rebasing import Rebasing
-from jausml.editing.records import Change, Entry, FileChange, FileInfo, Preview, Referrer
+from jausml.editing.records import Change, Entry, FileChange, FileInfo, Freshness, Preview, Referrer
 from jausml.editing.splices import applied, difference, inverted
 from jausml.editing.typing import typed
 from jausml.model import refs
@@ -30,12 +33,19 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from jausml.editing.commands import Add, Command, LayoutKey, Set
-    from jausml.editing.forest import Forest
     from jausml.editing.records import Stored
     from jausml.metamodel.classes.ecore import EObject
     from jausml.model.model import Model
     from jausml.model.reading.reader import ReadResult
     from jausml.model.refs import Ref
+
+
+_ATTEMPTS = 3
+"""How often commands are planned again when files change beneath them."""
+
+
+class ChangedBeneathError(EditError):
+    """A file is not as the project knew it: it was taken over, and nothing was written."""
 
 
 class Project:
@@ -68,6 +78,7 @@ class Project:
         self._typed = (0, 0.0)
         self.typing_pause = 2.0
         self._forest: Forest | None = None
+        self._untold: list[Change] = []
         self._files: dict[str, Stored] = {}
         names = list(model_files(self.root))
         if self.opened and self.opened not in names:
@@ -119,6 +130,15 @@ class Project:
             self._known(file)
             return self._reader.read(file, self._files)
 
+    def read(self, file: str) -> tuple[ReadResult, Freshness]:
+        """Returns the model of a file as `model` does, and what it is worth at this moment.
+
+        Raises:
+            EditError: The project has no such file.
+        """
+        with self._lock:
+            return self.model(file), self._reader.freshness(file, self._files, self._revision)
+
     def text(self, file: str) -> bytes:
         """Returns the bytes of a file.
 
@@ -150,13 +170,18 @@ class Project:
                     return found, model
         raise EditError(f"there is no element {ref}", conflict=True)
 
-    def preview(self, commands: Sequence[Command]) -> Preview:
+    def preview(self, commands: Sequence[Command], base: int | None = None) -> Preview:
         """Returns what commands would do; nothing is written.
+
+        Args:
+            commands: The commands.
+            base: The revision of which their refs are; None for the present one.
 
         Raises:
             EditError: They cannot be carried out.
         """
         with self._lock:
+            commands = self._rebased(commands, base)
             draft = self._draft()
             outcome = carry_out(commands, draft)
             changes = draft.changes()
@@ -164,37 +189,65 @@ class Project:
             diff = "".join(self._diff(f, each.data if each else b"") for f, each in new.items())
             return Preview(changes, outcome.created, outcome.referrers, diff)
 
-    def do(self, commands: Sequence[Command], label: str, base: int | None = None) -> Entry:
+    def do(
+        self,
+        commands: Sequence[Command],
+        label: str,
+        base: int | None = None,
+        *,
+        is_first: bool = True,
+    ) -> Entry:
         """Carries out commands, all or none, writes the files and logs it.
+
+        Where another program has just changed a file, they are planned again with what it says.
 
         Args:
             commands: The commands, each of which finds what those before it did.
             label: What they do, for people.
             base: The revision of which their refs are; None for the present one. Refs are
                 followed through what was done since.
+            is_first: Whether they give way where others have changed the same since; else they
+                win.
 
         Returns:
             The entry of the log. One without changes was not logged: nothing was to be done.
 
         Raises:
-            EditError: They cannot be carried out, or a file was changed meanwhile. Nothing was
-                written.
+            EditError: They cannot be carried out, or what they change was changed meanwhile.
+                Nothing was written.
         """
         with self._lock:
-            if base is not None:
-                now = self._revision
-                commands = [self._rebasing.rebased(each, base, now) for each in commands]
-            draft = self._draft()
-            forest, self._forest = self._forest, None
-            outcome = carry_out(commands, draft, forest)
+            base = self._revision if base is None else base
+            for _ in range(_ATTEMPTS):
+                with suppress(ChangedBeneathError):
+                    return self._done(self._rebased(commands, base, is_first=is_first), label)
+            return self._done(self._rebased(commands, base, is_first=is_first), label)
+
+    def _rebased(
+        self, commands: Sequence[Command], base: int | None, *, is_first: bool = True
+    ) -> Sequence[Command]:
+        now = self._revision
+        if base is None or base >= now:
+            return commands
+        rebased = self._rebasing.rebased
+        return [rebased(each, base, now, is_first=is_first) for each in commands]
+
+    def _done(self, commands: Sequence[Command], label: str) -> Entry:
+        draft = self._draft()
+        forest, self._forest = self._forest, None
+        outcome = carry_out(commands, draft, forest)
+        changes = draft.changes()
+        if not changes:
+            # Nothing is to be done only if the files say so, not what is known of them.
+            self._check_unchanged(outcome.forest.models)
             self._forest = outcome.forest
-            changes = draft.changes()
-            if not changes:
-                return Entry(0, label, ())
-            self._write({each.file: draft.files.get(each.file) for each in changes})
-            entry = self._log.add(label, changes, outcome.created)
-            self._rebasing.note(self._revision, entry, outcome.shifts)
-            return entry
+            return Entry(0, label, ())
+        self._write({each.file: draft.files.get(each.file) for each in changes})
+        # Only now: a forest of what was not written would be one of nothing.
+        self._forest = outcome.forest
+        entry = self._log.add(label, changes, outcome.created)
+        self._rebasing.note(self._revision, entry, outcome.shifts)
+        return entry
 
     def write_text(self, file: str, text: str, base: int) -> Entry:
         """Writes what somebody typed; what cannot be parsed is written too, and its model stays.
@@ -219,8 +272,9 @@ class Project:
             changes = draft.changes()
             if not changes:
                 return Entry(0, f"Type in {file}", ())
+            before = dict(self._files)
             self._write({file: draft.files[file]})
-            self._rebasing.note_unknown(self._revision, [file])
+            self._note_outside(file, before)
             return self._log_typing(file, changes)
 
     def _log_typing(self, file: str, changes: tuple[FileChange, ...]) -> Entry:
@@ -252,9 +306,8 @@ class Project:
         with self._lock:
             entry = self._log.last
             if entry is not None:
-                self._replay([_inverted(each) for each in entry.changes])
+                self._replay(entry, [_inverted(each) for each in entry.changes], back=True)
                 self._log.step_back()
-                self._rebasing.note_again(self._revision, entry, back=True)
             return entry
 
     def redo(self) -> Entry | None:
@@ -266,9 +319,8 @@ class Project:
         with self._lock:
             entry = self._log.next
             if entry is not None:
-                self._replay(entry.changes)
+                self._replay(entry, entry.changes, back=False)
                 self._log.step_on()
-                self._rebasing.note_again(self._revision, entry, back=False)
             return entry
 
     def refresh(self, paths: Iterable[str] = ()) -> tuple[Change, ...]:
@@ -279,12 +331,19 @@ class Project:
                 at.
 
         Returns:
-            The files that have changed; none for what this project wrote itself.
+            The files that have changed, also those that an edit has met; none for what this
+            project wrote itself.
         """
         with self._lock:
             wanted = set(paths) or {*self._files, *model_files(self.root)}
             wanted = {f for f in wanted if f in self._files or is_model_file(f, self.root)}
-            return tuple(filter(None, map(self._refreshed, sorted(wanted))))
+            return (*self.met(), *filter(None, map(self._refreshed, sorted(wanted))))
+
+    def met(self) -> tuple[Change, ...]:
+        """Returns the files that edits found changed by other programs, each once."""
+        with self._lock:
+            met, self._untold = self._untold, []
+            return tuple(met)
 
     def describe(self, elements: Sequence[Ref]) -> tuple[Add | Set, ...]:
         """Returns commands that would add elements once more, to whatever owner.
@@ -347,7 +406,17 @@ class Project:
 
     def _write(self, changed: Mapping[str, Stored | None]) -> None:
         """Writes files, all or none, if they are still as this project knows them."""
-        self._check_unchanged(changed)
+        with self._disk.alone():
+            self._check_unchanged(changed)
+            self._store(changed)
+        self._revision += 1
+        for file, new in changed.items():
+            if new is None:
+                self._files.pop(file, None)
+            else:
+                self._files[file] = new
+
+    def _store(self, changed: Mapping[str, Stored | None]) -> None:
         written: list[str] = []
         try:
             for file, new in changed.items():
@@ -358,12 +427,6 @@ class Project:
                 before = self._files.get(file)
                 self._disk.store(file, before.data if before is not None else None)
             raise EditError(f"{error.filename} cannot be written: {error.strerror}") from error
-        self._revision += 1
-        for file, new in changed.items():
-            if new is None:
-                self._files.pop(file, None)
-            else:
-                self._files[file] = new
 
     def _check_unchanged(self, files: Iterable[str]) -> None:
         """Sees to it that nothing is overwritten that another program has just saved."""
@@ -371,11 +434,13 @@ class Project:
             found = self._disk.read(file)
             known = self._files.get(file)
             if found != (known.data if known is not None else None):
-                self._refreshed(file)
+                change = self._refreshed(file)
+                if change is not None:
+                    self._untold.append(change)
                 message = f"{file} was just changed by another program: look at it, and repeat"
-                raise EditError(message, conflict=True)
+                raise ChangedBeneathError(message, conflict=True)
 
-    def _replay(self, changes: Sequence[FileChange]) -> None:
+    def _replay(self, entry: Entry, changes: Sequence[FileChange], *, back: bool) -> None:
         new: dict[str, Stored | None] = {}
         for change in changes:
             known = self._files.get(change.file)
@@ -387,7 +452,12 @@ class Project:
                 data = applied(data, step)
             made = stored(change.file, data, self._revision + 1, known)
             new[change.file] = made if change.after else None
+        files = dict(self._files)
         self._write(new)
+        is_known = self._rebasing.note_again(self._revision, entry, back=back)
+        for file in () if is_known else entry.files:
+            # What is not known of commands is the work of others, on one file each.
+            self._note_outside(file, files)
 
     def _refreshed(self, file: str) -> Change | None:
         known = self._files.get(file)
@@ -402,6 +472,7 @@ class Project:
         diff = self._diff(file, new)
         is_conflict = takes_back(self._log.last, known, found)
         self._revision += 1
+        files = dict(self._files)
         after = ""
         if found is None:
             del self._files[file]
@@ -410,9 +481,21 @@ class Project:
             after = self._files[file].digest
         step = tuple(difference(file, old, new))
         change = FileChange(file, (step,), known.digest if known is not None else "", after)
-        self._rebasing.note_unknown(self._revision, [file])
+        self._note_outside(file, files)
         self._log.add(f"{file} was changed by another program", (change,), is_outside=True)
         return Change(file, diff, is_conflict)
+
+    def _note_outside(self, file: str, before: Mapping[str, Stored]) -> None:
+        """Remembers a change that no commands made, with what is needed to understand it."""
+        after = dict(self._files)
+
+        def understood() -> Outside:
+            if file not in before or file not in after:
+                raise EditError(f"{file} was deleted, or came again, meanwhile", conflict=True)
+            models = (self._reader.read(file, each).model for each in (before, after))
+            return Outside(file, *(Forest.grown({file: each}, self.root) for each in models))
+
+        self._rebasing.note_outside(self._revision, file, understood)
 
     def _diff(self, file: str, new: bytes) -> str:
         known = self._files.get(file)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -11,12 +12,11 @@ from typing import TYPE_CHECKING
 
 from jausml.editing import layout
 from jausml.editing.commands import EditError
-from jausml.editing.records import Stored
-from jausml.model.diagnostics import Diagnostic, Location
+from jausml.editing.records import Freshness, Stored
+from jausml.model.diagnostics import Severity
 from jausml.model.reading.reader import ReadResult, read_models
 from jausml.model.reading.shelf import Shelf
 from jausml.model.refs import LIBRARY, file_of
-from jausml.model.rules import READER_RULES
 from jausml.model.uris import library_root, shipped_as
 from jausml.model.xmi.parsing import parse as parse_xmi
 from jausml.text.notation import SUFFIX, Ros2Jaus, decode
@@ -24,6 +24,8 @@ from jausml.text.notation import SUFFIX, Ros2Jaus, decode
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
+    from jausml.model.diagnostics import Diagnostic
+    from jausml.model.documents import Document
     from jausml.text.reading.parsing import Parsed
 
 XMI_SUFFIX = ".xmi"
@@ -31,6 +33,7 @@ SUFFIXES = (XMI_SUFFIX, SUFFIX)
 _MOST_FILES = 10_000
 _BUILT = frozenset({"build", "install", "log", "node_modules", "__pycache__"})
 _KEPT = 2
+_MARKS = (b"<<<<<<< ", b">>>>>>> ")
 
 
 @lru_cache(maxsize=64)
@@ -102,10 +105,10 @@ def stored(file: str, data: bytes, revision: int, before: Stored | None = None) 
         revision: Revision of the project in which they came.
         before: The file as it was, None for a new one.
     """
-    good = data
+    good, since = data, revision
     if before is not None and not can_be_parsed(file, data) and can_be_parsed(file, before.good):
-        good = before.good
-    return Stored(file, data, digest(data), revision, good)
+        good, since = before.good, before.good_since
+    return Stored(file, data, digest(data), revision, good, since)
 
 
 def can_be_parsed(file: str, data: bytes) -> bool:
@@ -138,6 +141,7 @@ class Reader:
         self._root = root
         self._kept: dict[str, list[_Kept]] = {}
         self._library: dict[str, ReadResult] = {}
+        self._known_faults: dict[str, tuple[str, tuple[Diagnostic, ...]]] = {}
         self._shelf = Shelf()
 
     def read(self, file: str, files: Mapping[str, Stored]) -> ReadResult:
@@ -151,12 +155,12 @@ class Reader:
         names = frozenset(files)
         for each in kept:
             if each.names == names and _is_current(each, files):
-                return self._with_faults(each.result, file, files)
+                return self._with_faults(each.result, files)
         result = self._read(file, files)
         held = {file_of(each, self._root) for each in result.model.documents} & files.keys()
         kept.insert(0, _Kept(result, {each: files[each].good for each in held}, names))
         del kept[_KEPT:]
-        return self._with_faults(result, file, files)
+        return self._with_faults(result, files)
 
     def library(self, file: str) -> ReadResult:
         """Returns the model of a file of the library.
@@ -193,22 +197,63 @@ class Reader:
             shelf=self._shelf,
         )
 
-    def _with_faults(
-        self, result: ReadResult, file: str, files: Mapping[str, Stored]
-    ) -> ReadResult:
-        faults = self._faults(file, files)
+    def _with_faults(self, result: ReadResult, files: Mapping[str, Stored]) -> ReadResult:
+        names = (file_of(each, self._root) for each in result.model.documents)
+        stale = [each for each in names if each in files and files[each].is_stale]
+        faults = [fault for each in stale for fault in self._faults(each, files)]
         return replace(result, diagnostics=[*faults, *result.diagnostics]) if faults else result
 
-    def _faults(self, file: str, files: Mapping[str, Stored]) -> list[Diagnostic]:
-        """Returns why a file cannot be parsed as it is, when its model is an earlier one."""
-        if not files[file].is_stale or file.endswith(SUFFIX):
-            return []
-        fault = parse_xmi(files[file].data).fault
-        if fault is None:
-            return []
-        place = Location(str(self._root / file), fault.line, fault.column)
-        severity = READER_RULES[fault.rule].severity
-        return [Diagnostic(fault.rule, severity, place, fault.message, fault.hint)]
+    def freshness(self, file: str, files: Mapping[str, Stored], revision: int) -> Freshness:
+        """Returns what the model of a file is worth.
+
+        Args:
+            file: The file.
+            files: All files of the project.
+            revision: Revision of the project.
+        """
+        result = self.read(file, files)
+        documents = {file_of(each, self._root): each for each in result.model.documents}
+        old = [
+            files[name]
+            for name, each in documents.items()
+            if name in files and not _is_readable(files[name], each)
+        ]
+        if not old:
+            return Freshness("current", revision)
+        faults = [fault for each in old for fault in self._faults(each.file, files)]
+        names = " and ".join(each.file for each in old)
+        since = min(each.good_since if each.is_stale else 0 for each in old)
+        if any(map(_has_markers, old)):
+            why = f"{names} has marks of a merge: decide between both sides first"
+            return Freshness("conflict", since, why, tuple(faults))
+        why = f"{names} cannot be read as it is: mend it first"
+        return Freshness("unreadable", since, why, tuple(faults))
+
+    def _faults(self, file: str, files: Mapping[str, Stored]) -> tuple[Diagnostic, ...]:
+        """Returns why a file cannot be read as it is: what the command line says of it."""
+        held = files[file]
+        known = self._known_faults.get(file)
+        if known is None or known[0] != held.digest:
+            path = self._root / file
+            read = read_models(
+                [path], project_root=self._root, notations=NOTATIONS, contents={path: held.data}
+            )
+            found = (each for each in read.diagnostics if each.location.path == str(path))
+            errors = tuple(each for each in found if each.severity is Severity.ERROR)
+            known = self._known_faults[file] = (held.digest, errors)
+        return known[1]
+
+
+def _is_readable(held: Stored, document: Document) -> bool:
+    if held.is_stale or not document.readable:
+        return False
+    # Texts are read as far as that goes; what was parsed is known.
+    return not is_text(held.file) or can_be_parsed(held.file, held.data)
+
+
+def _has_markers(held: Stored) -> bool:
+    """Tells whether a file has the marks that git leaves where both sides changed the same."""
+    return all(re.search(rb"^%b" % each, held.data, re.MULTILINE) for each in _MARKS)
 
 
 def _is_current(kept: _Kept, files: Mapping[str, Stored]) -> bool:

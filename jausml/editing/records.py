@@ -9,6 +9,7 @@ from jausml.editing.layout import is_layout
 
 if TYPE_CHECKING:
     from jausml.editing.splices import Splice
+    from jausml.model.diagnostics import Diagnostic
     from jausml.model.refs import Ref
 
 
@@ -118,6 +119,30 @@ class Change:
     is_conflict: bool = False
 
 
+@dataclass(frozen=True, slots=True)
+class Freshness:
+    """What an answer about a model is worth.
+
+    Attributes:
+        state: `current`, or why it is of the past: `stale` when it is of an earlier revision,
+            `unreadable` when a file cannot be read as it is, `conflict` when two changes of it
+            have not been brought together.
+        since: Revision of the project of whose files it is; 0 where they never could be read.
+        why: What keeps it from being current, for people; empty when it is.
+        faults: What is wrong with files that cannot be read.
+    """
+
+    state: Literal["current", "stale", "unreadable", "conflict"]
+    since: int
+    why: str = ""
+    faults: tuple[Diagnostic, ...] = ()
+
+    @property
+    def is_current(self) -> bool:
+        """Whether verdicts may be given, and code be generated."""
+        return self.state == "current"
+
+
 @dataclass(slots=True)
 class Stored:
     """A file as the project knows it.
@@ -128,6 +153,7 @@ class Stored:
         digest: Their digest.
         revision: Revision of the project in which it changed last.
         good: The bytes of which its model is read: those, or the last ones that could be parsed.
+        good_since: Revision of the project in which these came.
     """
 
     file: str
@@ -135,6 +161,7 @@ class Stored:
     digest: str
     revision: int
     good: bytes = field(default=b"")
+    good_since: int = 0
 
     @property
     def is_stale(self) -> bool:

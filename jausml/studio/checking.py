@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from jausml.editing.project import Project
+    from jausml.editing.records import Freshness
     from jausml.model.reading.reader import ReadResult
 
 
@@ -38,6 +39,7 @@ class Verdict:
         revision: Of the project, from which on it is true.
         elapsed_ms: Milliseconds that reading and checking took.
         result: What was read.
+        freshness: What that is worth: rules were run if it is current.
         report: What was found.
         fault: Why no rules were run, empty when they were.
     """
@@ -46,6 +48,7 @@ class Verdict:
     revision: int
     elapsed_ms: float
     result: ReadResult
+    freshness: Freshness
     report: Report
     fault: str = ""
 
@@ -85,13 +88,16 @@ class Verdicts:
     def _judged(self, file: str) -> Verdict:
         started = time.perf_counter()
         revision = self._project.revision
-        result = self._project.model(file)
-        report, fault = _checked(result)
+        result, freshness = self._project.read(file)
+        report, fault = _checked(result, freshness)
         elapsed = 1000 * (time.perf_counter() - started)
-        return Verdict(file, revision, elapsed, result, report, fault)
+        return Verdict(file, revision, elapsed, result, freshness, report, fault)
 
 
-def _checked(result: ReadResult) -> tuple[Report, str]:
+def _checked(result: ReadResult, freshness: Freshness) -> tuple[Report, str]:
+    if not freshness.is_current:
+        # What was read is of the past: about that there is no verdict.
+        return Report(result.model, (), freshness.faults), freshness.why
     try:
         return check(result), ""
     except RuleError as error:

@@ -7,6 +7,7 @@ from collections import OrderedDict
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from jausml.editing.records import Freshness
 from jausml.live.peers.network import (
     DEFAULT_GROUP,
     DEFAULT_INTERFACE,
@@ -14,17 +15,21 @@ from jausml.live.peers.network import (
     Network,
     make_network,
 )
+from jausml.model.refs import file_of
 from jausml.studio import shown
 from jausml.studio.answers.trying import Trials
 from jausml.studio.audience import Audience
 from jausml.studio.checking import Verdict, Verdicts
 from jausml.studio.drawing import Drawings
+from jausml.studio.faults import Faults
+from jausml.studio.keeping import KeptEdits
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable, Sequence
 
+    from jausml.editing.commands import Command
     from jausml.editing.project import Project
-    from jausml.editing.records import Entry
+    from jausml.editing.records import Change, Entry
 
 _MOST_SHOWN = 8
 
@@ -68,6 +73,8 @@ class Desk:
         looked_at: The files that someone looks at.
         drawings: Where the boxes of views stand.
         trials: Translations that pages try.
+        kept: Edits that met a change beneath them.
+        faults: What went wrong in the studio itself.
     """
 
     project: Project
@@ -77,13 +84,57 @@ class Desk:
     looked_at: LookedAt = field(default_factory=LookedAt)
     drawings: Drawings = field(default_factory=Drawings)
     trials: Trials = field(default_factory=Trials)
+    kept: KeptEdits = field(default_factory=KeptEdits)
+    faults: Faults = field(default_factory=Faults)
 
     def __post_init__(self) -> None:
         self.verdicts = Verdicts(self.project)
         self.told_verdicts: dict[str, tuple[Verdict, dict[str, Any]]] = {}
         """The latest verdict of each file as pages know it."""
+        self.pictures: dict[tuple[str, str], dict[str, Any]] = {}
+        """The last picture of each view, by file and view."""
         self.followers: list[Callable[[], None]] = []
         """Are called when the project has changed."""
+
+    def freshness(self, verdict: Verdict) -> Freshness:
+        """Returns what a verdict is worth: in conflict also when an edit of a file is kept."""
+        if not verdict.freshness.is_current:
+            return verdict.freshness
+        model, root = verdict.result.model, self.project.root
+        kept = self.kept.concerning(frozenset(file_of(each, root) for each in model.documents))
+        if not kept:
+            return verdict.freshness
+        why = (
+            f"\u201c{kept[0].label}\u201d was not done and is kept: do it again or discard it first"
+        )
+        return Freshness("conflict", verdict.revision, why)
+
+    def keep(self, commands: Sequence[Command], label: str, base: int, why: str) -> bool:
+        """Keeps an edit that met a change beneath it, and tells of it; tells whether it could."""
+        is_kept = self.kept.keep(commands, label, base, why)
+        self.tell_kept()
+        return is_kept
+
+    def tell_kept(self) -> None:
+        """Tells pages which edits are kept."""
+        self.audience.tell("kept", {"edits": [each.told for each in self.kept.all]})
+
+    def refresh(self, files: Iterable[str] = ()) -> None:
+        """Takes over what other programs did to files, and tells of it.
+
+        Args:
+            files: Files that may have changed, relative to the root; without any, all.
+        """
+        self.tell_outside(self.project.refresh(files))
+
+    def tell_outside(self, found: Sequence[Change]) -> None:
+        """Tells of changes by other programs."""
+        for each in found:
+            told = "conflict" if each.is_conflict else "outside"
+            self.audience.tell(told, {"file": each.file, "diff": each.diff})
+        if found:
+            log = reversed(self.project.log)
+            self.changed(next((each for each in log if each.is_outside), None), by="outside")
 
     def changed(self, entry: Entry | None, *, by: str = "edit") -> None:
         """Tells pages and followers that the project has changed.

@@ -34,6 +34,9 @@ if TYPE_CHECKING:
 PERIOD = 0.25
 """Seconds from one look at the state to the next."""
 
+LONGEST = 1.0
+"""Seconds after which a state is told that has not changed: its ages have."""
+
 GLANCE = 5.0
 """Seconds without a question for its last message after which a connection is looked at no more."""
 
@@ -73,8 +76,8 @@ class LiveSystem:
         Args:
             watched: What is watched.
             network: Where the JAUS components are, and who we are there.
-            tell: Takes the state as values for the page when it has changed, on another thread;
-                at most once in `PERIOD`.
+            tell: Takes the state as values for the page, on another thread: when it has changed, at
+                most once in `PERIOD`, else once in `LONGEST`.
         """
         self.file = watched.file
         self._watched = watched
@@ -86,6 +89,7 @@ class LiveSystem:
         self._places = places_of(watched.model)
         self._changed: Model | None = None
         self._is_wanted = False
+        self._told = 0.0
         self._looking: Looking | None = None
         self._glanced: float | None = None
         self._lock = Lock()
@@ -126,7 +130,7 @@ class LiveSystem:
         Raises:
             NotWatchedError: There is no such connection.
         """
-        connection = self._connection(row)
+        connection, age = self._connection(row)
         with self._lock:
             if self._looking is None:
                 raise NotWatchedError("the system is not watched yet")
@@ -135,17 +139,19 @@ class LiveSystem:
         return {
             "ros": "\n".join(ros),
             "jaus": "\n".join(jaus),
-            "age": connection.age,
+            "age": age,
             "history": list(connection.history),
             "values": [list(each) for each in connection.values],
         }
 
-    def _connection(self, row: str) -> ConnectionState:
+    def _connection(self, row: str) -> tuple[ConnectionState, float | None]:
+        """Returns a connection and the age of its last message."""
         with self._lock:
             places = self._places
-        for each in self._observation.state().connections.values():
+        state = self._observation.state()
+        for each in state.connections.values():
             if row_of(each, places) == row:
-                return each
+                return each, state.age_of(each)
         raise NotWatchedError("nothing is known of this connection")
 
     # ---- the thread -------------------------------------------------------------------------
@@ -203,7 +209,8 @@ class LiveSystem:
             is_wanted, self._is_wanted = self._is_wanted, False
             self._look_away()
         present = (places, *_facts(state))
-        if is_wanted or present != before:
+        if is_wanted or present != before or state.now - self._told >= LONGEST:
+            self._told = state.now
             self._tell({"file": self.file, "state": live_values(state, places)})
         return present
 

@@ -105,7 +105,7 @@ def _edges(state: SystemState, places: Places) -> dict[str, Any]:
     for each in state.connections.values():
         row = row_of(each, places)
         if row is not None:
-            shown = _edge(each)
+            shown = _edge(each, state.age_of(each))
             found.update(dict.fromkeys((row, *places.edges[row]), shown))
     return found
 
@@ -116,12 +116,13 @@ def row_of(connection: ConnectionState, places: Places) -> str | None:
     return places.rows.get(connection.key if declaration is None else declaration.key)
 
 
-def _edge(connection: ConnectionState) -> dict[str, Any]:
+def _edge(connection: ConnectionState, age: float | None) -> dict[str, Any]:
     return {
         "level": connection.level.value,
         "rate": connection.rate,
         "declared": connection.declared_rate,
-        "age": connection.age,
+        "age": age,
+        "gone": connection.is_gone,
         "latency": dict(connection.latency),
         "drops": dict(connection.drops),
         "text": _connection_text(connection),
@@ -131,7 +132,7 @@ def _edge(connection: ConnectionState) -> dict[str, Any]:
 def _connection_text(connection: ConnectionState) -> str:
     """Returns a few words for the diagram; why it is so stands in the table."""
     if connection.level is not Level.OK:
-        return shown_state(connection)
+        return "gone" if connection.is_gone else shown_state(connection)
     rate, declared = connection.rate, connection.declared_rate
     if rate is None:
         return shown_state(connection)
@@ -146,6 +147,7 @@ def _controls(state: SystemState, places: Places) -> dict[str, Any]:
             level, text = _control(component, owner)
             found[edge] = {
                 "level": level.value, "rate": None, "declared": None, "age": None,
+                "gone": component.is_gone,
                 "latency": {}, "drops": {}, "text": text,
             }  # fmt: skip
     return found
@@ -180,6 +182,7 @@ def _box(component: ComponentState, complaints: Iterable[ConnectionState]) -> di
         texts.append(f"{each.name}: {each.reason}")
     return {
         "level": level.value,
+        "gone": component.is_gone,
         "state": component.state,
         "controller": component.controller or "",
         "text": cell("; ".join(texts)),
@@ -187,6 +190,8 @@ def _box(component: ComponentState, complaints: Iterable[ConnectionState]) -> di
 
 
 def _component_text(component: ComponentState) -> str:
+    if component.is_gone:
+        return f"gone: {component.reason}"
     if component.level in (Level.NOT_HEARD, Level.UNKNOWN, Level.STALE):
         return str(component.level.value)
     return component.state or component.reason

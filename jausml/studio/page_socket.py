@@ -121,13 +121,17 @@ class PageSocket:
 
     async def _answer(self, request: Request) -> None:
         try:
-            told = rpc.answer(request.id, await self._session.answer(request))
+            before = self._session.revision
+            result = await self._session.answer(request)
+            # Where something changed meanwhile nobody knows of which revision its refs are.
+            revision = before if self._session.revision == before else None
+            told = rpc.answer(request.id, result, revision)
         except RpcError as error:
             told = rpc.refusal(error, request.id)
         except Exception as error:
             _LOG.exception("%s failed", request.method)
             reason = f"{type(error).__name__}: {error}"
-            text = f"this is a fault of jausml ({reason}); the terminal of the studio shows more"
+            text = f"this is a fault of jausml ({reason}); the history has it under Faults"
             fault = RpcError(rpc.INTERNAL_ERROR, text)
             told = rpc.refusal(fault, request.id)
         if not request.is_notification:

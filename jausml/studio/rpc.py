@@ -93,9 +93,16 @@ def _no_number(constant: str) -> NoReturn:
     raise ValueError(constant)
 
 
-def answer(id_: Id, result: object) -> str:
-    """Returns the message that answers a request."""
-    return _text({"id": id_, "result": as_json(result)})
+def answer(id_: Id, result: object, revision: int | None = None) -> str:
+    """Returns the message that answers a request.
+
+    Args:
+        id_: Names it.
+        result: The answer.
+        revision: The revision of the project of which its refs are, where it has any.
+    """
+    more = {} if revision is None else {"revision": revision}
+    return _text({"id": id_, "result": as_json(result), **more})
 
 
 def refusal(error: RpcError, id_: Id = None) -> str:

@@ -8,7 +8,6 @@ import threading
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from jausml.editing.commands import EditError
 from jausml.metamodel import load_metamodels
 from jausml.studio import watching
 from jausml.studio.answers.palette import library_entries
@@ -22,7 +21,6 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
     from pathlib import Path
 
-    from jausml.editing.records import Change
     from jausml.studio.checking import Verdict
     from jausml.studio.desk import Desk
     from jausml.studio.rpc import Request
@@ -53,6 +51,11 @@ class Session:
         """The folder that was opened, symbolic links followed."""
         return self._desk.project.root
 
+    @property
+    def revision(self) -> int:
+        """The revision of the project now."""
+        return self._desk.project.revision
+
     def told(self, listener: Callable[[str], None]) -> AbstractContextManager[None]:
         """Tells a listener what happens as long as the context lasts; see `Audience`."""
         return self._desk.audience.told(listener)
@@ -74,7 +77,8 @@ class Session:
         # Reading the library takes seconds on a busy computer: better before somebody asks for it.
         threading.Thread(target=library_entries, name="library", daemon=True).start()
         try:
-            yield
+            with self._desk.faults.kept():
+                yield
         finally:
             end.set()
             self._checking.close()
@@ -86,24 +90,9 @@ class Session:
     async def _watch(self, end: asyncio.Event) -> None:
         try:
             async for files in watching.changes(self._desk.project.root, end):
-                await self._answering.in_turn(self._refresh, files)
+                await self._answering.in_turn(self._desk.refresh, files)
         except OSError:
             _LOG.exception("changes by other programs are not seen any more")
-
-    def _refresh(self, files: list[str]) -> None:
-        found = [change for file in files for change in self._refreshed(file)]
-        for each in found:
-            told = "conflict" if each.is_conflict else "outside"
-            self._desk.audience.tell(told, {"file": each.file, "diff": each.diff})
-        if found:
-            self._desk.changed(self._desk.project.log[-1], by="outside")
-
-    def _refreshed(self, file: str) -> tuple[Change, ...]:
-        try:
-            return self._desk.project.refresh([file])
-        except EditError as error:  # it cannot be read, or is a link to elsewhere
-            _LOG.warning("%s", error)
-            return ()
 
     def _judged(self, verdict: Verdict) -> None:
         self._desk.audience.tell("problems", showing.problems(self._desk, verdict))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from jausml.editing.project import Project
-    from jausml.editing.records import Entry
+    from jausml.editing.records import Entry, Freshness
 
 
 def files(project: Project) -> list[dict[str, Any]]:
@@ -21,6 +21,11 @@ def files(project: Project) -> list[dict[str, Any]]:
         }
         for each in project.files
     ]
+
+
+def freshness(found: Freshness) -> dict[str, Any]:
+    """Returns what an answer is worth."""
+    return {"state": found.state, "since": found.since, "why": found.why}
 
 
 def entry(made: Entry | None) -> dict[str, Any] | None:

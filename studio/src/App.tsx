@@ -142,6 +142,8 @@ function useProblemsTitle(): string {
   const count = useStudio(
     (studio) => studio.problems?.problems.filter((each) => each.severity === "error").length ?? 0,
   );
+  const isUnchecked = useStudio((studio) => Boolean(studio.problems?.fault));
+  if (count === 0 && isUnchecked) return "Problems (× not checked)";
   return count ? `Problems (× ${count})` : "Problems";
 }
 

@@ -16,6 +16,8 @@ export class CallError extends Error {
 
 /** Code of our own for calls that found no connection or lost it. */
 export const LOST = -1;
+/** Code for a fault of the server itself. */
+export const INTERNAL_ERROR = -32603;
 
 export type Link = "opening" | "open" | "lost" | "refused";
 
@@ -40,6 +42,8 @@ interface Answer {
   method?: string;
   params?: unknown;
   result?: unknown;
+  /** Revision of the project of which the result is, at least. */
+  revision?: number;
   error?: { code: number; message: string; data?: { conflict?: boolean } };
 }
 
@@ -122,7 +126,7 @@ export class Connection implements Caller {
       const { code, message, data } = answer.error;
       pending.reject(new CallError(code, message, data?.conflict ?? false));
     } else {
-      pending.resolve(answer.result);
+      pending.resolve(withRevision(answer.result, answer.revision));
     }
   }
 
@@ -149,6 +153,12 @@ export class Connection implements Caller {
     this.link = link;
     this.listener.onLink(link, project, reason);
   }
+}
+
+/** A result with the revision of which it is, unless it says so itself. */
+function withRevision(result: unknown, revision: number | undefined): unknown {
+  const isPlain = typeof result === "object" && result !== null && !Array.isArray(result);
+  return isPlain && revision !== undefined ? { revision, ...result } : result;
 }
 
 export const TOKEN_KEY = "jausml-token";

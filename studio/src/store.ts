@@ -6,8 +6,10 @@ import type {
   Command,
   ConnectOption,
   Entry,
+  Freshness,
   Graph,
   GraphEnd,
+  KeptEdit,
   LegalEnd,
   LiveState,
   Problems,
@@ -22,7 +24,15 @@ import type { PartKey } from "./selection";
 export type Dialog =
   | { kind: "help" }
   | { kind: "create" }
-  | { kind: "delete"; commands: Command[]; label: string; referrers: Referrer[]; diff: string }
+  | {
+      kind: "delete";
+      commands: Command[];
+      label: string;
+      referrers: Referrer[];
+      diff: string;
+      /** Revision of which the refs are. */
+      base: number;
+    }
   | { kind: "ends"; from: GraphEnd; ends: LegalEnd[] }
   | {
       kind: "connect";
@@ -30,9 +40,10 @@ export type Dialog =
       target: GraphEnd;
       options: ConnectOption[];
       refusal: string;
+      revision?: number;
     }
   | { kind: "hosts"; boxes: string[] }
-  | { kind: "rename"; element: Ref; name: string }
+  | { kind: "rename"; element: Ref; name: string; base: number }
   | { kind: "diff"; title: string; diff: string };
 
 /** Something that another program did to a file. */
@@ -63,18 +74,26 @@ export interface Studio {
   graph: Graph | null;
   /** Revision that the graph shows. */
   revision: number;
+  /** What the graph is worth, null where nothing was said of it. */
+  freshness: Freshness | null;
   /** Why there is no graph, empty if there is one. */
   graphFault: string;
   /** Selected parts of the graph, the last one is where the keyboard stands. */
   selection: PartKey[];
   /** The element that forms and sources show; it need not be part of the graph. */
   chosen: Ref | "";
+  /** Counts what was chosen: it stays when only the ref of what is chosen becomes another. */
+  choice: number;
   problems: Problems | null;
   live: LiveState | null;
   dialog: Dialog | null;
   /** The part whose name is being edited in place. */
-  renaming: { key: PartKey; element: Ref; name: string } | null;
+  renaming: { key: PartKey; element: Ref; name: string; base: number } | null;
   outside: Outside[];
+  /** Edits that were not done since others have changed the same. */
+  kept: KeptEdit[];
+  /** When the live state came, in milliseconds since 1970. */
+  liveAt: number;
   said: Said;
   clip: Command[];
   undoable: Entry | null;
@@ -99,14 +118,18 @@ export const BEGINNING: Studio = {
   view: "",
   graph: null,
   revision: 0,
+  freshness: null,
   graphFault: "",
   selection: [],
   chosen: "",
+  choice: 0,
   problems: null,
   live: null,
   dialog: null,
   renaming: null,
   outside: [],
+  kept: [],
+  liveAt: 0,
   said: { text: "", isError: false, number: 0 },
   clip: [],
   undoable: null,
@@ -128,6 +151,11 @@ export const update = (change: Partial<Studio>): void => useStudio.setState(chan
 /** Tells the user something, which screen readers speak. */
 export function say(text: string, isError = false): void {
   update({ said: { text, isError, number: state().said.number + 1 } });
+}
+
+/** Revision of what `chosen` names: that of the graph, which brings the names of the new one along. */
+export function revisionOf(studio: Studio): number {
+  return studio.graph ? studio.revision : (studio.project?.revision ?? 0);
 }
 
 /** Where the keyboard stands. */

@@ -12,11 +12,13 @@ from jausml.live.systems.declared import components_of, declarations_of
 from jausml.live.systems.diagnostics import Status
 from jausml.live.systems.folding import (
     Answer,
+    Source,
     expected,
     fold_answer,
     fold_model,
     fold_source,
     fold_statuses,
+    fold_time,
 )
 from jausml.live.systems.state import SystemState
 from jausml.model import read_models
@@ -67,6 +69,7 @@ def test_a_connection_is_told_at_its_row_and_at_each_of_its_edges(model, places,
         "rate": 19.5,
         "declared": 20.0,
         "age": 0.031,
+        "gone": False,
         "latency": {"in the bridge p50": 87.0},
         "drops": {"no_value.Velocity_X": 3},
         "text": "19.5 of 20 Hz",
@@ -152,7 +155,40 @@ def test_a_changed_model_keeps_what_was_heard(model, places, silent):
     assert state.components[LOOP].state == "READY"
     assert "10.1.2" not in state.components  # nobody ever heard of it, and the model lost it
     again = fold_model(state, declarations_of(model), components_of(model), 3.0)
-    assert live_values(again, places)["edges"] == live_values(heard, places)["edges"]
+    later = fold_time(heard, 3.0)
+    assert live_values(again, places)["edges"] == live_values(later, places)["edges"]
+
+
+def test_a_death_is_told_as_one_and_ages_go_on(places, silent):
+    row = places.rows["/loop_bridge", "odometry"]
+    alive = fold_answer(
+        fold_statuses(silent, [status()], 1.0),
+        Answer(LOOP, state="READY", controller="100.1.5", round_trip=0.0025),
+        1.0,
+    )
+    told = live_values(fold_time(alive, 4.0), places)["edges"][row]
+    assert (told["age"], told["gone"]) == (pytest.approx(3.031), False)
+    dead = fold_time(alive, 60.0)
+    for number in range(3):
+        dead = fold_answer(dead, Answer(LOOP, source=Source.NOBODY), 60.0 + number)
+    values = live_values(fold_time(dead, 63.0), places)
+    edge = values["edges"][row]
+    assert (edge["gone"], edge["text"], edge["rate"], edge["latency"]) == (True, "gone", None, {})
+    assert edge["age"] == pytest.approx(62.031)
+    (listed,) = (each for each in values["connections"] if each["row"] == row)
+    assert listed["age"] == pytest.approx(62.031)
+    # What it told of itself holds no longer, and is no more than history.
+    (component,) = (each for each in values["components"] if each["id"] == LOOP)
+    assert [component[name] for name in ("state", "controller", "round_trip_ms")] == [None] * 3
+    assert component["reason"] == "does not answer any more; was in READY"
+    box = values["boxes"][component["box"]]
+    assert box["gone"]
+    assert box["text"].startswith("gone: does not answer any more")
+    # It stays so however often it is looked at, and lives again with its first answer.
+    again = fold_time(dead, 70.0).components[LOOP]
+    assert again.reason == "does not answer any more; was in READY"
+    back = fold_answer(dead, Answer(LOOP, state="STANDBY"), 71.0).components[LOOP]
+    assert (back.state, back.is_gone) == ("STANDBY", False)
 
 
 BROKEN = """\

@@ -24,7 +24,7 @@ from jausml.semantics.hosts import host_of
 from jausml.semantics.ros_paths import ros_name
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Collection, Sequence
 
     from jausml.diagrams.views.context import Context
     from jausml.metamodel.classes.ecore import EObject
@@ -47,9 +47,10 @@ def graph(context: Context) -> Graph:
     """
     builder = Builder(context)
     found = participants(context.model)
-    _add_hosts(context, builder)
-    for each in found:
-        builder.add(_box(context, each))
+    boxes = [_box(context, each) for each in found]
+    _add_hosts(context, builder, {each.group for each in boxes})
+    for box in boxes:
+        builder.add(box)
     for each in found:
         if isinstance(each, ros.Node):
             _add_endpoints(builder, each)
@@ -66,12 +67,15 @@ def graph(context: Context) -> Graph:
     return builder.graph(f"system {name}" if isinstance(root, systems.System) else name)
 
 
-def _add_hosts(context: Context, builder: Builder) -> None:
+def _add_hosts(context: Context, builder: Builder, used: Collection[str]) -> None:
     for host in context.model.instances(systems.Host, library=False):
         transport = host.transport.name
-        builder.groups.append(
-            Group(context.id_of(host), "host", f"host {name_of(host)} ({transport})")
-        )
+        title = f"host {name_of(host)} ({transport})"
+        if context.id_of(host) in used:
+            builder.groups.append(Group(context.id_of(host), "host", title))
+        else:
+            # There is no frame around nothing: until something runs there it is a box.
+            builder.add(Box(context.id_of(host), "host", title, "nothing runs here yet"))
 
 
 def _box(context: Context, element: jaus.Component | ros.Node) -> Box:

@@ -265,12 +265,30 @@ def _patience(connection: ConnectionState) -> float:
 def _judged(state: SystemState, connection: ConnectionState, *, is_gone: bool) -> ConnectionState:
     if is_gone:
         reason = "its bridge says nothing any more"
-        return replace(connection, level=Level.NOT_HEARD, phase="", reason=reason, rate=None)
+        return replace(
+            connection, level=Level.NOT_HEARD, phase="", reason=reason, rate=None, latency={}
+        )
     if connection.told is None:
         fault = state.sources.get("ROS", "")
         level = Level.UNKNOWN if fault else Level.NOT_HEARD
         return replace(connection, level=level, reason=fault or "no bridge tells of it")
     return connection
+
+
+def _gone(component: ComponentState, level: Level) -> ComponentState:
+    """Returns a component that answers no more: what it told of itself holds no longer."""
+    if component.level is level and not component.state:
+        return component
+    was = f"; was in {component.state}" if component.state else ""
+    return replace(
+        component,
+        level=level,
+        reason=f"does not answer any more{was}",
+        state="",
+        controller=None,
+        authority=None,
+        round_trip=None,
+    )
 
 
 def _judged_component(state: SystemState, component: ComponentState) -> ComponentState:
@@ -280,7 +298,7 @@ def _judged_component(state: SystemState, component: ComponentState) -> Componen
         level = Level.UNKNOWN if fault else gone
         return replace(component, level=level, reason=fault or "does not answer")
     if component.unanswered >= _UNANSWERED:
-        return replace(component, level=gone, reason="does not answer any more")
+        return _gone(component, gone)
     if not component.state:
         return replace(component, level=Level.OK, reason="tells no state")
     level = _STATES.get(component.state, Level.WARNING)

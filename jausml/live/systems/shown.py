@@ -21,13 +21,13 @@ def as_values(state: SystemState) -> dict[str, Any]:
         "health": HEALTH[state.weight],
         "heard": state.is_heard,
         "sources": {name: fault or "heard" for name, fault in state.sources.items()},
-        "connections": [_connection(each, state.now) for each in state.connections.values()],
+        "connections": [_connection(each, state) for each in state.connections.values()],
         "components": [_component(each, state.now) for each in state.components.values()],
         "ignored": state.ignored,
     }
 
 
-def _connection(connection: ConnectionState, now: float) -> dict[str, Any]:
+def _connection(connection: ConnectionState, state: SystemState) -> dict[str, Any]:
     declaration = connection.declaration
     return {
         "bridge": connection.bridge,
@@ -38,12 +38,12 @@ def _connection(connection: ConnectionState, now: float) -> dict[str, Any]:
         "reason": connection.reason,
         "rate": connection.rate,
         "declared_rate": connection.declared_rate,
-        "age": connection.age,
+        "age": _rounded(state.age_of(connection)),
         "latency_us": dict(connection.latency),
         "drops": dict(connection.drops),
         "peers": dict(connection.peers),
         "history": list(connection.history),
-        "told": _since(connection.told, now),
+        "told": _since(connection.told, state.now),
         "values": [list(pair) for pair in connection.values],
         "model": declaration
         and {
@@ -69,6 +69,10 @@ def _component(component: ComponentState, now: float) -> dict[str, Any]:
         "round_trip_ms": None if trip is None else round(trip * 1e3, 3),
         "told": _since(component.told, now),
     }
+
+
+def _rounded(seconds: float | None) -> float | None:
+    return None if seconds is None else round(seconds, 3)
 
 
 def _since(time: float | None, now: float) -> float | None:

@@ -137,6 +137,11 @@ class ConnectionState:
         return self.bridge, self.name
 
     @property
+    def is_gone(self) -> bool:
+        """Whether its bridge told of it, and does no more."""
+        return self.told is not None and self.level is Level.NOT_HEARD
+
+    @property
     def dropped(self) -> int:
         """How many messages were lost in all."""
         return sum(self.drops.values())
@@ -176,6 +181,11 @@ class ComponentState:
     unanswered: int = 0
     is_declared: bool = False
 
+    @property
+    def is_gone(self) -> bool:
+        """Whether it answered, and does no more."""
+        return self.told is not None and self.level in (Level.NOT_HEARD, Level.STALE)
+
 
 @dataclass(frozen=True, slots=True)
 class SystemState:
@@ -196,6 +206,15 @@ class SystemState:
     sources: Mapping[str, str] = field(default_factory=dict)
     declarations: tuple[Declaration, ...] = ()
     ignored: int = 0
+
+    def age_of(self, connection: ConnectionState) -> float | None:
+        """Returns the seconds since the last message of a connection, None before the first.
+
+        It grows while the bridge says nothing.
+        """
+        if connection.age is None or connection.told is None:
+            return connection.age
+        return connection.age + max(0.0, self.now - connection.told)
 
     @property
     def is_heard(self) -> bool:

@@ -6,7 +6,7 @@ from collections.abc import Mapping  # noqa: TC003 - parameters are typed at run
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml.editing.commands import Add, Place, Set
+from jausml.editing.commands import Add, EditError, Place, Set
 from jausml.studio import shown
 from jausml.studio.answers.pasting import with_free_addresses
 from jausml.studio.asking import showing
@@ -14,6 +14,8 @@ from jausml.studio.encoding import command
 from jausml.studio.methods import Method, Nothing
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from jausml.editing.commands import Command
     from jausml.editing.records import Entry
     from jausml.studio.desk import Desk
@@ -75,10 +77,20 @@ class Paste:
     commands: tuple[Mapping[str, object], ...]
 
 
+@dataclass(frozen=True)
+class Kept:
+    """An edit that is kept, by its number."""
+
+    number: int
+
+
 def methods(desk: Desk) -> Mapping[str, Method[Any]]:
     """Returns the methods by name."""
     return {
         "edit": Method(Edit, lambda asked: _edit(desk, asked), in_turn=True),
+        "kept": Method(Nothing, lambda _: _kept(desk)),
+        "kept.again": Method(Kept, lambda asked: _again(desk, asked), in_turn=True),
+        "kept.discard": Method(Kept, lambda asked: _discard(desk, asked), in_turn=True),
         "copy": Method(Copy, lambda asked: {"commands": desk.project.describe(asked.elements)}),
         "paste": Method(Paste, lambda asked: _paste(desk, asked), in_turn=True),
         "undo": Method(Nothing, lambda _: _undo(desk), in_turn=True),
@@ -100,16 +112,55 @@ def edit(
     """Carries out commands, or tells what they would do; see `Edit`."""
     project = desk.project
     if dry:
-        seen = project.preview(commands)
+        seen = project.preview(commands, base)
         return {
             "revision": project.revision,
             "created": seen.created,
             "diff": seen.diff,
             "referrers": seen.referrers,
         }
-    made = project.do(commands, label, base)
+    base = project.revision if base is None else base
+    return _carried_out(desk, commands, label, base)
+
+
+def _carried_out(
+    desk: Desk, commands: Sequence[Command], label: str, base: int, *, is_first: bool = True
+) -> dict[str, Any]:
+    project = desk.project
+    try:
+        made = project.do(commands, label, base, is_first=is_first)
+    except EditError as error:
+        if error.conflict and desk.keep(commands, label, base, str(error)):
+            message = f"{error}. It is kept: do it again or discard it"
+            raise EditError(message, conflict=True) from error
+        raise
+    finally:
+        # What it met on its way is told, whether it was done or not.
+        desk.tell_outside(desk.project.met())
     desk.changed(made)
     return {"revision": project.revision, "entry": shown.entry(made), "created": made.created}
+
+
+def _kept(desk: Desk) -> dict[str, Any]:
+    return {"edits": [each.told for each in desk.kept.all]}
+
+
+def _again(desk: Desk, asked: Kept) -> dict[str, Any]:
+    edit = desk.kept.find(asked.number)
+    if edit is None:
+        raise EditError("this edit is kept no more")
+    desk.kept.discard(edit.number)
+    try:
+        # Who does it again has seen what others did, and means it.
+        return _carried_out(desk, edit.commands, edit.label, edit.base, is_first=False)
+    finally:
+        desk.tell_kept()
+
+
+def _discard(desk: Desk, asked: Kept) -> dict[str, Any]:
+    desk.kept.discard(asked.number)
+    desk.tell_kept()
+    return {}
 
 
 def _paste(desk: Desk, asked: Paste) -> dict[str, Any]:

@@ -5,14 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml.studio.answers.planning import carry_out, diff, out_folder, plan
+from jausml.proposals.elements import AnswerError
+from jausml.studio import shown
+from jausml.studio.answers.planning import Planned, carry_out, diff, out_folder, plan
+from jausml.studio.encoding import as_json
 from jausml.studio.methods import Method
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
+    from jausml.studio.checking import Verdict
     from jausml.studio.desk import Desk
+    from jausml.validation.report import Report
 
 
 @dataclass(frozen=True)
@@ -55,7 +60,7 @@ def methods(desk: Desk) -> Mapping[str, Method[Any]]:
     return {
         "plan": Method(Asked, lambda asked: _plan(desk, asked)),
         "diff": Method(OfPath, lambda asked: _diff(desk, asked)),
-        "generate": Method(Shown, lambda asked: _generate(desk, asked)),
+        "generate": Method(Shown, lambda asked: _generate(desk, asked), in_turn=True),
     }
 
 
@@ -64,17 +69,43 @@ def _out(desk: Desk, file: str, out: str) -> Path:
 
 
 def _plan(desk: Desk, asked: Asked) -> object:
-    report = desk.verdicts.of(asked.file).report
-    return plan(report, _out(desk, asked.file, asked.out), force=asked.force)
+    verdict = desk.verdicts.of(asked.file)
+    out = _out(desk, asked.file, asked.out)
+    why = _obstacle(desk, verdict)
+    planned = (
+        Planned(str(out), problems=why) if why else plan(verdict.report, out, force=asked.force)
+    )
+    freshness = shown.freshness(desk.freshness(verdict))
+    return {**as_json(planned), "revision": verdict.revision, "freshness": freshness}
+
+
+def _obstacle(desk: Desk, verdict: Verdict) -> str:
+    """Returns why no code may be made whatever was found, empty when it may."""
+    return verdict.fault or desk.freshness(verdict).why
+
+
+def _report(desk: Desk, file: str) -> Report:
+    """Returns what was found about a file, of which code may be made if that has no errors.
+
+    Raises:
+        AnswerError: It was not judged as it is.
+    """
+    verdict = desk.verdicts.of(file)
+    why = _obstacle(desk, verdict)
+    if why:
+        raise AnswerError(why)
+    return verdict.report
 
 
 def _diff(desk: Desk, asked: OfPath) -> object:
-    report = desk.verdicts.of(asked.file).report
+    report = _report(desk, asked.file)
     out = _out(desk, asked.file, asked.out)
     return {"diff": diff(report, out, asked.path, force=asked.force)}
 
 
 def _generate(desk: Desk, asked: Shown) -> object:
-    report = desk.verdicts.of(asked.file).report
+    # Also what another program has saved this very moment counts.
+    desk.refresh()
+    report = _report(desk, asked.file)
     out = _out(desk, asked.file, asked.out)
     return carry_out(report, out, asked.digest, force=asked.force)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.editing.commands import EditError
+from jausml.studio import shown
 from jausml.studio.live import LiveSystem, NotWatchedError, Watched
 from jausml.studio.methods import Method, Nothing
 from jausml.studio.rpc import REFUSED, RpcError
@@ -109,4 +110,8 @@ class Living:
         self._live = None
 
     def _tell(self, values: dict[str, Any]) -> None:
-        self._desk.audience.tell("live", values)
+        try:
+            verdict = self._desk.project.read(values["file"])[1]
+        except EditError:
+            return  # the file has gone meanwhile
+        self._desk.audience.tell("live", {**values, "freshness": shown.freshness(verdict)})

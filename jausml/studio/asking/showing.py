@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from codecs import BOM_UTF16_BE, BOM_UTF16_LE
+import logging
 from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 from jausml import __version__
 from jausml.diagrams.layout.sheet import LayoutError
 from jausml.diagrams.views import UnknownViewError, graph_of, view_names
+from jausml.editing.records import Freshness
 from jausml.model.refs import file_of
 from jausml.proposals.elements import AnswerError, Scope
 from jausml.studio import shown
 from jausml.studio.answers.cures import cures
-from jausml.studio.methods import Method
+from jausml.studio.methods import Method, Nothing
 from jausml.studio.rpc import REFUSED, RpcError
-from jausml.text.notation import SUFFIX, decode
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from jausml.studio.checking import Verdict
     from jausml.studio.desk import Desk
 
+
+_LOG = logging.getLogger(__name__)
 
 _MOST_CURED = 200
 """Findings for which cures are looked for: each takes a while, and nobody reads so many."""
@@ -59,8 +61,8 @@ def methods(desk: Desk) -> Mapping[str, Method[Any]]:
         "hello": Method(Hello, lambda _: _hello(desk)),
         "views": Method(OfFile, lambda asked: _views(desk, asked)),
         "view": Method(OfView, lambda asked: view(desk, asked)),
+        "faults": Method(Nothing, lambda _: {"faults": desk.faults.all}),
         "problems": Method(OfFile, lambda asked: problems(desk, desk.verdicts.of(asked.file))),
-        "text": Method(OfFile, lambda asked: _text(desk, asked)),
     }
 
 
@@ -98,25 +100,34 @@ def view(desk: Desk, asked: OfView) -> dict[str, Any]:
     """Returns a view, drawn as it stands."""
     desk.looked_at.look(asked.file)
     verdict = desk.verdicts.of(asked.file)
+    key = asked.file, asked.view
     try:
-        graph = graph_of(
-            verdict.result.model, asked.view, verdict.report.diagnostics, desk.project.root
-        )
-        moved = desk.project.positions(asked.file, asked.view)
-        drawn = desk.drawings.draw(asked.file, graph, moved)
+        answer = _drawn(desk, asked, verdict)
     except (UnknownViewError, LayoutError) as error:
         raise RpcError(REFUSED, str(error)) from error
-    return {"revision": verdict.revision, "graph": drawn}
+    except Exception as error:
+        kept = desk.pictures.get(key)
+        if kept is None:
+            raise
+        _LOG.exception("the view %s of %s cannot be drawn", asked.view, asked.file)
+        why = f"the view cannot be drawn now ({type(error).__name__}): see Faults in the history"
+        old = Freshness("stale", kept["revision"], why)
+        return {**kept, "freshness": shown.freshness(old)}
+    desk.pictures[key] = answer
+    return answer
 
 
-def _text(desk: Desk, asked: OfFile) -> dict[str, Any]:
-    project = desk.project
-    revision = project.revision
-    data = project.text(asked.file)
-    is_text = asked.file.endswith(SUFFIX)
-    encoding = "utf-16" if data[:2] in (BOM_UTF16_LE, BOM_UTF16_BE) else "utf-8-sig"
-    text = decode(data)[0] if is_text else data.decode(encoding, "replace")
-    return {"text": text, "revision": revision, "editable": is_text}
+def _drawn(desk: Desk, asked: OfView, verdict: Verdict) -> dict[str, Any]:
+    graph = graph_of(
+        verdict.result.model, asked.view, verdict.report.diagnostics, desk.project.root
+    )
+    moved = desk.project.positions(asked.file, asked.view)
+    drawn = desk.drawings.draw(asked.file, graph, moved)
+    return {
+        "revision": verdict.revision,
+        "freshness": shown.freshness(desk.freshness(verdict)),
+        "graph": drawn,
+    }
 
 
 def problems(desk: Desk, verdict: Verdict) -> dict[str, Any]:
@@ -125,7 +136,7 @@ def problems(desk: Desk, verdict: Verdict) -> dict[str, Any]:
     known = desk.told_verdicts.get(verdict.file)
     if known is None or known[0] is not verdict:
         known = desk.told_verdicts[verdict.file] = (verdict, _problems(desk, verdict))
-    return known[1]
+    return {**known[1], "freshness": shown.freshness(desk.freshness(verdict))}
 
 
 def _problems(desk: Desk, verdict: Verdict) -> dict[str, Any]:
@@ -134,6 +145,7 @@ def _problems(desk: Desk, verdict: Verdict) -> dict[str, Any]:
     found = verdict.report.diagnostics
     return {
         "revision": verdict.revision,
+        "fault": verdict.fault,
         "elapsed_ms": round(verdict.elapsed_ms, 1),
         "files": [verdict.file],
         "problems": [

@@ -22,7 +22,8 @@ export async function drop(
 ): Promise<void> {
   const meant = await fitting(item, onto);
   if (!meant) return;
-  const result = await edit(meant.drop.commands, meant.label_of_edit);
+  const { item: chosen, base } = meant;
+  const result = await edit(chosen.drop.commands, chosen.label_of_edit, base);
   if (!result || !at) return;
   const { graph } = state();
   const created = new Set(result.created);
@@ -30,11 +31,19 @@ export async function drop(
   if (node) await place({ [node.key]: [Math.round(at[0]), Math.round(at[1])] });
 }
 
+/** An item, and the revision of which its refs are, where that is known. */
+interface Meant {
+  item: PaletteItem;
+  base?: number;
+}
+
 /** The same item as it goes on what it was dropped on: dragged was what went on the choice. */
-async function fitting(item: PaletteItem, onto: Ref | ""): Promise<PaletteItem | undefined> {
-  if (!onto && !item.onto) return item;
+async function fitting(item: PaletteItem, onto: Ref | ""): Promise<Meant | undefined> {
+  if (!onto && !item.onto) return { item };
   const { file } = state();
   const { label: query, group } = item;
   const answer = await tried(ask("palette", { file, query, kinds: [group], onto }));
-  return answer && (answer.items.find((each) => each.id === item.id) ?? item);
+  if (!answer) return undefined;
+  const found = answer.items.find((each) => each.id === item.id);
+  return found ? { item: found, ...(answer.revision && { base: answer.revision }) } : { item };
 }

@@ -1,7 +1,7 @@
 // Changes of the model, and taking them back.
 
-import type { Command, EditResult } from "../protocol";
-import { say, state, update } from "../store";
+import type { Command, EditResult, KeptEdit } from "../protocol";
+import { revisionOf, say, state, update } from "../store";
 import { ask, tried } from "./asking";
 import { choose } from "./choosing";
 import { openFile, refresh } from "./showing";
@@ -9,16 +9,36 @@ import { openFile, refresh } from "./showing";
 /**
  * Changes the model.
  *
+ * @param base Revision of which the refs of the commands are: that of the answer that gave them; as
+ *   a rule that of the graph, of which the choice is.
  * @throws CallError The server refused, and why.
  */
-export async function change(commands: Command[], label: string): Promise<EditResult> {
-  const base = state().project?.revision ?? state().revision;
+export async function change(
+  commands: Command[],
+  label: string,
+  base = revisionOf(state()),
+): Promise<EditResult> {
   return settled(await ask("edit", { commands, label, base }), label);
 }
 
 /** Changes the model; null if the server refused, which the user is told. */
-export async function edit(commands: Command[], label: string): Promise<EditResult | null> {
-  return commands.length ? ((await tried(change(commands, label))) ?? null) : null;
+export async function edit(
+  commands: Command[],
+  label: string,
+  base = revisionOf(state()),
+): Promise<EditResult | null> {
+  return commands.length ? ((await tried(change(commands, label, base))) ?? null) : null;
+}
+
+/** Does an edit after all that was kept; what others have changed meanwhile gives way to it. */
+export async function doAgain({ number, label }: KeptEdit): Promise<void> {
+  const result = await tried(ask("kept.again", { number }));
+  if (result) await settled(result, label);
+}
+
+/** Forgets an edit that was kept. */
+export async function discard({ number, label }: KeptEdit): Promise<void> {
+  if (await tried(ask("kept.discard", { number }))) say(`Discarded: ${label}`);
 }
 
 /** Shows what an edit did. */
@@ -40,7 +60,7 @@ export async function newModel(file: string): Promise<void> {
 
 /** Tells what an edit would do, without doing it. */
 export function dryRun(commands: Command[], label: string): Promise<EditResult | undefined> {
-  return tried(ask("edit", { commands, label, dry: true }));
+  return tried(ask("edit", { commands, label, dry: true, base: revisionOf(state()) }));
 }
 
 export async function undo(): Promise<void> {

@@ -9,14 +9,20 @@ import { openFile } from "./showing";
 export function select(selection: PartKey[]): void {
   const { graph } = state();
   const last = selection.at(-1);
-  update({ selection, chosen: graph && last ? elementOf(graph, last) : "" });
+  take(graph && last ? elementOf(graph, last) : "", selection);
 }
 
 /** Shows an element in form and source, and selects it where the graph has it. */
 export function choose(element: Ref): void {
   const { graph } = state();
   const key = graph ? indexOf(graph).byElement.get(element) : undefined;
-  update({ chosen: element, selection: key ? [key] : [] });
+  take(element, key ? [key] : []);
+}
+
+function take(chosen: Ref | "", selection: PartKey[]): void {
+  const before = state();
+  const choice = chosen === before.chosen ? before.choice : before.choice + 1;
+  update({ selection, chosen, choice });
 }
 
 /** Shows an element in the file where it stands, whichever file is shown now. */

@@ -14,9 +14,9 @@ export async function connect(source: GraphEnd, target: GraphEnd): Promise<void>
   if (answer) update({ dialog: { kind: "connect", source, target, ...answer } });
 }
 
-export async function take(option: ConnectOption): Promise<void> {
+export async function take(option: ConnectOption, base?: number): Promise<void> {
   update({ dialog: null });
-  await edit(option.commands, option.label);
+  await edit(option.commands, option.label, base);
 }
 
 /** Offers the ends that what the keyboard stands on can be connected to. */

@@ -1,8 +1,9 @@
 // What the server tells without being asked.
 
 import type { Link, Listener } from "../connection";
-import type { Notification, Notifications, Project } from "../protocol";
+import type { Notification, Notifications, Problems, Project } from "../protocol";
 import { type Outside, say, state, update } from "../store";
+import { ask } from "./asking";
 import { openFile, refresh } from "./showing";
 
 export const listener: Listener = {
@@ -31,8 +32,8 @@ const TAKING: { [N in Notification]: (params: Notifications[N]) => void } = {
   problems(params) {
     const before = state().problems;
     update({ problems: params });
-    const words = verdict(params.problems);
-    if (!before || verdict(before.problems) !== words) say(words);
+    const words = spoken(params);
+    if (!before || spoken(before) !== words) say(words);
   },
   conflict(params) {
     noteOutside({ ...params, isConflict: true });
@@ -42,7 +43,10 @@ const TAKING: { [N in Notification]: (params: Notifications[N]) => void } = {
     noteOutside({ ...params, isConflict: false });
   },
   live(params) {
-    update({ live: params.state });
+    update({ live: params.state, liveAt: Date.now() });
+  },
+  kept({ edits }) {
+    update({ kept: edits });
   },
 };
 
@@ -55,7 +59,8 @@ function noteOutside(change: Outside): void {
   update({ outside: [...outside.filter((each) => each.file !== change.file), change] });
 }
 
-function verdict(problems: { severity: string }[]): string {
+function spoken({ fault, problems }: Problems): string {
+  if (fault) return `Not checked: ${fault}.`;
   const count = (severity: string) => problems.filter((each) => each.severity === severity).length;
   const [errors, warnings] = [count("error"), count("warning")];
   if (!errors && !warnings) return "No problems.";
@@ -65,6 +70,11 @@ function verdict(problems: { severity: string }[]): string {
 
 async function begin(project: Project): Promise<void> {
   update({ project });
+  // Without an answer the next one that is kept tells of all.
+  ask("kept", {}).then(
+    ({ edits }) => update({ kept: edits }),
+    () => undefined,
+  );
   const { file, view } = state();
   const kept = project.files.some((each) => each.path === file) ? file : "";
   const chosen = kept || project.opened || project.files[0]?.path || "";

@@ -1,6 +1,6 @@
 // Where boxes stand.
 
-import { boxesOf } from "../canvas/frames";
+import { boxesOf, hostsOf } from "../canvas/frames";
 import type { Command, EditResult, LayoutKey, Point } from "../protocol";
 import { say, state, update } from "../store";
 import { ask, tried } from "./asking";
@@ -31,14 +31,14 @@ export async function placeOn(
     ? [{ kind: "place", file, view, positions }]
     : [];
   if (!option.commands.length) return placed.length ? place(positions) : null;
-  return edit([...option.commands, ...placed], option.label);
+  return edit([...option.commands, ...placed], option.label, option.revision);
 }
 
 /** Asks on which host the chosen boxes shall run. */
 export function offerHosts(): void {
   const { graph, selection } = state();
   const boxes = graph ? boxesOf(graph, selection) : [];
-  if (!graph?.groups.some((each) => each.kind === "host")) return say("The system has no hosts.");
+  if (!graph || hostsOf(graph).length === 0) return say("The system has no hosts.");
   if (!boxes.length) return say("Choose a component or a node first.");
   update({ dialog: { kind: "hosts", boxes } });
 }

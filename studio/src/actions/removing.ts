@@ -2,7 +2,7 @@
 
 import type { Command, Ref } from "../protocol";
 import { partOf } from "../selection";
-import { active, say, state, update } from "../store";
+import { active, revisionOf, say, state, update } from "../store";
 import { ask, tried } from "./asking";
 import { dryRun, edit } from "./changing";
 import { selected } from "./choosing";
@@ -12,14 +12,15 @@ export async function remove(elements: Ref[], what: string): Promise<void> {
   const commands: Command[] = elements.map((element) => ({ kind: "remove", element }));
   if (!commands.length) return;
   const label = `Remove ${what}`;
+  const base = revisionOf(state());
   const dry = await dryRun(commands, label);
   if (!dry) return;
   const referrers = dry.referrers ?? [];
   if (!referrers.length) {
-    await edit(commands, label);
+    await edit(commands, label, base);
     return;
   }
-  update({ dialog: { kind: "delete", commands, label, referrers, diff: dry.diff ?? "" } });
+  update({ dialog: { kind: "delete", commands, label, referrers, diff: dry.diff ?? "", base } });
 }
 
 /** Removes what is selected. */
@@ -37,6 +38,6 @@ async function unlink(line: string): Promise<void> {
   const { file, view } = state();
   const answer = await tried(ask("unlink", { file, view, line }));
   const [option] = answer?.options ?? [];
-  if (option) await edit(option.commands, option.label);
+  if (option) await edit(option.commands, option.label, answer?.revision);
   else if (answer) say(answer.refusal);
 }

@@ -1,8 +1,8 @@
 // Files and their views: which of them is shown.
 
 import { matching } from "../canvas/following";
-import { CallError, LOST } from "../connection";
-import type { Graph } from "../protocol";
+import { CallError, INTERNAL_ERROR, LOST } from "../connection";
+import type { Freshness, Graph } from "../protocol";
 import { carriedOver, elementOf } from "../selection";
 import { state, update } from "../store";
 import { ask, messageOf, tried } from "./asking";
@@ -59,17 +59,20 @@ async function load(): Promise<void> {
   const { file, view } = state();
   if (!file || !view) return;
   try {
-    const { graph, revision } = await ask("view", { file, view });
-    if (state().file === file && state().view === view) show(graph, revision);
+    const { graph, revision, freshness } = await ask("view", { file, view });
+    if (state().file === file && state().view === view) show(graph, revision, freshness);
   } catch (error) {
     if (state().file !== file || state().view !== view) return;
     if (error instanceof CallError && error.code === LOST) return;
-    update({ graph: null, graphFault: messageOf(error) });
+    const graphFault = messageOf(error);
+    // A fault of the server is none of the picture that is shown: that stays, and is told to be old.
+    const isFault = error instanceof CallError && error.code === INTERNAL_ERROR;
+    update(isFault ? { graphFault } : { graph: null, graphFault });
   }
 }
 
 /** Shows a graph; what was selected in the one before is found again. */
-export function show(graph: Graph, revision: number): void {
+export function show(graph: Graph, revision: number, freshness: Freshness | null = null): void {
   const before = state();
   const selection = before.graph ? carriedOver(before.selection, before.graph, graph) : [];
   const last = selection.at(-1);
@@ -77,6 +80,7 @@ export function show(graph: Graph, revision: number): void {
   update({
     graph,
     revision,
+    freshness,
     graphFault: "",
     selection,
     bright: matching(graph, before.filter),

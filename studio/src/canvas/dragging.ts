@@ -36,7 +36,7 @@ export function useDragging(graph: Graph, setMoved: SetMoved) {
   const onDrag = useCallback(
     (event: Dragging, dragged: FlowNode[]) => {
       const host = hostUnder(graph, dragged, flow.screenToFlowPosition(pointOf(event)));
-      mark(host ? groupKey(host.id) : null);
+      mark(host ? partOfHost(graph, host.id) : null);
     },
     [graph, flow],
   );
@@ -83,7 +83,10 @@ function hostUnder(
   if (dragged.some((each) => each.type === "frame")) return null;
   const id = hostAt(graph, pointer);
   const boxes = dragged.flatMap((each) =>
-    each.type === "box" && each.data.node.element && hostOf(graph, each.data.node) !== id
+    each.type === "box" &&
+    each.data.node.element &&
+    each.data.node.kind !== "host" &&
+    hostOf(graph, each.data.node) !== id
       ? [each.id]
       : [],
   );
@@ -97,6 +100,11 @@ function pointOf(event: Dragging): XYPosition {
   const { clientX: x, clientY: y } =
     "clientX" in event ? event : (event.changedTouches[0] ?? { clientX: 0, clientY: 0 });
   return { x, y };
+}
+
+/** The frame of a host, or its box. */
+function partOfHost(graph: Graph, id: string): PartKey {
+  return graph.groups.some((each) => each.id === id) ? groupKey(id) : nodeKey(id);
 }
 
 function mark(under: PartKey | null): void {

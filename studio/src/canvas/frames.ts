@@ -53,15 +53,15 @@ export function hostOf(graph: Graph, node: GraphNode): string {
   return "";
 }
 
-/** The host whose frame has a point, empty for none. */
+/** The hosts: the frames of those where something runs, and the boxes of the others. */
+export function hostsOf(graph: Graph): (GraphGroup | GraphNode)[] {
+  return [...graph.groups, ...graph.nodes].filter((each) => each.kind === "host");
+}
+
+/** The host that has a point in its frame or box, empty for none. */
 export function hostAt(graph: Graph, { x, y }: XYPosition): string {
-  const found = graph.groups.filter(
-    (each) =>
-      each.kind === "host" &&
-      each.x <= x &&
-      x <= each.x + each.width &&
-      each.y <= y &&
-      y <= each.y + each.height,
+  const found = hostsOf(graph).filter(
+    (each) => each.x <= x && x <= each.x + each.width && each.y <= y && y <= each.y + each.height,
   );
   return found.at(-1)?.id ?? "";
 }

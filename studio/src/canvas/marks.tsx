@@ -27,6 +27,7 @@ export function Mark({ findings }: { findings: readonly Finding[] }) {
 /** How a live part stands out: never by colour alone. */
 export function liveClass(live: LiveEdge | LiveBox | undefined): string {
   if (!live) return "";
+  if (live.gone) return "live-failing live-gone";
   if (live.level === "ok") return "live-ok";
   if (live.level === "error" || live.level === "warning") return `live-failing live-${live.level}`;
   return "live-silent";
@@ -36,7 +37,7 @@ const LEVEL_SIGNS: Record<string, string> = { ok: "✓", warning: "!", error: "�
 
 /** The words of a live part, with a sign for its level. */
 export function liveText(live: LiveEdge | LiveBox): string {
-  return `${LEVEL_SIGNS[live.level] ?? "?"} ${live.text}`;
+  return `${live.gone ? "✝" : (LEVEL_SIGNS[live.level] ?? "?")} ${live.text}`;
 }
 
 /** A DOM id of a part, which `aria-activedescendant` can name. */

@@ -65,7 +65,8 @@ test("the ends that are allowed are searched as one types", async () => {
 test("deleting shows who refers to it, and does it when told so", async () => {
   const commands = [{ kind: "remove" as const, element: "robot.xmi#ocu" }];
   const referrers = [{ element: "robot.xmi#velocity", label: "bridge velocity" }];
-  const dialog = { kind: "delete" as const, commands, label: "Remove ocu", referrers, diff: "-a" };
+  const more = { label: "Remove ocu", referrers, diff: "-a", base: 7 };
+  const dialog = { kind: "delete" as const, commands, ...more };
   update({ dialog });
   const { unmount } = render(<Dialogs />);
   await userEvent.click(screen.getByRole("button", { name: "bridge velocity" }));
@@ -74,7 +75,7 @@ test("deleting shows who refers to it, and does it when told so", async () => {
   update({ dialog });
   render(<Dialogs />);
   await userEvent.click(screen.getByRole("button", { name: "Delete" }));
-  expect(server.params("edit")[0]).toMatchObject({ commands, label: "Remove ocu" });
+  expect(server.params("edit")[0]).toMatchObject({ commands, label: "Remove ocu", base: 7 });
 });
 
 test("Escape closes, and the focus goes back", async () => {

@@ -1,5 +1,6 @@
 import { type FormEvent, useState } from "react";
 import { choose, connect, edit, newModel, placeOn, rename, take } from "../actions";
+import { hostsOf } from "../canvas/frames";
 import { HELP } from "../keyboard/keys";
 import { type Dialog, state, update, useStudio } from "../store";
 import { Diff } from "./Diff";
@@ -62,7 +63,8 @@ function Help() {
           <p>
             Square boxes speak JAUS, thick ones are bridges, rounded ones are of ROS. Dashed lines
             are for control. × and ! mark errors and warnings; point at them for the words. While a
-            running system is watched, dashed boxes and lines are silent, doubled ones fail.
+            running system is watched, dashed boxes and lines are silent, doubled ones fail; a ✝
+            marks what was heard and is no more.
           </p>
         </section>
       </div>
@@ -71,10 +73,10 @@ function Help() {
 }
 
 function Delete({ dialog }: Of<"delete">) {
-  const { commands, label, referrers, diff } = dialog;
+  const { commands, label, referrers, diff, base } = dialog;
   function onDelete() {
     close();
-    void edit(commands, label);
+    void edit(commands, label, base);
   }
   return (
     <Modal title={`${label}?`} onClose={close}>
@@ -178,7 +180,7 @@ function Connect({ dialog }: Of<"connect">) {
         }))}
         onPick={(at) => {
           const option = options[at];
-          if (option) void take(option);
+          if (option) void take(option, dialog.revision);
         }}
       />
     </Modal>
@@ -186,8 +188,8 @@ function Connect({ dialog }: Of<"connect">) {
 }
 
 function Hosts({ dialog }: Of<"hosts">) {
-  const groups = useStudio((studio) => studio.graph?.groups);
-  const hosts = (groups ?? []).filter((each) => each.kind === "host");
+  const graph = useStudio((studio) => studio.graph);
+  const hosts = graph ? hostsOf(graph) : [];
   return (
     <Modal title="Run on host…" onClose={close}>
       <Picker
@@ -207,7 +209,7 @@ function Rename({ dialog }: Of<"rename">) {
   const [name, setName] = useState(dialog.name);
   function onSubmit(event: FormEvent) {
     event.preventDefault();
-    void rename(dialog.element, dialog.name, name.trim());
+    void rename(dialog.element, dialog.name, name.trim(), dialog.base);
   }
   return (
     <Modal title={`Rename ${dialog.name}`} onClose={close}>

@@ -1,3 +1,5 @@
+import { discard, doAgain } from "../actions";
+import type { KeptEdit } from "../protocol";
 import { update, useStudio } from "../store";
 
 /** What stands above all else: a lost connection, a file that is not what it was. */
@@ -5,9 +7,7 @@ export function Banners() {
   const link = useStudio((studio) => studio.link);
   const refusal = useStudio((studio) => studio.refusal);
   const outside = useStudio((studio) => studio.outside);
-  const file = useStudio((studio) =>
-    studio.project?.files.find((each) => each.path === studio.file),
-  );
+  const kept = useStudio((studio) => studio.kept);
   return (
     <div className="banners">
       {link === "lost" && (
@@ -20,15 +20,57 @@ export function Banners() {
           × {refusal}
         </p>
       )}
-      {file?.stale && (
-        <p className="banner warning" role="status">
-          ! {file.path} cannot be read as it is now. The diagram shows how it was when it could.
-        </p>
-      )}
+      <Worth />
+      {kept.map((each) => (
+        <Kept key={each.number} edit={each} />
+      ))}
       {outside.map((each) => (
         <Outside key={each.file} file={each.file} diff={each.diff} isConflict={each.isConflict} />
       ))}
     </div>
+  );
+}
+
+/** What the diagram is worth, unless it shows the files as they are. */
+function Worth() {
+  const file = useStudio((studio) =>
+    studio.project?.files.find((each) => each.path === studio.file),
+  );
+  const graphFault = useStudio((studio) => (studio.graph ? studio.graphFault : ""));
+  const freshness = useStudio((studio) => studio.freshness);
+  const isOld = freshness !== null && freshness.state !== "current";
+  if (graphFault)
+    return <p className="banner error">× {graphFault}. The diagram is that of before.</p>;
+  if (!isOld && !file?.stale) return null;
+  const why = isOld ? freshness.why : `${file?.path} cannot be read as it is now`;
+  const shows = isOld && freshness.since === 0 ? "nothing for certain" : "how it was before";
+  return (
+    <p className="banner warning" role="status">
+      ! {why}. The diagram shows {freshness?.state === "conflict" ? "what the file says" : shows}
+      {isOld && freshness.since > 0 && freshness.state !== "conflict"
+        ? ` (revision ${freshness.since})`
+        : ""}
+      ; nothing is generated from it.
+    </p>
+  );
+}
+
+/** An edit that was not done, with what it would have set. */
+function Kept({ edit }: { edit: KeptEdit }) {
+  const values = edit.commands.flatMap((each) =>
+    each.kind === "set" ? [`${each.feature}: ${each.values.join(", ") || "nothing"}`] : [],
+  );
+  return (
+    <p className="banner error" role="status">
+      × Not done, and kept: “{edit.label}”{values.length > 0 && ` (${values.join("; ")})`}.{" "}
+      {edit.why}.
+      <button type="button" onClick={() => void doAgain(edit)}>
+        Do it all the same
+      </button>
+      <button type="button" onClick={() => void discard(edit)}>
+        Discard
+      </button>
+    </p>
   );
 }
 

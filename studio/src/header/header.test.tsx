@@ -64,3 +64,39 @@ test("what another program did is shown; a conflict stays until it is dismissed"
   await userEvent.click(screen.getAllByRole("button", { name: "Dismiss" })[0]!);
   expect(screen.getAllByRole("status")).toHaveLength(1);
 });
+
+test("an edit that was not done stays with its values until somebody decides", async () => {
+  const edit = {
+    number: 4,
+    label: "Set address of winch",
+    commands: [
+      { kind: "set" as const, element: "robot.xmi#w", feature: "address", values: ["1.1.77"] },
+    ],
+    why: "address of winch was changed meanwhile, to 1.1.55",
+    files: ["robot.xmi"],
+  };
+  server.answer("kept.again", () => ({ revision: 1, created: [] }));
+  server.answer("kept.discard", () => ({}));
+  render(<Banners />);
+  act(() => listener.onNotification("kept", { edits: [edit] }));
+  const told = screen.getByRole("status");
+  expect(told).toHaveTextContent("Set address of winch");
+  expect(told).toHaveTextContent("address: 1.1.77");
+  expect(told).toHaveTextContent("to 1.1.55");
+  await userEvent.click(screen.getByRole("button", { name: "Do it all the same" }));
+  await userEvent.click(screen.getByRole("button", { name: "Discard" }));
+  expect(server.params("kept.again")).toEqual([{ number: 4 }]);
+  expect(server.params("kept.discard")).toEqual([{ number: 4 }]);
+  act(() => listener.onNotification("kept", { edits: [] }));
+  expect(screen.queryByRole("status")).toBeNull();
+});
+
+test("a picture that is not of the files as they are says so", () => {
+  render(<Banners />);
+  const why = "robot.xmi cannot be read as it is: mend it first";
+  act(() => update({ freshness: { state: "unreadable", since: 3, why } }));
+  expect(screen.getByRole("status")).toHaveTextContent(why);
+  expect(screen.getByRole("status")).toHaveTextContent("revision 3");
+  act(() => update({ freshness: { state: "current", since: 4, why: "" } }));
+  expect(screen.queryByRole("status")).toBeNull();
+});

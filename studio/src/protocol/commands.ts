@@ -77,6 +77,15 @@ export interface Entry {
   created: Ref[];
 }
 
+/** An edit that met a change beneath it: kept until it is done again or discarded. */
+export interface KeptEdit {
+  number: number;
+  label: string;
+  commands: Command[];
+  why: string;
+  files: string[];
+}
+
 export interface Referrer {
   element: Ref;
   label: string;

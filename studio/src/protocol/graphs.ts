@@ -1,6 +1,6 @@
 // Graphs: what a diagram shows.
 
-import type { LayoutKey, Point, Ref } from "./project";
+import type { Freshness, LayoutKey, Point, Ref } from "./project";
 
 export type Severity = "error" | "warning" | "info";
 
@@ -103,5 +103,6 @@ export interface Graph {
 
 export interface ViewResult {
   revision: number;
+  freshness?: Freshness;
   graph: Graph;
 }

@@ -5,6 +5,8 @@ export interface LiveEdge {
   rate: number | null;
   declared: number | null;
   age: number | null;
+  /** It was heard, and is no more. */
+  gone?: boolean;
   latency: Record<string, number> | null;
   drops: Record<string, number>;
   text: string;
@@ -12,6 +14,8 @@ export interface LiveEdge {
 
 export interface LiveBox {
   level: string;
+  /** It answered, and does no more. */
+  gone?: boolean;
   state: string;
   controller: string;
   text: string;
@@ -44,6 +48,8 @@ export interface LiveComponent {
   controller: string | null;
   authority: number | null;
   round_trip_ms: number | null;
+  /** Seconds since its last answer. */
+  told?: number | null;
 }
 
 export interface LiveState {

@@ -29,6 +29,8 @@ export interface Filling {
   /** Members that nothing fills then. */
   left: Partial<Record<Direction, string[]>>;
   refusal: string;
+  /** Revision of which the refs of its commands are. */
+  revision?: number;
 }
 
 export interface TriedInput {

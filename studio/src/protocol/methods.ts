@@ -1,13 +1,13 @@
 // Requests and notifications.
 
-import type { Command, EditResult, Entry } from "./commands";
+import type { Command, EditResult, Entry, KeptEdit } from "./commands";
 import type { GraphEnd, ViewResult } from "./graphs";
 import type { LiveMessage, LiveState } from "./live";
 import type { Direction, Filling, MapSide, TriedInput, TryResult } from "./maps";
 import type { ConnectOption, ConnectResult, Form, LegalEnd, PaletteItem } from "./offers";
 import type { Plan } from "./plans";
-import type { Problems } from "./problems";
-import type { FileInfo, Project, Ref, ViewInfo } from "./project";
+import type { LoggedFault, Problems } from "./problems";
+import type { FileInfo, Freshness, Project, Ref, ViewInfo } from "./project";
 import type { FileText, Source } from "./sources";
 
 /** Requests: parameters and results by method. */
@@ -20,13 +20,18 @@ export interface Methods {
   undo: [Record<string, never>, { revision: number; entry: Entry | null }];
   redo: [Record<string, never>, { revision: number; entry: Entry | null }];
   log: [Record<string, never>, { entries: Entry[]; at: number }];
+  kept: [Record<string, never>, { edits: KeptEdit[] }];
+  "kept.again": [{ number: number }, EditResult];
+  "kept.discard": [{ number: number }, unknown];
+  /** What went wrong in the studio itself, the latest first. */
+  faults: [Record<string, never>, { faults: LoggedFault[] }];
   copy: [{ elements: Ref[] }, { commands: Command[] }];
   paste: [{ owner: Ref; commands: Command[] }, EditResult];
   form: [{ element: Ref }, Form];
   palette: [
     /** `onto` is the element that it is added to, or dropped on. */
     { file: string; query: string; kinds?: string[]; limit?: number; onto?: Ref },
-    { items: PaletteItem[] },
+    { items: PaletteItem[]; revision?: number },
   ];
   connect: [{ file: string; view: string; source: GraphEnd; target: GraphEnd }, ConnectResult];
   ends: [{ file: string; view: string; node: string; port: string }, { ends: LegalEnd[] }];
@@ -43,7 +48,7 @@ export interface Methods {
   /** How a member of a map may be filled without a source. */
   fill: [
     { file: string; view: string; target: GraphEnd; value: string },
-    { constant: ConnectResult; clock: ConnectResult; ignore: ConnectResult },
+    { constant: ConnectResult; clock: ConnectResult; ignore: ConnectResult; revision?: number },
   ];
   /** What nothing fills yet in a map, and what corresponds to it. */
   fill_map: [{ file: string; view: string }, Filling];
@@ -77,7 +82,9 @@ export interface Notifications {
   conflict: { file: string; diff: string };
   /** Another program changed a file. */
   outside: { file: string; diff: string };
-  live: { state: LiveState };
+  live: { state: LiveState; freshness?: Freshness };
+  /** The edits that are kept have changed. */
+  kept: { edits: KeptEdit[] };
 }
 
 export type Notification = keyof Notifications;

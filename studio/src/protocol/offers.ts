@@ -84,11 +84,15 @@ export interface ConnectOption {
   preview: string;
   commands: Command[];
   is_best: boolean;
+  /** Revision of which the refs of its commands are. */
+  revision?: number;
 }
 
 export interface ConnectResult {
   options: ConnectOption[];
   refusal: string;
+  /** Revision of which the refs of its commands are. */
+  revision?: number;
 }
 
 export interface LegalEnd {

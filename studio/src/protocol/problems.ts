@@ -2,7 +2,7 @@
 
 import type { Command } from "./commands";
 import type { Severity } from "./graphs";
-import type { Ref } from "./project";
+import type { Freshness, Ref } from "./project";
 
 export interface Cure {
   label: string;
@@ -23,8 +23,20 @@ export interface Problem {
   cures: Cure[];
 }
 
+/** A fault of the studio itself. */
+export interface LoggedFault {
+  /** Seconds since 1970. */
+  time: number;
+  level: string;
+  text: string;
+  details: string;
+}
+
 export interface Problems {
   revision: number;
+  freshness?: Freshness;
+  /** Why no rules were run, empty when they were. */
+  fault?: string;
   elapsed_ms: number;
   files: string[];
   problems: Problem[];

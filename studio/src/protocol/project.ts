@@ -18,6 +18,16 @@ export interface FileInfo {
   dirty: boolean;
 }
 
+/** What an answer is worth. */
+export interface Freshness {
+  /** Generating and verdicts take `current` alone. */
+  state: "current" | "stale" | "unreadable" | "conflict";
+  /** Revision of which the answer is; 0 where the files never could be read. */
+  since: number;
+  /** What keeps it from being current, for people. */
+  why: string;
+}
+
 export interface Project {
   name: string;
   root: string;

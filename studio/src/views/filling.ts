@@ -15,7 +15,7 @@ export async function fillMap(): Promise<Filling | null> {
       say(filling.refusal);
       return filling;
     }
-    await change(filling.commands, filling.label);
+    await change(filling.commands, filling.label, filling.revision);
     // Boxes have grown by the rows that are shown now.
     requestAnimationFrame(() => document.dispatchEvent(new Event(FIT_EVENT)));
     return filling;

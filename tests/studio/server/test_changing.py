@@ -147,6 +147,77 @@ def test_a_broken_file_keeps_its_last_good_model_and_is_stale(page: Page, folder
     assert (folder / FILE).read_text(encoding="utf-8") == "<system:System"
 
 
+BROKEN = "bridge nav {{{ ??\n"
+MARKED = "<<<<<<< HEAD\nbridge a { }\n=======\nbridge b { }\n>>>>>>> other\n"
+
+
+@pytest.mark.parametrize(
+    ("broken", "state"), [(BROKEN, "unreadable"), (MARKED, "conflict")], ids=["faulty", "merging"]
+)
+def test_what_cannot_be_read_gets_no_verdict_and_no_code(
+    page: Page, folder: Path, broken: str, state: str
+) -> None:
+    text = folder / "boat.ros2jaus"
+    text.write_text("component helm { address: 1.2.3 }\n", encoding="utf-8")
+    page.await_told("changed")
+    file = text.name
+    good = page.ask("view", file=file, view="system")
+    assert good["freshness"]["state"] == "current"
+    plan = page.ask("plan", file=file)
+    assert (plan["problems"], plan["freshness"]["state"]) == ("", "current")
+
+    text.write_text(f"component helm {{ address: 1.2.3 }}\n{broken}", encoding="utf-8")
+    told = page.await_told("changed", lambda each: each["revision"] > good["revision"])
+    # The picture is that of before, and says so; nothing else is of the past.
+    seen = page.ask("view", file=file, view="system")
+    assert [each["title"] for each in seen["graph"]["nodes"]] == ["helm"]
+    assert seen["freshness"]["state"] == state
+    assert seen["freshness"]["since"] == good["revision"]
+    verdict = page.ask("problems", file=file)
+    assert "JML701" in {each["rule"] for each in verdict["problems"]}
+    assert {each["line"] for each in verdict["problems"]} <= set(range(2, 8))
+    assert file in verdict["fault"]
+    refused = page.ask("plan", file=file)
+    assert (refused["files"], refused["digest"]) == ([], "")
+    assert file in refused["problems"]
+    assert refused["revision"] == told["revision"]
+    with pytest.raises(RefusedError, match=file):
+        page.ask("generate", file=file, out="", digest=plan["digest"])
+    assert [each.name for each in folder.iterdir() if each.is_dir()] == []
+
+    text.write_text("component helm { address: 1.2.4 }\n", encoding="utf-8")
+    page.await_told("changed", lambda each: each["revision"] > told["revision"])
+    assert page.ask("problems", file=file)["freshness"]["state"] == "current"
+
+
+def test_a_file_that_another_one_uses_and_that_cannot_be_read_counts_too(
+    page: Page, folder: Path
+) -> None:
+    parts = "component compass { address: 1.2.4 }\n"
+    (folder / "parts.ros2jaus").write_text(parts, encoding="utf-8")
+    (folder / "boat.ros2jaus").write_text(
+        'import "parts.ros2jaus"\ncomponent helm { address: 1.2.3  controls: compass }\n',
+        encoding="utf-8",
+    )
+    page.await_told("changed", lambda each: len(each["files"]) == 3)
+    before = page.ask("problems", file="boat.ros2jaus")
+    assert before["freshness"]["state"] == "current"
+    (folder / "parts.ros2jaus").write_text(BROKEN, encoding="utf-8")
+    page.await_told("changed", lambda each: each["revision"] > before["revision"])
+    told = page.ask("problems", file="boat.ros2jaus")
+    assert told["freshness"]["state"] == "unreadable"
+    assert {each["file"] for each in told["problems"]} == {"parts.ros2jaus"}
+
+
+def test_what_is_generated_is_what_stands_on_the_disk(page: Page, folder: Path) -> None:
+    digest = page.ask("plan", file=FILE)["digest"]
+    # Nobody has told of it yet when the button is pressed.
+    (folder / FILE).write_text("<system:System", encoding="utf-8")
+    with pytest.raises(RefusedError, match="cannot be read"):
+        page.ask("generate", file=FILE, out="", digest=digest)
+    assert [each.name for each in folder.iterdir()] == [FILE]
+
+
 def test_a_new_file_appears(page: Page, folder: Path) -> None:
     (folder / "maps.ros2jaus").write_text("", encoding="utf-8")
     told = page.await_told("changed")

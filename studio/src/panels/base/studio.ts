@@ -1,12 +1,7 @@
 // What panels take of the page around them.
 
 import { socketAddress, TOKEN_KEY } from "../../connection";
-import { type Studio, useStudio } from "../../store";
-
-/** Revision of what `chosen` names: that of the graph, which brings the names of the new one along. */
-export function revisionOf(studio: Studio): number {
-  return studio.graph ? studio.revision : (studio.project?.revision ?? 0);
-}
+import { useStudio } from "../../store";
 
 /** Revision of the files, which is ahead of that of the graph while this is made. */
 export function useRevision(): number {

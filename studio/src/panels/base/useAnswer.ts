@@ -14,14 +14,19 @@ export interface Answer<T> {
 
 /**
  * Asks the server whenever the question or the revision changes.
- * What was answered to another question is dropped; to the same one it stays till the new one comes.
+ * What was answered to another question is dropped; to the same one it stays till the new one comes,
+ * and beside the error if that is none.
+ *
+ * @param subject What makes two questions the same one, if not their parameters.
  */
 export function useAnswer<M extends Method>(
   method: M,
   params: Params<M> | null,
   revision: unknown = 0,
+  subject?: string,
 ): Answer<Result<M>> {
-  const question = params === null ? "" : JSON.stringify(params);
+  const text = params === null ? "" : JSON.stringify(params);
+  const question = params === null ? "" : (subject ?? text);
   const [answer, setAnswer] = useState<{
     question: string;
     value: Result<M> | null;
@@ -50,13 +55,17 @@ export function useAnswer<M extends Method>(
       (error: unknown) => {
         if (!isWanted) return;
         setPending(false);
-        setAnswer({ question, value: null, error: messageOf(error) });
+        setAnswer((before) => ({
+          question,
+          value: before.question === question ? before.value : null,
+          error: messageOf(error),
+        }));
       },
     );
     return () => {
       isWanted = false;
     };
-  }, [method, question, revision, turn]);
+  }, [method, text, question, revision, turn]);
 
   const again = useCallback(() => setTurn((before) => before + 1), []);
   const isOwn = answer.question === question && question !== "";

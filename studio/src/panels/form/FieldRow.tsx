@@ -18,8 +18,10 @@ export function FieldRow({ field, onSet, onJump }: Props) {
   const problems = [...(why ? [why] : []), ...field.problems];
   const isWrong = problems.length > 0;
 
-  async function set(values: string[]) {
-    setWhy(await onSet(values));
+  async function set(values: string[]): Promise<string> {
+    const refusal = await onSet(values);
+    setWhy(refusal);
+    return refusal;
   }
 
   const shared = { field, describedBy: `${id}-problems`, isWrong, onFault: setWhy };
@@ -78,7 +80,7 @@ interface ListProps {
   labelledBy: string;
   describedBy: string;
   isWrong: boolean;
-  onSet: (values: string[]) => void;
+  onSet: (values: string[]) => Promise<string>;
   onFault: (message: string) => void;
   onJump: (element: string) => void;
 }

@@ -129,6 +129,56 @@ describe("the property form", () => {
     expect(commands()).toEqual([]);
   });
 
+  it("keeps what is typed while the answer to the edit before comes", async () => {
+    const rate = await screen.findByLabelText("rate");
+    await userEvent.clear(rate);
+    await userEvent.type(rate, "104{Enter}");
+    await userEvent.clear(rate);
+    await userEvent.type(rate, "105");
+    const changed = (value: string) =>
+      FIELDS.map((each) => (each.feature === "rate" ? { ...each, values: [value] } : each));
+    server.answer("form", () => ({ ...FORM, fields: changed("104") }));
+    act(() => update({ project: { ...PROJECT, revision: 2 } }));
+    await waitFor(() => expect(server.params("form")).toHaveLength(2));
+    expect(rate).toHaveValue("105");
+    expect(screen.queryByText(/meanwhile/)).toBeNull();
+    // Another page changes the field: what is typed here stays, and that is told.
+    server.answer("form", () => ({ ...FORM, fields: changed("7") }));
+    act(() => update({ project: { ...PROJECT, revision: 3 } }));
+    expect(await screen.findByText("meanwhile it became 7")).toBeVisible();
+    expect(rate).toHaveValue("105");
+    await userEvent.type(rate, "{Enter}");
+    expect(commands()).toEqual([set("rate", "104"), set("rate", "105")]);
+  });
+
+  it("keeps what is typed when the element has another ref, or cannot be asked for", async () => {
+    const rate = await screen.findByLabelText("rate");
+    await userEvent.type(rate, "5");
+    server.answer("form", () => {
+      throw new CallError(-32000, "not now");
+    });
+    act(() => update({ chosen: "robot.xmi#shifted" }));
+    expect(await screen.findByText("not now")).toBeVisible();
+    expect(screen.getByLabelText("rate")).toHaveValue("105");
+    server.answer("form", () => ({ ...FORM, element: "robot.xmi#shifted" }));
+    act(() => update({ project: { ...PROJECT, revision: 2 } }));
+    await waitFor(() => expect(screen.queryByText("not now")).toBeNull());
+    await userEvent.type(screen.getByLabelText("rate"), "{Enter}");
+    expect(commands()).toEqual([{ ...set("rate", "105"), element: "robot.xmi#shifted" }]);
+  });
+
+  it("sends again what was refused", async () => {
+    const rate = await screen.findByLabelText("rate");
+    server.answer("edit", () => {
+      throw new CallError(-32000, "the folder is read-only");
+    });
+    await userEvent.type(rate, "5{Enter}");
+    expect(await screen.findByText(/read-only/)).toBeVisible();
+    server.answer("edit", () => ({ revision: 1, created: [] }));
+    await userEvent.type(rate, "{Enter}");
+    expect(commands()).toEqual([set("rate", "105"), set("rate", "105")]);
+  });
+
   it("shows what is there again when an edit is undone", async () => {
     const rate = await screen.findByLabelText("rate");
     await userEvent.type(rate, "5{Enter}");

@@ -1,9 +1,8 @@
 import { useState } from "react";
 import { change, choose, messageOf, remove } from "../../actions";
 import type { ChildKind, Command, FormChildren, FormField, Ref } from "../../protocol";
-import { useStudio } from "../../store";
+import { revisionOf, useStudio } from "../../store";
 import { Fault, Help, Quiet } from "../base/parts";
-import { revisionOf } from "../base/studio";
 import { useAnswer } from "../base/useAnswer";
 import { ChildrenRow } from "./ChildrenRow";
 import { FieldRow } from "./FieldRow";
@@ -11,16 +10,17 @@ import { FieldRow } from "./FieldRow";
 /** The properties of the chosen element: what the metamodel knows about it, to be read and changed. */
 export function PropertyForm() {
   const element = useStudio((state) => state.chosen);
+  const choice = useStudio((state) => state.choice);
   const revision = useStudio(revisionOf);
   const {
     value: form,
     error,
     isPending,
-  } = useAnswer("form", element ? { element } : null, revision);
+  } = useAnswer("form", element ? { element } : null, revision, `${choice}`);
   const [fault, setFault] = useState("");
 
   if (!element) return <Quiet>Choose something in the diagram to see its properties.</Quiet>;
-  if (error) return <Fault>{error}</Fault>;
+  if (form === null && error) return <Fault>{error}</Fault>;
   if (form === null) return <Quiet>{isPending ? "Reading…" : "There are no properties."}</Quiet>;
 
   /** Makes one edit; resolves to why it was refused, or nothing. */
@@ -86,10 +86,10 @@ export function PropertyForm() {
         )}
       </header>
       {form.readonly && <Quiet>This belongs to the library and is not changed here.</Quiet>}
-      <Fault>{fault}</Fault>
+      <Fault>{fault || error}</Fault>
       {form.fields.map((each) => (
         <FieldRow
-          key={`${element} ${each.feature}`}
+          key={`${choice} ${each.feature}`}
           field={form.readonly ? { ...each, changeable: false } : each}
           onSet={(values) => set(each, values)}
           onJump={(target) => choose(target)}

@@ -11,8 +11,8 @@ interface Props {
   label: string;
   describedBy: string;
   isWrong: boolean;
-  /** Takes the new value; what it returns is why it was refused. */
-  onChange: (value: string) => void;
+  /** Takes the new value; what it returns, or resolves to, is why it was refused. */
+  onChange: (value: string) => unknown;
   onFault: (message: string) => void;
 }
 
@@ -95,6 +95,9 @@ interface Draft {
   text: string;
   /** It was handed on, and is not to be handed on again when the focus goes. */
   isSent: boolean;
+  /** What stood there when it was begun, and what the model had. */
+  over: string;
+  given: string;
 }
 
 function Typed({ id, field, index, label, describedBy, isWrong, onChange, onFault }: Props) {
@@ -102,15 +105,19 @@ function Typed({ id, field, index, label, describedBy, isWrong, onChange, onFaul
   const [typed, setDraft] = useState<Draft | null>(null);
   const [known, setKnown] = useState(field.values);
   const usual = useId();
+  const shown = typed?.text ?? given;
   // A new answer of the server wins over what was sent before it came, even where it says what
-  // the last one said: then the edit was undone meanwhile.
+  // the last one said: then the edit was undone meanwhile. What was not sent yet is never lost.
   if (known !== field.values) {
     setKnown(field.values);
-    if (typed?.isSent || (known[index] ?? "") !== given) setDraft(null);
+    if (typed?.isSent) setDraft(null);
   }
+  const isOvertaken =
+    typed !== null && !typed.isSent && given !== typed.given && given !== typed.over;
 
   function type(text: string) {
-    setDraft({ text, isSent: false });
+    const begun = typed !== null && !typed.isSent ? typed : { over: shown, given };
+    setDraft({ text, isSent: false, over: begun.over, given: begun.given });
   }
 
   function commit() {
@@ -121,8 +128,12 @@ function Typed({ id, field, index, label, describedBy, isWrong, onChange, onFaul
     const why = fault(field, text);
     onFault(why);
     if (why) return;
-    setDraft({ ...typed, isSent: true });
-    onChange(text);
+    const sent = { ...typed, isSent: true };
+    setDraft(sent);
+    // What was refused may be sent again, unless something else was typed meanwhile.
+    void Promise.resolve(onChange(text)).then((refusal) => {
+      if (refusal) setDraft((now) => (now === sent ? { ...sent, isSent: false } : now));
+    });
   }
 
   function restore() {
@@ -149,7 +160,7 @@ function Typed({ id, field, index, label, describedBy, isWrong, onChange, onFaul
     "aria-required": field.required || undefined,
     readOnly: !field.changeable,
     placeholder: field.default,
-    value: typed?.text ?? given,
+    value: shown,
     spellCheck: field.kind === "multiline",
     onBlur: commit,
     onKeyDown,
@@ -159,6 +170,7 @@ function Typed({ id, field, index, label, describedBy, isWrong, onChange, onFaul
   const isNumber = field.kind === "number" || field.kind === "integer";
   return (
     <>
+      {isOvertaken && <small className="quiet">meanwhile it became {given || "empty"}</small>}
       <input
         {...common}
         type="text"

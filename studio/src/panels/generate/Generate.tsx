@@ -30,7 +30,10 @@ export function Generate() {
   const [out, setOut] = useState("");
   const [force, setForce] = useState(false);
   const question = file ? { file, out, force } : null;
-  const { value: plan, error, isPending, again } = useAnswer("plan", question, revision);
+  // What is kept, or done after all, makes another plan of the same files.
+  const kept = useStudio((state) => state.kept);
+  const asked = `${revision} ${kept.map((each) => each.number).join(" ")}`;
+  const { value: plan, error, isPending, again } = useAnswer("plan", question, asked);
   const [shown, setShown] = useState("");
   const [message, setMessage] = useState("");
   const [fault, setFault] = useState("");
@@ -76,7 +79,7 @@ export function Generate() {
         <button
           type="button"
           className="best"
-          disabled={plan?.problems !== "" || !hasWork || refused > 0 || isWriting}
+          disabled={plan?.problems !== "" || !hasWork || refused > 0 || isWriting || isPending}
           onClick={() => plan && write(plan)}
         >
           {isWriting ? "Generating…" : isUpToDate ? "Up to date" : "Generate"}

@@ -1,6 +1,7 @@
 import { act, render, screen } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
-import { expect, it } from "vitest";
+import { expect, it, vi } from "vitest";
+import { listener } from "../../actions";
 import type { LiveState } from "../../protocol";
 import { state, update } from "../../store";
 import { serve } from "../../testing/fakeServer";
@@ -83,4 +84,22 @@ it("shows the last message on both sides", async () => {
 it("says nothing where nothing is known", () => {
   expect(rates({ rate: null, declared_rate: null })).toBe("– Hz");
   expect(counted({ late: 0 })).toBe("–");
+});
+
+it("tells values as old when no new ones come", () => {
+  vi.useFakeTimers({ shouldAdvanceTime: true });
+  try {
+    show();
+    act(() => listener.onNotification("live", { state: LIVE }));
+    expect(screen.queryByRole("alert")).toBeNull();
+    act(() => vi.advanceTimersByTime(6000));
+    expect(screen.getByRole("alert")).toHaveTextContent("stale: nothing was told for 6 s");
+    act(() => listener.onNotification("live", { state: LIVE }));
+    act(() => vi.advanceTimersByTime(1000));
+    expect(screen.queryByRole("alert")).toBeNull();
+    act(() => update({ link: "lost" }));
+    expect(screen.getByRole("alert")).toBeVisible();
+  } finally {
+    vi.useRealTimers();
+  }
 });

@@ -6,6 +6,8 @@ import { Fault, figure, Quiet } from "../base/parts";
 import { useAnswer } from "../base/useAnswer";
 
 const LOOK_MS = 1000;
+/** Seconds without a word of the server, which speaks once a second, after which all is old. */
+const OLD_S = 4;
 const SIGNS: Record<string, string> = {
   ok: "✔",
   warning: "▲",
@@ -30,7 +32,10 @@ export function Live() {
     try {
       await (isOn ? ask("live.start", { file }) : ask("live.stop", {}));
       // The first state comes a moment later.
-      update({ live: isOn ? (state().live ?? { edges: {}, boxes: {} }) : null });
+      update({
+        live: isOn ? (state().live ?? { edges: {}, boxes: {} }) : null,
+        liveAt: isOn ? Date.now() : 0,
+      });
     } catch (error) {
       setFault(messageOf(error));
     } finally {
@@ -58,6 +63,7 @@ export function Live() {
         ) : (
           <>
             <strong>{live.health ?? ""}</strong>
+            <Old />
             {Object.entries(live.sources ?? {}).map(([name, said]) => (
               <span key={name} className="badge">
                 {name}: {said}
@@ -74,6 +80,24 @@ export function Live() {
         </>
       )}
     </section>
+  );
+}
+
+/** Says of what time the values are as soon as no new ones come. */
+function Old() {
+  const at = useStudio((state) => state.liveAt);
+  const isLost = useStudio((state) => state.link !== "open");
+  const [now, setNow] = useState(Date.now);
+  useEffect(() => {
+    const timer = setInterval(() => setNow(Date.now()), LOOK_MS);
+    return () => clearInterval(timer);
+  }, []);
+  const seconds = Math.floor((now - at) / 1000);
+  if (at === 0 || (seconds < OLD_S && !isLost)) return null;
+  return (
+    <span className="badge" role="alert">
+      ✝ stale: nothing was told for {Math.max(seconds, 0)} s
+    </span>
   );
 }
 
@@ -203,6 +227,7 @@ function Components({ components }: { components: LiveComponent[] }) {
           <th scope="col">state</th>
           <th scope="col">controlled by</th>
           <th scope="col">round trip</th>
+          <th scope="col">last answer</th>
         </tr>
       </thead>
       <tbody>
@@ -212,11 +237,12 @@ function Components({ components }: { components: LiveComponent[] }) {
               {each.name || each.id} <small className="quiet">{each.id}</small>
             </th>
             <td title={each.reason}>
-              <Level level={each.level} />
+              <Level level={each.level} /> {each.level === "ok" ? "" : each.reason}
             </td>
             <td>{each.state ?? "–"}</td>
             <td>{each.controller || "–"}</td>
             <td className="number">{figure(each.round_trip_ms, "ms")}</td>
+            <td className="number">{figure(each.told ?? null, "s")}</td>
           </tr>
         ))}
       </tbody>

@@ -20,9 +20,7 @@ function show(at: number) {
   });
   render(<Log />);
   return () =>
-    server.asked
-      .map((each) => each.method)
-      .filter((each) => each !== "log" && each !== "view" && each !== "views");
+    server.asked.map((each) => each.method).filter((each) => each === "undo" || each === "redo");
 }
 
 it("goes back to any point", async () => {
@@ -36,4 +34,13 @@ it("goes forward again, and tells what is undone", async () => {
   await userEvent.click(await screen.findByRole("button", { name: "Rename it" }));
   expect(asked()).toEqual(["redo", "redo"]);
   expect(screen.getAllByText(/undone/)).toHaveLength(3);
+});
+
+it("shows the faults of the studio, with all that is known of them", async () => {
+  const fault = { time: 0, level: "error", text: "view failed", details: "Traceback: KeyError" };
+  serve({ log: () => ({ entries: [], at: 0 }), faults: () => ({ faults: [fault] }) });
+  render(<Log />);
+  await userEvent.click(await screen.findByText("Faults (1)"));
+  await userEvent.click(screen.getByText(/view failed/));
+  expect(screen.getByText("Traceback: KeyError")).toBeVisible();
 });

@@ -24,7 +24,13 @@ export function Log() {
     }
   }
 
-  if (entries.length === 0) return <Quiet>Nothing was changed yet.</Quiet>;
+  if (entries.length === 0)
+    return (
+      <section className="log" aria-label="Changes">
+        <Quiet>Nothing was changed yet.</Quiet>
+        <Faults revision={revision} />
+      </section>
+    );
   return (
     <section className="log" aria-label="Changes">
       <ol>
@@ -59,6 +65,26 @@ export function Log() {
           </li>
         ))}
       </ol>
+      <Faults revision={revision} />
     </section>
+  );
+}
+
+/** What went wrong in the studio itself, with all that is known of it: for a report. */
+function Faults({ revision }: { revision: number }) {
+  const { value } = useAnswer("faults", {}, revision);
+  if (!value?.faults.length) return null;
+  return (
+    <details className="faults">
+      <summary>Faults ({value.faults.length})</summary>
+      {value.faults.map((each) => (
+        <details key={`${each.time} ${each.text}`}>
+          <summary>
+            {new Date(1000 * each.time).toLocaleTimeString()} {each.level}: {each.text}
+          </summary>
+          {each.details && <pre>{each.details}</pre>}
+        </details>
+      ))}
+    </details>
   );
 }

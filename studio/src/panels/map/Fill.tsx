@@ -27,7 +27,7 @@ export function Fill({ file, view, target, revision, onDone }: Props) {
 
   async function take(option: ConnectOption) {
     try {
-      await change(option.commands, `Fill ${target.port}: ${option.label}`);
+      await change(option.commands, `Fill ${target.port}: ${option.label}`, ways?.revision);
       onDone();
     } catch (error) {
       setFault(messageOf(error));

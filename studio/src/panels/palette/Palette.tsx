@@ -48,7 +48,8 @@ export function Palette() {
   async function add(item: Offer["item"]) {
     try {
       const whole = item.drop ? (item as PaletteItem) : await lookUp(file, item, onto);
-      await change(whole.drop.commands, whole.label_of_edit);
+      const base = item.drop ? value?.revision : undefined;
+      await change(whole.drop.commands, whole.label_of_edit, base);
       setKept(remember(localStorage, whole));
       setFault("");
     } catch (error) {

@@ -1,9 +1,9 @@
-import { render, screen } from "@testing-library/react";
+import { act, render, screen } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { beforeEach, expect, it } from "vitest";
 import type { Problem } from "../../protocol";
 import { state, update } from "../../store";
-import { type FakeServer, serve } from "../../testing/fakeServer";
+import { type FakeServer, PROJECT, serve } from "../../testing/fakeServer";
 import { Problems, verdict } from "./Problems";
 
 function problem(
@@ -70,9 +70,27 @@ it("goes to the element", async () => {
 
 it("cures in one step", async () => {
   await userEvent.click(screen.getByRole("button", { name: "Set stopRos" }));
-  expect(server.params("edit")[0]).toMatchObject({ commands: CURE.commands, label: "Set stopRos" });
+  expect(server.params("edit")[0]).toMatchObject({
+    commands: CURE.commands,
+    label: "Set stopRos",
+    base: 1,
+  });
 });
 
 it("says so when there is nothing to say", () => {
   expect(verdict([])).toBe("No problems.");
+});
+
+it("gives no verdict on what cannot be read", () => {
+  const fault = "robot.xmi cannot be read as it is";
+  const freshness = { state: "unreadable" as const, since: 1, why: fault };
+  const told = { revision: 2, elapsed_ms: 1, files: ["robot.xmi"], problems: [] };
+  act(() => update({ problems: { ...told, fault, freshness } }));
+  expect(screen.getByRole("status")).toHaveTextContent(`Not checked: ${fault}.`);
+  expect(screen.queryByText(/No problems|checked in/)).toBeNull();
+});
+
+it("tells a verdict on former files as one", () => {
+  act(() => update({ project: { ...PROJECT, revision: 9 } }));
+  expect(screen.getByText("of revision 1; checking again…")).toBeVisible();
 });

@@ -3,6 +3,7 @@ import { change, messageOf, reveal } from "../../actions";
 import type { Cure, Problem, Severity } from "../../protocol";
 import { useStudio } from "../../store";
 import { Fault, Quiet, SeverityMark } from "../base/parts";
+import { useRevision } from "../base/studio";
 
 const SEVERITIES: Severity[] = ["error", "warning", "info"];
 const NAMES: Record<Severity, [string, string]> = {
@@ -29,7 +30,8 @@ function count(problems: readonly Problem[], severity: Severity): string {
 }
 
 /** The verdict in one line. */
-export function verdict(problems: readonly Problem[]): string {
+export function verdict(problems: readonly Problem[], fault = ""): string {
+  if (fault) return `Not checked: ${fault}.`;
   if (problems.length === 0) return "No problems.";
   const counts = SEVERITIES.filter((each) => problems.some((problem) => problem.severity === each));
   return `${counts.map((each) => count(problems, each)).join(", ")}.`;
@@ -38,6 +40,7 @@ export function verdict(problems: readonly Problem[]): string {
 /** What the rules say about the file, as it is told after each change. */
 export function Problems() {
   const told = useStudio((state) => state.problems);
+  const revision = useRevision();
   const [hidden, setHidden] = useState<readonly Severity[]>([]);
   const [filter, setFilter] = useState("");
   const [fault, setFault] = useState("");
@@ -51,7 +54,7 @@ export function Problems() {
 
   async function cure(taken: Cure) {
     try {
-      await change(taken.commands, taken.label);
+      await change(taken.commands, taken.label, told?.revision);
       setFault("");
     } catch (error) {
       setFault(messageOf(error));
@@ -63,9 +66,13 @@ export function Problems() {
     <section className="problems" aria-label="Problems">
       <header>
         <span className="verdict" role="status">
-          {verdict(all)}
+          {verdict(all, told.fault)}
         </span>
-        <span className="quiet">checked in {Math.round(told.elapsed_ms)} ms</span>
+        {told.revision < revision ? (
+          <span className="badge">of revision {told.revision}; checking again…</span>
+        ) : (
+          !told.fault && <span className="quiet">checked in {Math.round(told.elapsed_ms)} ms</span>
+        )}
         <fieldset aria-label="Severities shown">
           {SEVERITIES.map((each) => (
             <label key={each}>

@@ -1,8 +1,8 @@
 import { lazy, Suspense, useMemo } from "react";
 import { ask, choose } from "../../actions";
-import { useStudio } from "../../store";
+import { revisionOf, useStudio } from "../../store";
 import { Fault, Quiet } from "../base/parts";
-import { revisionOf, useRevision } from "../base/studio";
+import { useRevision } from "../base/studio";
 import { useAnswer } from "../base/useAnswer";
 
 // CodeMirror is the larger half of the page: it comes when it is looked at.

@@ -1,0 +1,129 @@
+"""Edits that met a change beneath them are kept; faults of the studio can be read."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from studio_client import RefusedError
+
+from jausml.editing.project import Project
+from jausml.studio.asking import showing
+from jausml.studio.desk import Desk
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from studio_client import Page
+
+pytestmark = pytest.mark.ports
+
+FILE = "boat.ros2jaus"
+TEXT = "component helm { address: 1.1.1 }\ncomponent winch { address: 1.1.2 }\n"
+
+
+def begin(page: Page, folder: Path) -> tuple[str, int]:
+    """Makes a file; returns the ref of the winch, and the revision."""
+    (folder / FILE).write_text(TEXT, encoding="utf-8")
+    page.await_told("changed")
+    seen = page.ask("view", file=FILE, view="system")
+    ref = next(each["element"] for each in seen["graph"]["nodes"] if each["title"] == "winch")
+    return ref, seen["revision"]
+
+
+def addressed(element: str, address: str) -> dict[str, object]:
+    return {"kind": "set", "element": element, "feature": "address", "values": [address]}
+
+
+def test_an_edit_that_met_another_is_kept_until_it_is_done_or_discarded(
+    page: Page, folder: Path
+) -> None:
+    ref, base = begin(page, folder)
+    (folder / FILE).write_text(TEXT.replace("1.1.2", "1.1.55"), encoding="utf-8")
+    commands = [addressed(ref, "1.1.77")]
+    with pytest.raises(RefusedError, match=r"to 1\.1\.55.* is kept") as refused:
+        page.ask("edit", commands=commands, label="Set address of winch", base=base)
+    assert refused.value.data["conflict"]
+    (kept,) = page.ask("kept")["edits"]
+    assert (kept["label"], kept["files"]) == ("Set address of winch", [FILE])
+    assert kept["commands"][0]["values"] == ["1.1.77"]
+    assert page.await_told("kept")["edits"] == [kept]
+    # What it met is told, too, though nothing was done.
+    assert page.await_told("outside")["file"] == FILE
+
+    # Until somebody has decided nothing is made of the file.
+    plan = page.ask("plan", file=FILE)
+    assert plan["freshness"]["state"] == "conflict"
+    assert "Set address of winch" in plan["problems"]
+    for method in ("view", "problems"):
+        told = page.ask(method, file=FILE, **({"view": "system"} if method == "view" else {}))
+        assert told["freshness"]["state"] == "conflict"
+
+    page.ask("kept.again", number=kept["number"])
+    assert (folder / FILE).read_text(encoding="utf-8") == TEXT.replace("1.1.2", "1.1.77")
+    assert page.ask("kept")["edits"] == []
+    assert page.ask("plan", file=FILE)["freshness"]["state"] == "current"
+    with pytest.raises(RefusedError, match="no more"):
+        page.ask("kept.again", number=kept["number"])
+
+
+def test_an_edit_whose_element_is_gone_stays_kept(page: Page, folder: Path) -> None:
+    ref, base = begin(page, folder)
+    (folder / FILE).write_text(TEXT.replace("winch", "crane"), encoding="utf-8")
+    with pytest.raises(RefusedError, match="gone or has another name"):
+        page.ask("edit", commands=[addressed(ref, "1.1.77")], label="Set", base=base)
+    (kept,) = page.ask("kept")["edits"]
+    with pytest.raises(RefusedError, match="gone or has another name"):
+        page.ask("kept.again", number=kept["number"])
+    (again,) = page.ask("kept")["edits"]
+    assert again["commands"] == kept["commands"]
+    page.ask("kept.discard", number=again["number"])
+    assert page.ask("kept")["edits"] == []
+
+
+def test_a_view_that_fails_is_shown_as_it_was_and_its_fault_can_be_read(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (folder / FILE).write_text(TEXT, encoding="utf-8")
+    desk = Desk(Project(folder))
+    asked = showing.OfView(FILE, "system")
+    first = showing.view(desk, asked)
+
+    def fail(*_: object) -> None:
+        raise ZeroDivisionError("a fault of the view")
+
+    with monkeypatch.context() as patched, desk.faults.kept():
+        patched.setattr(showing, "graph_of", fail)
+        seen = showing.view(desk, asked)
+    assert seen["graph"] == first["graph"]
+    assert seen["freshness"]["state"] == "stale"
+    assert seen["freshness"]["since"] == first["revision"]
+    (fault,) = desk.faults.all
+    assert "cannot be drawn" in fault["text"]
+    assert "ZeroDivisionError: a fault of the view" in fault["details"]
+    assert showing.view(desk, asked)["freshness"]["state"] == "current"
+
+
+def test_a_host_is_drawn_and_used_before_anything_runs_there(page: Page, folder: Path) -> None:
+    text = "system boat {\n  host deck { }\n  host engine { }\n"
+    text += "  component helm { address: 1.1.1 }\n}\n"
+    (folder / FILE).write_text(text, encoding="utf-8")
+    page.await_told("changed")
+    graph = page.ask("view", file=FILE, view="system")["graph"]
+    assert [each["title"].split()[1] for each in graph["groups"]] == ["deck"]
+    (empty,) = (each for each in graph["nodes"] if each["kind"] == "host")
+    assert empty["title"].startswith("host engine")
+    (helm,) = (each for each in graph["nodes"] if each["title"] == "helm")
+    # No line begins or ends at a host.
+    ends = [{"node": each["id"], "port": ""} for each in (helm, empty)]
+    assert page.ask("ends", file=FILE, view="system", **ends[1])["ends"] == []
+    refused = page.ask("connect", file=FILE, view="system", source=ends[0], target=ends[1])
+    assert (refused["options"], bool(refused["refusal"])) == ([], True)
+
+    option = page.ask("host", file=FILE, nodes=[helm["id"]], host=empty["id"])
+    page.ask("edit", commands=option["commands"], label=option["label"])
+    after = page.ask("view", file=FILE, view="system")["graph"]
+    assert [each["title"].split()[1] for each in after["groups"]] == ["engine"]
+    assert [each["title"].split()[1] for each in after["nodes"] if each["kind"] == "host"] == [
+        "deck"
+    ]
