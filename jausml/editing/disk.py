@@ -43,6 +43,7 @@ class Disk:
 
     def __init__(self, root: Path) -> None:
         self._root = root
+        self._is_alone = False
 
     def read(self, file: str) -> bytes | None:
         """Returns what is stored of a file, None when it is not there.
@@ -74,13 +75,15 @@ class Disk:
     def alone(self) -> Iterator[None]:
         """Keeps other projects of this folder from storing as long as the context lasts.
 
+        One thread at a time may ask, also within such a context.
+
         The folder itself is locked, so that no file is left. Windows, and some file systems, have
         no such lock.
 
         Raises:
             EditError: Another one has stored for longer than anybody waits.
         """
-        if sys.platform == "win32":
+        if sys.platform == "win32" or self._is_alone:
             yield
             return
         descriptor = os.open(self._root, os.O_RDONLY)
@@ -91,8 +94,10 @@ class Disk:
                     message = "another program has been writing into the folder for too long"
                     raise EditError(message, conflict=True)
                 time.sleep(_STEP)
+            self._is_alone = True
             yield
         finally:
+            self._is_alone = False
             os.close(descriptor)
 
     def store(self, file: str, data: bytes | None) -> None:

@@ -218,10 +218,14 @@ class Project:
         """
         with self._lock:
             base = self._revision if base is None else base
-            for _ in range(_ATTEMPTS):
-                with suppress(ChangedBeneathError):
-                    return self._done(self._rebased(commands, base, is_first=is_first), label)
-            return self._done(self._rebased(commands, base, is_first=is_first), label)
+            with suppress(ChangedBeneathError):
+                return self._done(self._rebased(commands, base, is_first=is_first), label)
+            # Others that write as often must not keep it from being done.
+            with self._disk.alone():
+                for _ in range(_ATTEMPTS):
+                    with suppress(ChangedBeneathError):
+                        return self._done(self._rebased(commands, base, is_first=is_first), label)
+                return self._done(self._rebased(commands, base, is_first=is_first), label)
 
     def _rebased(
         self, commands: Sequence[Command], base: int | None, *, is_first: bool = True
