@@ -223,9 +223,12 @@ def write_report(rendered: str | bytes, output: str | None) -> None:
 
 
 def _files_at(path: str, suffixes: tuple[str, ...]) -> Sequence[str]:
+    from jausml.model.inputs import open_input
+
     try:
         if os.path.isdir(path):  # noqa: PTH112 - paths stay as the user wrote them
             found = sorted(_walk(path, suffixes))
+            _refuse_links(path, found)
             if not found:
                 what = " or ".join(suffixes)
                 hint = (
@@ -233,12 +236,32 @@ def _files_at(path: str, suffixes: tuple[str, ...]) -> Sequence[str]:
                 )
                 raise EnvironmentFault(f"no {what} files in {click.format_filename(path)}{hint}")
             return found
-        with Path(path).open("rb"):
+        with open_input(path):
             return [path]
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         near = _near(path, suffixes) if isinstance(error, FileNotFoundError) else ""
         raise EnvironmentFault(f"{click.format_filename(path)}: {reason}{near}") from error
+
+
+def _refuse_links(folder: str, found: Sequence[str]) -> None:
+    """Refuses files of a walk that are links out of the project: nobody has named them.
+
+    Raises:
+        EnvironmentFault: There is one.
+    """
+    from jausml.model.inputs import leads_out
+    from jausml.model.uris import find_project_root
+
+    links = [each for each in found if os.path.islink(each)]  # noqa: PTH114 - as above
+    root = Path(os.path.realpath(find_project_root([Path(folder) / "any"]))) if links else None
+    for each in links:
+        if root is not None and leads_out(each, root):
+            shown = click.format_filename(each)
+            raise EnvironmentFault(
+                f"{shown}: JML209 the link leads out of the project root {root}; "
+                "name the file itself to have it read"
+            )
 
 
 def _near(path: str, suffixes: tuple[str, ...]) -> str:

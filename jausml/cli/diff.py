@@ -149,6 +149,7 @@ def _read(
     given: str, file: str | None, reading: Reading, stack: ExitStack
 ) -> tuple[ReadResult, Path]:
     """Reads a state; returns it with the folder that its files are named from."""
+    from jausml.model.inputs import read_input
     from jausml.model.reading.reader import read_models
     from jausml.text.notation import NOTATIONS
 
@@ -157,7 +158,7 @@ def _read(
     if file is not None:
         [state] = find_models([given])
         path = Path(file)
-        contents = {Path(os.path.realpath(path)): Path(state).read_bytes()}
+        contents = {Path(os.path.realpath(path)): read_input(state)}
         return read_models([path], notations=NOTATIONS, contents=contents, **options), path.parent
     if is_revision(given):
         folder = Path(stack.enter_context(TemporaryDirectory(prefix="jausml-diff-"))).resolve()

@@ -56,12 +56,13 @@ def command(files: tuple[str, ...], check: bool, diff: bool, quiet: bool) -> Non
 def _read(name: str) -> str:
     """Returns the text of a file as it is, line ends and byte order mark included."""
     from jausml.model.diagnostics import Location
+    from jausml.model.inputs import read_input
     from jausml.text.notation import SUFFIX, decode
 
     if not name.endswith(SUFFIX):
         raise EnvironmentFault(f"{click.format_filename(name)}: the file is no *{SUFFIX} file")
     try:
-        data = Path(name).read_bytes()
+        data = read_input(name)
     except OSError as error:
         raise EnvironmentFault(f"{click.format_filename(name)}: {error.strerror}") from error
     _, fault = decode(data)

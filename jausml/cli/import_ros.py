@@ -97,6 +97,7 @@ def _sources(words: tuple[str, ...], installation: Installation) -> list[Package
 def _at(path: str, installation: Installation) -> list[PackageSource]:
     from jausml.importers.ros import package_sources
     from jausml.importers.ros.sources import SUFFIXES
+    from jausml.model.inputs import open_input
     from jausml.model.values import suggest
 
     shown = click.format_filename(path)
@@ -108,7 +109,7 @@ def _at(path: str, installation: Installation) -> list[PackageSource]:
                 raise EnvironmentFault(f"no {' or '.join(SUFFIXES)} files in {shown}")
             return found
         if place.suffix in SUFFIXES:
-            with place.open("rb"):
+            with open_input(place):
                 return package_sources([path])
         if place.exists():
             raise EnvironmentFault(f"{shown} is no {', '.join(SUFFIXES)} file")

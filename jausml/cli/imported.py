@@ -52,6 +52,7 @@ def write_document(output: str, data: bytes, inputs: Iterable[str], *, force: bo
     Raises:
         EnvironmentFault: The file cannot be written, or must not.
     """
+    from jausml.model.inputs import read_input
     from jausml.model.xmi.writer import replace_file
 
     check_output(output, inputs)
@@ -59,7 +60,7 @@ def write_document(output: str, data: bytes, inputs: Iterable[str], *, force: bo
     shown = click.format_filename(output)
     try:
         if path.exists():
-            if path.read_bytes() == data:
+            if read_input(path) == data:
                 return "unchanged"
             if not force:
                 raise EnvironmentFault(f"{shown} is there and differs; --force overwrites it")

@@ -65,8 +65,10 @@ def command(base: str, ours: str, theirs: str, file: str | None, output: str | N
 
 
 def _read(file: str) -> bytes:
+    from jausml.model.inputs import read_input
+
     try:
-        return Path(file).read_bytes()
+        return read_input(file)
     except OSError as error:
         name = click.format_filename(file)
         raise EnvironmentFault(f"cannot read {name}: {error.strerror}") from error

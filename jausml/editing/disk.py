@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jausml.editing.commands import EditError
+from jausml.model.inputs import read_input
 from jausml.model.xmi.writer import replace_file
 
 if TYPE_CHECKING:
@@ -58,7 +59,7 @@ class Disk:
         if not Path(os.path.realpath(path)).is_relative_to(self._root):
             raise EditError(f"{file} lies outside the opened folder")
         try:
-            return path.read_bytes()
+            return read_input(path)
         except FileNotFoundError:
             return None
         except OSError as error:

@@ -27,6 +27,7 @@ from jausml.editing.records import Change, Entry, FileChange, FileInfo, Freshnes
 from jausml.editing.splices import applied, difference, inverted
 from jausml.editing.typing import typed
 from jausml.model import refs
+from jausml.model.inputs import read_input
 from jausml.text.notation import SUFFIX
 
 if TYPE_CHECKING:
@@ -88,7 +89,7 @@ class Project:
             if data is not None:
                 self._files[file] = stored(file, data, 0)
         if self.opened and self.opened not in self._files:
-            (self.root / self.opened).read_bytes()
+            read_input(self.root / self.opened)
 
     @property
     def files(self) -> tuple[FileInfo, ...]:

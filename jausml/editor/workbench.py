@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, TypeVar
 
 from jausml.editor.names import Names, names_of
+from jausml.model.inputs import read_input
 from jausml.model.names import qualified_name
 from jausml.model.reading.reader import ReadResult, read_models
 from jausml.model.uris import LIBRARY_URI, library_root
@@ -95,7 +96,7 @@ class Workbench:
         if not self._may_read(path):
             return ""
         try:
-            return decode(path.read_bytes())[0]
+            return decode(read_input(path))[0]
         except OSError:
             return ""
 

@@ -23,6 +23,7 @@ from jausml.generation.source import (
     read_classes,
     read_imports,
 )
+from jausml.model.inputs import read_input
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -101,7 +102,7 @@ def _compare_file(
     out: Path, path: str, contract: SkeletonContract, known: Mapping[str, str]
 ) -> list[Finding]:
     try:
-        classes = read_classes((out / path).read_bytes())
+        classes = read_classes(read_input(out / path))
     except SourceProblem as problem:
         return [Finding(FindingKind.SYNTAX, path, problem.line, str(problem))]
     except OSError as error:
@@ -119,7 +120,7 @@ def _compare_file(
 def _lost_imports(out: Path, path: str, offers: Offers, manifest: Manifest) -> Iterator[Finding]:
     """Yields imports from generated modules that this run no longer writes."""
     try:
-        imports = read_imports((out / path).read_bytes())
+        imports = read_imports(read_input(out / path))
     except (SourceProblem, OSError):
         return  # told by the comparison of classes
     for each in imports:

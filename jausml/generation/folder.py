@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from jausml.generation.artifact import normalize_newlines
 from jausml.generation.header import DIGEST_MARK, has_valid_header
 from jausml.generation.manifest import MANIFEST_PATH
+from jausml.model.inputs import open_input, read_input
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -76,7 +77,7 @@ def find_generated(out: Path) -> list[str]:
 def _may_have_header(path: Path) -> bool:
     """Looks at the start alone: the folder may hold large files of others."""
     try:
-        with path.open("rb") as file:
+        with open_input(path) as file:
             return DIGEST_MARK.encode() in file.read(_HEADER_BYTES)
     except OSError:
         return False
@@ -111,7 +112,7 @@ def _obstacle(path: str, mode: int, *, is_last: bool) -> str:
 
 def _read(path: Path) -> FileState:
     try:
-        return FileState(exists=True, text=normalize_newlines(path.read_bytes().decode("utf-8")))
+        return FileState(exists=True, text=normalize_newlines(read_input(path).decode("utf-8")))
     except UnicodeDecodeError:
         return FileState(exists=True)
     except OSError as error:

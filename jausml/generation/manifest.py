@@ -12,6 +12,7 @@ from jausml import __version__
 from jausml.generation.artifact import Artifact, Kind, text_digest
 from jausml.generation.header import has_valid_header
 from jausml.generation.paths import path_problem
+from jausml.model.inputs import read_input
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -137,7 +138,7 @@ def _read(path: Path) -> Manifest:
     try:
         if not stat.S_ISREG(path.stat().st_mode):
             return Manifest(problem="the manifest is no regular file")
-        return _parse(path.read_bytes())
+        return _parse(read_input(path))
     except (FileNotFoundError, NotADirectoryError):
         return Manifest(problem="there is no manifest")
     except OSError as error:

@@ -17,6 +17,7 @@ from jausml.merging.sides import Sides
 from jausml.merging.stand_ins import stand_ins
 from jausml.model import refs
 from jausml.model.diagnostics import Diagnostic, Location, Severity
+from jausml.model.inputs import read_input
 from jausml.model.reading.reader import read_models
 
 if TYPE_CHECKING:
@@ -110,7 +111,7 @@ def _comments(data: bytes) -> list[str]:
 def _files(root: Path, file: str, ours: bytes) -> dict[str, Stored]:
     """Returns the model files around a file, and our side of it."""
     paths = {each: root / each for each in model_files(root)}
-    found = {n: stored(n, path.read_bytes(), 0) for n, path in paths.items() if path.is_file()}
+    found = {n: stored(n, read_input(path), 0) for n, path in paths.items() if path.is_file()}
     return {**found, file: stored(file, ours, 0)}
 
 

@@ -12,6 +12,7 @@ import re
 from typing import TYPE_CHECKING
 
 from jausml.editing.reading import XMI_SUFFIX
+from jausml.model.inputs import read_input
 from jausml.model.xmi.writer import attribute_text
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ def _line(identifier: str, table: ClassTable, uris: dict[str, str]) -> bytes:
 def _present(path: Path) -> bytes:
     """Returns what a file has already, to stand in another document."""
     try:
-        data = path.read_bytes()
+        data = read_input(path)
     except OSError:
         return b""
     return _DECLARATION.sub(b"", data.removeprefix(b"\xef\xbb\xbf"), count=1)

@@ -24,7 +24,8 @@ class RuleInfo:
 _RULES = {
     "JML001": RuleInfo(
         "unreadable file",
-        "The file does not exist, is a folder, or may not be read.",
+        "The file does not exist, is a folder, a pipe or a device, may not be read, or is larger "
+        "than 64 MiB (JAUSML_MAX_FILE_MIB sets another limit).",
     ),
     "JML002": RuleInfo(
         "file too large",

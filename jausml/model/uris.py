@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import unquote, urlsplit
 
+from jausml.model.inputs import read_input
 from jausml.model.values import suggest
 from jausml.model.xmi.eclipse import enclosing_project, projects_around, projects_in
 
@@ -66,8 +67,8 @@ def shipped_as(path: Path) -> Path | None:
         return None
     shipped = library / path.parent.name / path.name
     try:
-        copied = _SCHEMA_LOCATION.sub(b"", path.read_bytes(), count=1)
-        return shipped if shipped.read_bytes() == copied else None
+        copied = _SCHEMA_LOCATION.sub(b"", read_input(path), count=1)
+        return shipped if read_input(shipped) == copied else None
     except (OSError, ValueError):
         return None
 

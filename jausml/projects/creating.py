@@ -9,6 +9,7 @@ from pathlib import Path
 import jinja2
 
 from jausml import __version__
+from jausml.model.inputs import read_input
 from jausml.model.uris import library_root
 from jausml.model.xmi.writer import replace_file
 from jausml.projects.eclipse import METAMODELS, with_schema_location
@@ -131,6 +132,6 @@ def _model(wish: Wish) -> bytes:
 
 def _differs(path: Path, data: bytes) -> bool:
     try:
-        return path.read_bytes() != data
+        return read_input(path) != data
     except FileNotFoundError:
         return False

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, TypeVar
 from jausml.editing.project import Project
 from jausml.editing.reading import SUFFIXES, can_be_parsed, model_files
 from jausml.metamodel.classes import jaus, system
+from jausml.model.inputs import read_input
 from jausml.model.xmi.writer import replace_file
 from jausml.projects.eclipse import metamodels_for
 from jausml.projects.errors import ProjectError
@@ -168,7 +169,7 @@ def _models(root: Path) -> Iterator[str]:
 
 def _has_system(path: Path) -> bool:
     try:
-        data = path.read_bytes()
+        data = read_input(path)
     except OSError:
         return False
     return _SYSTEM.search(data.replace(b"\0", b"")) is not None

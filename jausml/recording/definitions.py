@@ -13,6 +13,7 @@ from jausml.generators.ros_interfaces.ros_types import section_of
 from jausml.interfaces import Installation, parse_definition
 from jausml.interfaces.types import is_type_name
 from jausml.metamodel.classes import ros
+from jausml.model.inputs import read_text
 from jausml.semantics.installed import package_of
 
 if TYPE_CHECKING:
@@ -112,7 +113,7 @@ def _text(installation: Installation, package: str, kind: str, own: str) -> str:
     folder = installation.folder(package)
     if folder is None or not is_type_name(own):
         raise FileNotFoundError(f"{package}/{own}")
-    return (folder / kind / f"{own}.{kind}").read_text(encoding="utf-8")
+    return read_text(folder / kind / f"{own}.{kind}")
 
 
 def _part(text: str, package: str, without_fields: str = "") -> Part:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import struct
-from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
+from jausml.model.inputs import open_input
 from jausml.recording.errors import RecordingError
 from jausml.recording.spans import WHOLE
 
@@ -71,7 +71,7 @@ class McapRecording:
 
     def _opened(self) -> BinaryIO:
         try:
-            return Path(self._path).open("rb")
+            return open_input(self._path)
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or error
             raise RecordingError(f"{self._path}: {reason}") from error

@@ -9,6 +9,7 @@ from jausml.interfaces import Installation, parse_definition
 from jausml.interfaces.definitions import FieldType
 from jausml.interfaces.types import is_type_name
 from jausml.metamodel.classes import ros
+from jausml.model.inputs import read_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -58,7 +59,7 @@ class InstalledTypes:
         if folder is None or not is_type_name(str(element.name)):
             return
         try:
-            text = (folder / kind / f"{element.name}.{kind}").read_text(encoding="utf-8")
+            text = read_text(folder / kind / f"{element.name}.{kind}")
         except FileNotFoundError:
             yield Difference(element, f"the installed {package} has no {element.name}")
             return

@@ -14,6 +14,7 @@ from dataclasses import replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING, TypeAlias
 
+from jausml.model.inputs import read_input
 from jausml.validation.report import Ground, SetAside
 
 if TYPE_CHECKING:
@@ -42,9 +43,11 @@ def read(path: Path) -> Counter[Identity]:
         OSError: It cannot be read.
     """
     try:
-        content = json.loads(path.read_bytes())
+        content = json.loads(read_input(path))
     except ValueError as error:
         raise BaselineError(f"it is no JSON: {error}") from error
+    except RecursionError as error:
+        raise BaselineError("it is no JSON of findings: nested too deep") from error
     if not isinstance(content, dict) or content.get("schema") != SCHEMA:
         raise BaselineError(f"it has no 'schema': {SCHEMA}")
     entries = content.get("findings")

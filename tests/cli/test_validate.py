@@ -200,3 +200,40 @@ def test_copies_of_the_library_that_are_named_are_judged_as_the_library(jausml, 
     changed = jausml("validate", tmp_path / "rover")
     assert changed.exit_code == 1
     assert "iop.xmi:416:67: error: JML323" in changed.stdout
+
+
+@pytest.mark.timeout(60)
+@pytest.mark.parametrize("verb", ["validate", "diagram", "generate", "diff", "merge"])
+@pytest.mark.parametrize("kind", ["endless", "pipe"])
+def test_what_is_no_regular_file_is_refused(jausml, folder, verb, kind):
+    place = folder / "sub"
+    place.mkdir()
+    file = place / "a.xmi"
+    if kind == "endless":
+        file.symlink_to("/dev/zero")
+    else:
+        os.mkfifo(file)
+    more = {"merge": ["good.xmi", "good.xmi"], "diff": ["good.xmi"], "diagram": ["-o", "a.svg"]}
+    result = jausml(verb, "sub/a.xmi", *more.get(verb, []))
+    assert result.exit_code == 2
+    assert "a.xmi: it is no regular file" in result.output
+
+
+@pytest.mark.timeout(60)
+def test_a_folder_with_a_pipe_is_refused(jausml, folder):
+    (folder / "sub").mkdir()
+    os.mkfifo(folder / "sub" / "a.xmi")
+    result = jausml("validate", "sub")
+    assert result.exit_code == 1
+    assert "sub/a.xmi:1:1: error: JML001 it is no regular file" in result.stdout
+
+
+def test_a_link_out_of_the_project_is_refused(jausml, folder, tmp_path_factory):
+    outside = tmp_path_factory.mktemp("outside") / "secret.xmi"
+    outside.write_bytes((folder / "good.xmi").read_bytes())
+    (folder / "sub").mkdir()
+    (folder / "sub" / "a.xmi").symlink_to(outside)
+    result = jausml("validate", "sub")
+    assert result.exit_code == 2
+    assert "a.xmi: JML209 the link leads out of the project root" in result.stderr
+    assert jausml("validate", "sub/a.xmi").exit_code == 0

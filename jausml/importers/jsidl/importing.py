@@ -33,6 +33,7 @@ from jausml.metamodel import load_metamodels
 from jausml.metamodel.classes import jaus
 from jausml.model.diagnostics import Diagnostic, Location, Severity
 from jausml.model.documents import Document
+from jausml.model.inputs import read_input
 from jausml.model.model import Model
 from jausml.model.values import show
 from jausml.model.xmi.parsing import Node, parse
@@ -112,7 +113,7 @@ class Source:
 
 def _load(path: str, is_named: bool) -> Source:  # noqa: FBT001 -- a pair of the table above
     try:
-        return Source(path, Path(path).read_bytes(), is_named=is_named)
+        return Source(path, read_input(path), is_named=is_named)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         return Source(path, None, reason, is_named=is_named)

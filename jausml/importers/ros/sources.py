@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from jausml.interfaces.installed import definition_files
 from jausml.interfaces.parsing import PARTS
+from jausml.model.inputs import read_input
 from jausml.model.xmi.parsing import parse
 
 if TYPE_CHECKING:
@@ -96,7 +97,7 @@ def load(path: Path) -> Source:
         path: The file.
     """
     try:
-        return Source(str(path), path.read_bytes())
+        return Source(str(path), read_input(path))
     except OSError as error:
         return Source(str(path), None, error.strerror or str(error))
 
@@ -133,7 +134,7 @@ def _package_folder(path: Path) -> Path:
 
 def _package_name(folder: Path) -> str:
     manifest = folder / "package.xml"
-    root = parse(manifest.read_bytes()).root if manifest.is_file() else None
+    root = parse(read_input(manifest)).root if manifest.is_file() else None
     children = root.children if root is not None else []
     stated = [child.text.strip() for child in children if child.tag == "name"]
     return stated[0] if stated and stated[0] else folder.resolve().name

@@ -11,6 +11,7 @@ from jausml.metamodel import Metamodels, load_metamodels
 from jausml.model.collector import without_collector
 from jausml.model.diagnostics import Diagnostic, Location, Severity
 from jausml.model.documents import Document
+from jausml.model.inputs import read_input
 from jausml.model.model import Model
 from jausml.model.names import NameFinder
 from jausml.model.notation import Explanation
@@ -261,7 +262,7 @@ class _Reading:
             self._shelf.note(document.path)
         try:
             held = self._contents.get(document.path)
-            document.data = document.path.read_bytes() if held is None else held
+            document.data = read_input(document.path) if held is None else held
         except (OSError, ValueError) as error:
             return getattr(error, "strerror", None) or str(error)
         notation = self._notation_of(document.path)

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 from lxml import etree
 
+from jausml.model.inputs import open_input
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
@@ -61,7 +63,7 @@ def _folders(folder: Path) -> Iterator[Path]:
 def _name_of(folder: Path) -> str:
     """The name of a project; empty for a folder that is none, or whose file cannot be read."""
     try:
-        with (folder / _FILE).open("rb") as file:
+        with open_input(folder / _FILE) as file:
             content = file.read(_LONGEST_FILE)
         parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
         root = etree.fromstring(content, parser)

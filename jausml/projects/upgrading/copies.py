@@ -5,6 +5,8 @@ from __future__ import annotations
 import hashlib
 from typing import TYPE_CHECKING
 
+from jausml.model.inputs import read_input
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
@@ -32,12 +34,12 @@ def renewed(folder: Path, contents: Mapping[str, bytes]) -> tuple[dict[str, byte
     """
     if not (folder / SUMS).is_file():
         return {}, []
-    lines = (folder / SUMS).read_text("utf-8", "replace").splitlines()
+    lines = read_input(folder / SUMS).decode("utf-8", "replace").splitlines()
     known = {path: digest for digest, _, path in (line.partition("  ") for line in lines)}
     wanted: dict[str, bytes] = {}
     kept = []
     for path, data in contents.items():
-        found = (folder / path).read_bytes() if (folder / path).is_file() else None
+        found = read_input(folder / path) if (folder / path).is_file() else None
         if found == data:
             continue
         if found is None or _digest(found) == known.get(path):
@@ -45,7 +47,7 @@ def renewed(folder: Path, contents: Mapping[str, bytes]) -> tuple[dict[str, byte
         else:
             kept.append(path)
     sums = sums_of(contents)
-    if (folder / SUMS).read_bytes() != sums and not kept:
+    if read_input(folder / SUMS) != sums and not kept:
         wanted[SUMS] = sums
     return wanted, kept
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from jausml.editing.commands import EditError
 from jausml.editing.reading import SUFFIXES, model_files
 from jausml.metamodel import load_metamodels
+from jausml.model.inputs import read_input
 from jausml.model.reading.reader import read_models
 from jausml.model.xmi.writer import replace_file
 from jausml.projects.creating import copies_for
@@ -78,7 +79,7 @@ def carry_out(upgrade: Upgrade) -> None:
     before: dict[Path, bytes | None] = {}
     try:
         for path, data in upgrade.files.items():
-            before[path] = path.read_bytes() if path.is_file() else None
+            before[path] = read_input(path) if path.is_file() else None
             path.parent.mkdir(parents=True, exist_ok=True)
             replace_file(path, data)
     except OSError:
@@ -96,7 +97,7 @@ def _models(root: Path, steps: Sequence[Step]) -> dict[Path, bytes]:
     for file in model_files(root):
         if not file.endswith(SUFFIXES):
             continue
-        data = (root / file).read_bytes()
+        data = read_input(root / file)
         upgraded = upgraded_text if file.endswith(SUFFIX) else upgraded_xmi
         try:
             new = upgraded(data, file, metamodels, steps)

@@ -1,0 +1,98 @@
+"""The one door by which files of users come in: regular files of a bounded size.
+
+A link to a device, or a pipe in a folder that is checked, would otherwise stop a tool or fill the
+memory of its machine. Recordings and captures are large on purpose, and may come by a pipe:
+they are read as streams, in bounded pieces, by `cli/captures.py` and `recording`.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from pathlib import Path
+from typing import BinaryIO
+
+MOST_MIB = 64
+"""The largest file that is read at once, in MiB, unless `LIMIT` says otherwise."""
+
+LIMIT = "JAUSML_MAX_FILE_MIB"
+"""The environment variable that raises or lowers the largest size."""
+
+_BINARY = getattr(os, "O_BINARY", 0)
+
+
+def open_input(path: str | os.PathLike[str]) -> BinaryIO:
+    """Opens a file for reading, and never waits for it.
+
+    Args:
+        path: The file; links are followed.
+
+    Raises:
+        OSError: It cannot be opened, or is no regular file; `strerror` says which.
+        ValueError: No file can have this name.
+    """
+    # A pipe without a writer would hold up whoever opens it.
+    descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | _BINARY)
+    try:
+        mode = os.fstat(descriptor).st_mode
+        if stat.S_ISDIR(mode):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), os.fspath(path))
+        if not (stat.S_ISREG(mode) or _is_null(descriptor)):
+            raise OSError(errno.EINVAL, "it is no regular file", os.fspath(path))
+        return os.fdopen(descriptor, "rb")
+    except BaseException:
+        os.close(descriptor)
+        raise
+
+
+def read_input(path: str | os.PathLike[str]) -> bytes:
+    """Returns what a file holds.
+
+    Args:
+        path: The file; links are followed.
+
+    Raises:
+        OSError: It cannot be read, is no regular file or too large; `strerror` says which.
+        ValueError: No file can have this name.
+    """
+    most = _most_mib()
+    with open_input(path) as file:
+        data = file.read((most << 20) + 1)
+    if len(data) > most << 20:
+        reason = f"it is larger than {most} MiB ({LIMIT} sets the limit)"
+        raise OSError(errno.EFBIG, reason, os.fspath(path))
+    return data
+
+
+def read_text(path: str | os.PathLike[str]) -> str:
+    """Returns what a file holds, as UTF-8 and with line ends as Python has them.
+
+    Raises:
+        OSError: As by `read_input`.
+        ValueError: It is no UTF-8, or no file can have this name.
+    """
+    return read_input(path).decode("utf-8").replace("\r\n", "\n").replace("\r", "\n")
+
+
+def leads_out(path: str | os.PathLike[str], root: Path) -> bool:
+    """Tells whether a path leads out of a folder by its links.
+
+    Args:
+        path: The path.
+        root: The folder, links followed.
+    """
+    return not Path(os.path.realpath(path)).is_relative_to(root)
+
+
+def _is_null(descriptor: int) -> bool:
+    """Tells whether an open file is the null device: git names it where a side has no file."""
+    try:
+        return os.path.samestat(os.fstat(descriptor), Path(os.devnull).stat())
+    except OSError:
+        return False
+
+
+def _most_mib() -> int:
+    given = os.environ.get(LIMIT, "")
+    return int(given) if given.isdecimal() and given.isascii() and int(given) else MOST_MIB

@@ -1,0 +1,105 @@
+"""The one door for files of users: what is no regular file, or too large, is refused at once."""
+
+from __future__ import annotations
+
+import ast
+import os
+from pathlib import Path
+
+import pytest
+
+import jausml
+from jausml.model.inputs import LIMIT, open_input, read_input, read_text
+
+pytestmark = pytest.mark.timeout(60)
+
+OWN_DATA = {
+    "analysis/constants.py",
+    "cli/known/__init__.py",
+    "cli/maps.py",
+    "diagrams/writers/html.py",
+    "generators/common/runtime.py",
+    "generators/runtime/target.py",
+    "model/names.py",
+    "projects/creating.py",
+    "projects/first_model.py",
+    "studio/asking/reading.py",
+    "text/reading/library_maps.py",
+    "text/reading/scanning.py",
+}
+"""Modules that read what is shipped with them."""
+
+STREAMS = {
+    "cli/captures.py": "captures, large and by pipes",
+    "cli/decode.py": "lines, after is_file",
+    "cli/messages.py": "lines of bounded length, by pipes too",
+    "cli/recordings.py": "writes",
+    "recording/parts.py": "writes",
+    "live/machine/network.py": "a setting of the kernel",
+}
+
+
+def test_a_file(tmp_path):
+    (tmp_path / "a").write_bytes("é\r\nb".encode())
+    assert read_input(tmp_path / "a") == "é\r\nb".encode()
+    assert read_text(tmp_path / "a") == "é\nb"
+    (tmp_path / "link").symlink_to(tmp_path / "a")
+    with open_input(tmp_path / "link") as file:
+        assert file.read(2) == "é".encode()
+
+
+def test_the_null_device_is_an_empty_file():
+    assert read_input(os.devnull) == b""
+
+
+@pytest.mark.parametrize("kind", ["endless", "pipe", "folder"])
+def test_what_is_no_regular_file_is_refused(tmp_path, kind):
+    path = tmp_path / "a"
+    if kind == "endless":
+        path.symlink_to("/dev/zero")
+    elif kind == "pipe":
+        os.mkfifo(path)
+    else:
+        path.mkdir()
+    with pytest.raises(OSError) as caught:  # noqa: PT011 - what is said is what counts
+        read_input(path)
+    wanted = "Is a directory" if kind == "folder" else "it is no regular file"
+    assert caught.value.strerror == wanted
+
+
+def test_the_largest_size(tmp_path, monkeypatch):
+    monkeypatch.setenv(LIMIT, "1")
+    path = tmp_path / "a"
+    path.write_bytes(bytes(1 << 20))
+    assert len(read_input(path)) == 1 << 20
+    path.write_bytes(bytes((1 << 20) + 1))
+    with pytest.raises(OSError, match="larger than 1 MiB") as caught:
+        read_input(path)
+    assert LIMIT in str(caught.value.strerror)
+
+
+def test_every_reader_comes_through_the_door():
+    package = Path(jausml.__file__).parent
+    found = {}
+    for path in sorted(package.rglob("*.py")):
+        name = path.relative_to(package).as_posix()
+        if (
+            name.startswith("runtime/")
+            or name == "model/inputs.py"
+            or name in OWN_DATA | STREAMS.keys()
+        ):
+            continue
+        calls = [each for each in ast.walk(ast.parse(path.read_text("utf-8"))) if _reads(each)]
+        if calls:
+            found[name] = [each.lineno for each in calls]
+    assert found == {}
+
+
+def _reads(node: ast.AST) -> bool:
+    """Tells whether a node is a call of a method that reads a file."""
+    if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute):
+        return False
+    if node.func.attr in {"read_bytes", "read_text"}:
+        return True
+    modes = [each.value for each in node.args if isinstance(each, ast.Constant)]
+    return node.func.attr == "open" and "rb" in modes
