@@ -298,14 +298,71 @@ class TestBadStreams:
         for name in names:
             assert here.counter(f"transport.{name}") == 1
 
-    def test_connections_are_bounded(self, tcp, host, wait_until, monkeypatch):
-        monkeypatch.setattr(jtcp, "_MAX_CONNECTIONS", 2)
-        here = tcp().attach(DRIVER)
-        streams = [host.connect(here.transport.endpoint) for _ in range(3)]
-        assert streams[2].is_closed()
+    def test_connections_are_bounded(self, tcp, host, wait_until):
+        here = tcp(max_connections=4).attach(DRIVER)
+        streams = [host.connect(here.transport.endpoint) for _ in range(4)]
+        for number, stream in enumerate(streams):
+            stream.send(b"\x02" + from_peer(sequence=number))
+        wait_until(lambda: len(here.received) == 4)
+        # All are of one host, and all are in use.
+        assert host.connect(here.transport.endpoint).is_closed()
         wait_until(lambda: here.counter("jtcp.too_many_connections") == 1)
-        streams[1].send(b"\x02" + from_peer())
+        streams[1].send(from_peer(sequence=9))
+        wait_until(lambda: len(here.received) == 5)
+
+    def test_silent_connections_shut_nobody_out(self, tcp, host, wait_until):
+        here = tcp(max_connections=4).attach(DRIVER)
+        honest = host.connect(here.transport.endpoint)
+        honest.send(b"\x02" + from_peer())
         wait_until(lambda: here.received)
+        silent = [host.connect(here.transport.endpoint) for _ in range(20)]
+        silent[0].send(b"\x02\xff\xff")  # half a header
+        wait_until(lambda: here.counter("jtcp.gave_way") == 17)
+        late = host.connect(here.transport.endpoint)
+        late.send(b"\x02" + from_peer(sequence=2))
+        wait_until(lambda: len(here.received) == 2)
+        honest.send(from_peer(sequence=3))
+        wait_until(lambda: len(here.received) == 3)
+
+    def test_another_host_gets_a_connection_of_the_one_that_has_most(self, tcp, host, wait_until):
+        here = tcp(max_connections=4).attach(DRIVER)
+        streams = [host.connect(here.transport.endpoint) for _ in range(4)]
+        for number, stream in enumerate(streams):
+            stream.send(b"\x02" + from_peer(sequence=number))
+        wait_until(lambda: len(here.received) == 4)
+        with socket.create_connection(here.transport.endpoint, 5, ("127.0.0.9", 0)) as other:
+            other.sendall(b"\x02" + from_peer(sequence=9))
+            wait_until(lambda: len(here.received) == 5)
+        assert streams[-1].is_closed()
+        assert here.counter("jtcp.gave_way") == 1
+
+    def test_a_connection_that_nothing_comes_by_ends(self, tcp, host, wait_until):
+        here = tcp(idle_timeout=0.2).attach(DRIVER)
+        honest = host.connect(here.transport.endpoint)
+        honest.send(b"\x02" + from_peer())
+        silent = host.connect(here.transport.endpoint)
+        silent.send(b"\x02\xff\xff")
+        wait_until(lambda: here.counter("jtcp.never_spoke") == 1)
+        assert silent.is_closed()
+        honest.send(from_peer(sequence=2))
+        wait_until(lambda: len(here.received) == 2)
+
+    @pytest.mark.parametrize("fixed", [False, True])
+    def test_invented_names_push_out_those_of_their_connection(self, tcp, host, wait_until, fixed):
+        here = tcp(max_peers=16, fixed_sources=fixed).attach(DRIVER)
+        honest, other = (host.connect(here.transport.endpoint) for _ in range(2))
+        honest.send(b"\x02" + from_peer())
+        wait_until(lambda: here.received)
+        invented = [
+            Packet(DRIVER, JausAddress(1000 + number, 1, 1), STATUS, number).encode()[1:]
+            for number in range(100)
+        ]
+        other.send(b"\x02" + b"".join(invented))
+        wait_until(lambda: len(here.received) == 101)
+        results: list[bool] = []
+        here.transport.send(DRIVER, PEER, STATUS, on_result=results.append)
+        wait_until(lambda: results == [True])
+        assert here.counter("transport.source_refused") == 0
 
     def test_a_peer_that_takes_nothing_costs_no_more_than_the_buffer(self, tcp, host, wait_until):
         here = tcp(send_buffer=50_000, connection_timeout=0.3).attach(DRIVER)

@@ -81,9 +81,10 @@ class TransportSettings:
             acknowledged a number that it could not guess; 0 for no limit, and no proof.
         max_peers: Components that are remembered, 16 to 65535, besides those of the address book
             and those in control.
-        max_connections: JTCP connections at a time, 4 to 4096.
-        idle_timeout: Seconds after which a JTCP connection that nothing passes is closed; 0 for
-            never.
+        max_connections: JTCP connections at a time, 4 to 4096. When all are taken, one that nothing
+            came by gives way, then one of the host that has most.
+        idle_timeout: Seconds in which a whole message must come over a JTCP connection that a peer
+            has made; 0 for any time. One that has been used stays: TCP itself notices a dead peer.
 
     Raises:
         ValueError: A value is out of its range.

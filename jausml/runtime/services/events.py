@@ -6,6 +6,7 @@ import struct
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from ..base.budgets import Held, fair_rates, who_gives_way
 from ..messages import (
     CancelEvent,
     ConfirmEventRequest,
@@ -19,7 +20,6 @@ from ..messages import (
 )
 from ..wire.message import DecodeError, Message
 from ..wire.selection import asks_for_all
-from .budgets import Held, fair_rates, who_gives_way
 from .command_events import CommandEvents
 from .definitions import CORE, VERSION_1_1
 from .event_requests import EventIds, RejectCode, RequestError, reject

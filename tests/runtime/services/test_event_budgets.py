@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from jausml.runtime import ComponentSettings
 from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.budgets import Held, fair_rates, who_gives_way
 from jausml.runtime.messages import (
     ConfirmEventRequest,
     CreateEvent,
@@ -17,7 +18,6 @@ from jausml.runtime.messages import (
     RejectEventRequest,
     RequestControl,
 )
-from jausml.runtime.services.budgets import Held, fair_rates, who_gives_way
 
 ROBOT = JausAddress(1, 1, 1)
 RATES = st.floats(0.1, 1092.0)

@@ -46,6 +46,7 @@ class TcpConnection:
         connecting: bool,
         buffer: int,
         timeout: float,
+        idle: float,
         on_packet: Callable[[Packet, TcpConnection], None],
         on_close: Callable[[TcpConnection], None],
     ) -> None:
@@ -59,6 +60,7 @@ class TcpConnection:
             buffer: Bytes that may wait for a slow peer; one message more can wait.
             timeout: Seconds in which the connection must be made, and in which a peer must take
                 something of what waits for it.
+            idle: Seconds in which a peer must have said something; 0 for any time.
             on_packet: Takes each message.
             on_close: Told once when the connection ended, whoever ended it.
         """
@@ -71,7 +73,11 @@ class TcpConnection:
         self._loop = loop
         self._buffer = buffer
         self._timeout = timeout
-        self._on_packet = on_packet
+        self.has_spoken = False
+        """Whether a whole message has come."""
+        self._on_packet: Callable[[Packet, TcpConnection], None] = self._take_first
+        self._then = on_packet
+        self._idle = loop.call_later(idle, self._on_idle) if idle else None
         self._on_close = on_close
         self._reader = StreamReader(loop.counters)
         self._outgoing: deque[tuple[bytes, OnResult | None]] = deque([(_VERSION, None)])
@@ -115,8 +121,9 @@ class TcpConnection:
         if self.is_closed:
             return
         self.is_closed = True
-        if self._watchdog is not None:
-            self._watchdog.cancel()
+        for timer in (self._watchdog, self._idle):
+            if timer is not None:
+                timer.cancel()
         self._loop.unregister(self._socket)
         self._socket.close()
         waiting = [each for each in self._outgoing if each[0] is not _VERSION]
@@ -170,6 +177,17 @@ class TcpConnection:
             self._watchdog = None
         if self._waiting:
             self._watchdog = self._loop.call_later(self._timeout, self._on_stalled)
+
+    def _take_first(self, packet: Packet, connection: TcpConnection) -> None:
+        """Take the first message; those that follow go straight on."""
+        self.has_spoken = True
+        self._on_packet = self._then
+        self._then(packet, connection)
+
+    def _on_idle(self) -> None:
+        self._idle = None
+        if not self.has_spoken:
+            self._end("jtcp.never_spoke", "said nothing")
 
     def _on_stalled(self) -> None:
         if self.is_connected:

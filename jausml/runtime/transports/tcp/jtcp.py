@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import errno
+import math
 import socket
-from collections import OrderedDict, deque
+from collections import Counter, OrderedDict, deque
 from functools import partial
 from typing import TYPE_CHECKING
 
 from ...base.address import BROADCAST
+from ...base.budgets import Held, who_gives_way
 from ...base.counters import LOGGER
 from ..address_book import SOURCE_REFUSED, resolve
 from ..allowed_hosts import AllowedHosts
@@ -29,8 +31,6 @@ if TYPE_CHECKING:
 
 _BACKLOG = 64
 _ACCEPTS_PER_WAKE_UP = 16
-_MAX_CONNECTIONS = 256
-_MAX_ROUTES = 1024
 _FIRST_PAUSE_S = 0.1
 _LONGEST_PAUSE_S = 5.0
 
@@ -73,6 +73,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         self._allowed = AllowedHosts(settings, self.counters)
         self._book: dict[JausAddress, Endpoint] = {}
         self._routes: OrderedDict[JausAddress, TcpConnection] = OrderedDict()
+        self._kept: dict[JausAddress, JausAddress | None] = {}
         self._lines: dict[Endpoint, _Line] = {}
         self._connections: list[TcpConnection] = []
         self._unsent: deque[tuple[list[Packet], OnResult | None]] = deque()
@@ -214,11 +215,34 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
                 return
             if not self._allowed.admits(peer):
                 sock.close()
-            elif len(self._connections) >= _MAX_CONNECTIONS:
+            elif not self._has_room_for(peer):
                 self.counters.count("jtcp.too_many_connections", f"refused {peer[0]}:{peer[1]}")
                 sock.close()
             else:
                 self._adopt(sock, peer, connecting=False)
+
+    def _has_room_for(self, peer: Endpoint) -> bool:
+        """Return whether there is room for a connection, for which another one may be closed.
+
+        Those over which nothing has come go first. One that was made from here, or that a
+        component with a place of its own uses, gives way to nobody.
+        """
+        if len(self._connections) < self._settings.max_connections:
+            return True
+        used = {id(way) for address, way in self._routes.items() if self.is_kept(address)}
+        used |= {id(line.connection) for line in self._lines.values()}
+        stated = {host for host, _ in self._book.values()}
+        held = [
+            Held(each, (*_place(each.peer), each.peer), each.has_spoken, id(each) in used)
+            for each in self._connections
+        ]
+        asker: Held[object] = Held(None, (*_place(peer), peer), is_kept=peer[0] in stated)
+        connection = who_gives_way(held, asker)
+        if connection is None:
+            return False
+        self.counters.count("jtcp.gave_way", f"{connection} to {peer[0]}:{peer[1]}")
+        connection.close()
+        return True
 
     def _adopt(self, sock: socket.socket, peer: Endpoint, *, connecting: bool) -> TcpConnection:
         connection = TcpConnection(
@@ -228,6 +252,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
             connecting=connecting,
             buffer=self._settings.send_buffer,
             timeout=self._settings.connection_timeout,
+            idle=0.0 if connecting else self._settings.idle_timeout,
             on_packet=self._on_packet,
             on_close=self._on_close,
         )
@@ -267,9 +292,8 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         """Note the way to the sender of a packet; return whether it may be heard by this one."""
         address = packet.source
         former = self._routes.get(address)
-        is_full = former is None and len(self._routes) >= _MAX_ROUTES
-        if self._settings.fixed_sources and (is_full or former not in (None, connection)):
-            reason = "too many others" if former is None else f"it is heard from {former}"
+        if self._settings.fixed_sources and former not in (None, connection):
+            reason = f"it is heard from {former}"
             self.counters.count(SOURCE_REFUSED, f"{address} at {connection}: {reason}")
             return False
         # A broadcast may come by several ways, of which none is better than the one known.
@@ -280,12 +304,41 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
             self.counters.count(
                 "transport.address_changed", f"{address} from {former} to {connection}"
             )
-        elif is_full:
-            forgotten, _ = self._routes.popitem(last=False)
-            self.counters.count("transport.address_book_full", f"forgot {forgotten}")
+        elif len(self._routes) >= self._settings.max_peers:
+            self._forget_route()
         self._routes[address] = connection
         self._routes.move_to_end(address)
         return True
+
+    def _forget_route(self) -> None:
+        """Forget who is silent longest of the connection that most components came by."""
+        lent = [each for each in self._routes if not self.is_kept(each)]
+        sizes = Counter(id(self._routes[each]) for each in lent)
+        if len(lent) < self._settings.max_peers:
+            return
+        largest = max(sizes, key=lambda each: sizes[each])
+        forgotten = next(each for each in lent if id(self._routes[each]) == largest)
+        del self._routes[forgotten]
+        self.counters.count("transport.address_book_full", f"forgot {forgotten}")
+
+    # ---- strangers --------------------------------------------------------------------------
+
+    def place_of(self, address: JausAddress) -> tuple[str, str]:
+        """Return where a component is; see ``Transport.place_of``."""
+        way = self._routes.get(address)
+        return ("", "") if way is None else _place(way.peer)
+
+    def is_kept(self, address: JausAddress) -> bool:
+        """Return whether a component has a place of its own; see ``Transport.is_kept``."""
+        return address in self._book or address in self._kept.values()
+
+    def keep_place(self, owner: JausAddress, address: JausAddress | None) -> None:
+        """Keep the place of a controller; see ``Transport.keep_place``."""
+        self._kept[owner] = address
+
+    def silence_of(self, address: JausAddress) -> float:
+        """Return how long a component was silent: a connected one is there."""
+        return 0.0 if address in self._routes else math.inf
 
     # ---- several processes on one host ------------------------------------------------------
 
@@ -348,6 +401,11 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
             way.write(data)
         self.counters.add("jtcp.relayed")
         return True
+
+
+def _place(peer: Endpoint) -> tuple[str, str]:
+    """Returns host and endpoint of a peer, as budgets take them."""
+    return peer[0], f"{peer[0]}:{peer[1]}"
 
 
 def _message(packet: Packet) -> bytes:

@@ -1,4 +1,4 @@
-"""Budgets of events: slots are lent, and rates are filled like water, from hosts down to ids.
+"""Budgets: slots are lent, and rates are filled like water, from hosts down to ids.
 
 There is no fixed share. Nobody is refused or cut while there is room; when there is none, the
 host gives way that has most, then its largest endpoint, then its largest id. A hundred components
