@@ -30,8 +30,10 @@ from .transcoding import Form
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from ..base.address import JausAddress
     from ..base.loop import Loop
     from ..base.simulated_clock import Timing
+    from ..clients.peer_binding import PeerBinding
     from ..services.element_list import ListElement
     from ..transports.transport import Transport
     from ..wire.message import Message
@@ -251,6 +253,15 @@ class Bridge:
     ) -> None:
         """Takes messages that other components send to the bridge."""
         self._messages.accept(message, taker, when)
+
+    def note_unasked(
+        self,
+        message: type[Message],
+        note: Callable[[bytes, JausAddress], None],
+        peers: PeerBinding,
+    ) -> None:
+        """Tells of reports of peers that nobody takes, as they are asked for in another way."""
+        self._messages.note_unasked(message, note, peers)
 
     def report(self, query: type[Message], report: type[Message]) -> ReportHolder:
         """Offers a report; connections that feed one report share its value."""

@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any, Protocol
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from ..base.address import JausAddress
     from ..base.loop import Loop
     from ..base.simulated_clock import Timing
     from ..clients.exchanges import Exchanges
+    from ..clients.peer_binding import PeerBinding
     from ..component.component import JausComponent
     from ..conversions import Time
     from ..services.definitions import Guard
@@ -224,6 +226,14 @@ class Ends(Protocol):
         when: Guard | Callable[[Any], Guard],
     ) -> None:
         """Takes messages that other components send to the bridge."""
+
+    def note_unasked(
+        self,
+        message: type[Message],
+        note: Callable[[bytes, JausAddress], None],
+        peers: PeerBinding,
+    ) -> None:
+        """Tells of reports of peers that nobody takes, as they are asked for in another way."""
 
     def report(self, query: type[Message], report: type[Message]) -> ReportHolder:
         """Offers a report."""

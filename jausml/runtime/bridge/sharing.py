@@ -17,6 +17,8 @@ from .topics import TopicCounts
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from ..base.address import JausAddress
+    from ..clients.peer_binding import PeerBinding
     from ..component.component import JausComponent
     from ..wire.message import Message
     from .ends import RosPublisher, RosSide
@@ -105,6 +107,21 @@ class SharedMessages:
         self._listeners: dict[type[Message], BySender] = {}
         self._commands: dict[type[Message], tuple[When, BySender]] = {}
         self._reports: dict[type[Message], ReportHolder] = {}
+        self._unasked: dict[type[Message], BySender] = {}
+
+    def note_unasked(self, message: type[Message], note: Take, peers: PeerBinding) -> None:
+        """Tells of reports of peers that nobody takes, since they are asked for in another way.
+
+        Args:
+            message: The report.
+            note: Is told of each report and its sender.
+            peers: Whose reports are meant.
+        """
+        noting = self._unasked.setdefault(message, BySender())
+        noting.add(Taker(note, peers, self._count_unknown))
+
+    def _count_unknown(self, _data: bytes, _sender: JausAddress) -> None:
+        self._component.counters.add("component.unknown_message")
 
     def accept(self, message: type[Message], taker: Taker, when: When) -> None:
         """Takes messages that others send, of whom `handle` says more.
@@ -129,6 +146,8 @@ class SharedMessages:
                 is_robust=True,
                 counts_each=not listeners.are_commands,
             )
+        for message, noting in self._unasked.items():
+            self._component.on_unwanted(message, noting.taking())
         for message, (when, takers) in self._commands.items():
             self._component.handle_payload(message, takers.taking(), when=when, is_robust=True)
 

@@ -14,6 +14,7 @@ from .connection import FILTERED, Connection
 from .diagnostics import LOST_ON_THE_WAY, OUT_OF_ORDER, UNHEARD
 from .latency import age_of_stamp
 from .light_message import is_light
+from .quality import TopicFault
 from .rate_cap import RateCap
 from .report_joins import JoinedReport
 from .stops import StopReason
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
     from .ages import Age
     from .connection import Take
     from .ends import Ends, RosPublisher
-    from .quality import TopicFault
     from .report_joins import ReportJoin
     from .stopping import Switch
     from .stops import Standing
@@ -40,6 +40,7 @@ TargetT = TypeVar("TargetT")
 
 NOT_PUBLISHED = "not_published"
 UNEXPECTED = "unexpected_source"
+UNASKED = "unasked"
 
 _GREETING = 10.0
 """Seconds after the start in which subscribers may still be found that were there before."""
@@ -257,6 +258,7 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
         self.rate = rate
         self._query = query
         self._events: AskedEvents
+        self._unasked_of: JausAddress | None = None
 
     @property
     def declared_rate(self) -> float:
@@ -272,6 +274,22 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
     def begin(self, ends: Ends) -> None:
         """Prepares to ask for the event."""
         self._events = AskedEvents(ends, self._query, self._message, self._take, self.rate)
+        ends.note_unasked(self._message, self._note_unasked, self._peers)
+
+    def _note_unasked(self, _data: bytes, sender: JausAddress) -> None:
+        """Counts a report of a peer that is no event: which fields it has nobody has asked for."""
+        self._unasked_of = sender
+        self.drop(UNASKED, self._unasked_text(sender))
+
+    def _unasked_text(self, sender: JausAddress) -> str:
+        sent = f"{sender} sends {self._message.NAME} unasked, and {self.name} asks for events"
+        return f"{sent}; exchange: message takes what comes unasked"
+
+    def topic_faults(self) -> Iterator[TopicFault]:
+        """What is wrong with the topics; also that a peer sends its reports in another way."""
+        yield from super().topic_faults()
+        if self._unasked_of is not None and self.statistics.last_arrival is None:
+            yield TopicFault(UNASKED, self._unasked_text(self._unasked_of))
 
     @property
     def is_latched(self) -> bool:

@@ -237,6 +237,18 @@ class ComponentBase(ComponentHooks):
                 message_class, callback, is_robust=is_robust, counts_each=counts_each
             )
 
+    def on_unwanted(
+        self, message_class: type[Message], callback: Callable[[bytes, JausAddress], None]
+    ) -> None:
+        """Call ``callback(payload, sender)`` for each such message that nothing else takes.
+
+        Args:
+            message_class: Generated codec of the message.
+            callback: Takes an encoded message and its sender; there is one for each message.
+        """
+        with self.loop.lock:
+            self._jaus_router.unwanted[message_class.CODE] = callback
+
     def send(
         self,
         message: Message,

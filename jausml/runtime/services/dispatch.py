@@ -100,6 +100,7 @@ class Router:
     Attributes:
         takers: By message code what takes the payloads. The tuples are replaced, never changed:
             what takes a message may add others.
+        unwanted: By message code what takes the payloads that nothing else takes.
         unknown: Takes the payloads of all other messages.
     """
 
@@ -125,7 +126,8 @@ class Router:
         self._routes: dict[int, _Route] = {}
         self._provisions: dict[int, Provision[Any, Any]] = {}
         self.takers: dict[int, tuple[Take, ...]] = {}
-        self.unknown: tuple[Take, ...] = (self._count_unknown,)
+        self.unwanted: dict[int, Take] = {}
+        self.unknown: tuple[Take, ...] = (self._take_unknown,)
 
     # ---- routes -----------------------------------------------------------------------------
 
@@ -344,6 +346,9 @@ class Router:
             return None
 
     # ---- counts -----------------------------------------------------------------------------
+
+    def _take_unknown(self, payload: bytes, sender: JausAddress) -> None:
+        self.unwanted.get(payload[0] | payload[1] << 8, self._count_unknown)(payload, sender)
 
     def _count_unknown(self, _payload: bytes, _sender: JausAddress) -> None:
         self._counters.add("component.unknown_message")

@@ -5,14 +5,16 @@ from __future__ import annotations
 import pytest
 
 from jausml.runtime import Guard, JausComponent, Status
-from jausml.runtime.bridge.to_ros import QueryToTopics
+from jausml.runtime.bridge.to_ros import EventToTopics, MessageToTopics, QueryToTopics
 from jausml.runtime.bridge.topics import Topic
 from jausml.runtime.conversions import ConversionError
 from jausml.runtime.messages import (
     Event,
     QueryEventTimeout,
+    QueryTime,
     ReleaseControl,
     ReportEventTimeout,
+    ReportTime,
     RequestControl,
     Resume,
 )
@@ -280,3 +282,59 @@ def test_guard_may_depend_on_the_message(world, setting):
     world.settle()
     assert connection.is_silent
     assert setting.ros.numbers("times") == [-1.0, 5.0, -1.0]
+
+
+def reported(value):
+    return ReportTime(time_stamp=ReportTime.TimeStamp(minutes=value))
+
+
+def reported_number(report):
+    return Number(float(report.time_stamp.minutes))
+
+
+def asking_for_time():
+    return EventToTopics(
+        "time",
+        reported_number,
+        message=ReportTime,
+        type=Number,
+        query=QueryTime(presence_vector=1),
+        topics=[Topic("time")],
+        peers=[PEER],
+        rate=1.0,
+    )
+
+
+def test_reports_that_a_peer_sends_unasked_are_named(world, setting):
+    peer = world.probe(str(PEER), strict=False)
+    connection = setting.open(asking_for_time())
+    peer.send(reported(5), OWN)
+    world.probe(str(OTHER), strict=False).send(reported(6), OWN)
+    world.settle()
+    assert setting.ros.numbers("time") == []
+    assert setting.drops(connection) == {"unasked": 1}
+    # What others send is unknown, as before.
+    assert world.counters.snapshot()["component.unknown_message"] == 1
+    status = connection.status()
+    assert status.level == "warning"
+    assert status.message == (
+        f"{PEER} sends ReportTime unasked, and time asks for events;"
+        " exchange: message takes what comes unasked"
+    )
+
+
+def test_a_report_that_another_connection_takes_is_not_called_unasked(world, setting):
+    peer = world.probe(str(PEER), strict=False)
+    asking = asking_for_time()
+    taking = MessageToTopics(
+        "taking",
+        reported_number,
+        message=ReportTime,
+        type=Number,
+        topics=[Topic("taken")],
+    )
+    setting.open(asking, taking)
+    peer.send(reported(5), OWN)
+    world.settle()
+    assert setting.ros.numbers("taken") == [5.0]
+    assert setting.drops(asking) == {}
