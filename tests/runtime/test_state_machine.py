@@ -138,6 +138,34 @@ def test_simple_without_target_enters_the_innermost_state_again(host):
     assert machine.state == "A.B"
 
 
+def test_actions_find_the_state_from_which_the_transition_goes(host):
+    """As a report does that a query asks for by a transition without a target."""
+    found = []
+
+    def look(*_):
+        found.append(machine.state)
+
+    machine = StateMachine(
+        "test",
+        [
+            State(
+                "A",
+                initial=True,
+                transitions=(On("e", do=(look,)), On("go", target="D.E", do=(look,))),
+            ),
+            State("A.B", initial=True, entry=(look,), exit=(look,)),
+            State("D", entry=(look,), exit=(look,)),
+            State("D.E", entry=(look,), exit=(look,)),
+        ],
+        host,
+    )
+    machine.start()
+    machine.raise_event("e")
+    assert found == ["A.B", "A.B", "A.B", "A.B"]
+    machine.raise_event("go")
+    assert found[4:] == ["A.B", "A.B", "D", "D.E"]
+
+
 def test_internal_runs_the_actions_alone(host):
     machine = started(
         host, state(host, "A", On("e", do=(host.note("act"),), kind=Kind.INTERNAL), initial=True)

@@ -113,7 +113,8 @@ class StateMachine:
 
     Attributes:
         name: Name in the model.
-        state: Path of the present state; empty before ``start``.
+        state: Path of the present state; empty before ``start``. Actions of a transition and of
+            the states that it leaves still find the one from which it goes.
     """
 
     def __init__(
@@ -129,7 +130,7 @@ class StateMachine:
                 machine follows.
         """
         self.name = name
-        self.state = ""
+        self.state = self._place = ""
         self._host = host
         self._extends_core = extends_core
         self._states = {state.path: state for state in states}
@@ -275,21 +276,23 @@ class StateMachine:
         return path
 
     def _leave(self, until: str) -> None:
-        while self.state != until:
-            state = self._states.get(self.state)
+        """Leave states; who asks is told the one that is left until another one is entered."""
+        while self._place != until:
+            state = self._states.get(self._place)
             if state is not None:
                 self._act(state.exit, ())
-            self.state = _enclosing(self.state)
+            self._place = _enclosing(self._place)
 
     def _enter(self, target: str) -> None:
-        if not _lies_in(target, self.state):
-            self._leave(_common(self.state, target))
-        while self.state != target:
-            end = target.find(".", len(self.state) + 1)
-            self.state = target if end < 0 else target[:end]
-            state = self._states.get(self.state)
+        if not _lies_in(target, self._place):
+            self._leave(_common(self._place, target))
+        while self._place != target:
+            end = target.find(".", len(self._place) + 1)
+            self.state = self._place = target if end < 0 else target[:end]
+            state = self._states.get(self._place)
             if state is not None:
                 self._act(state.entry, ())
+        self.state = target
 
     def _act(self, actions: tuple[Action, ...], arguments: tuple[Any, ...]) -> None:
         for action in actions:
