@@ -116,7 +116,10 @@ def urns(subject: Subject) -> Iterator[Finding]:
             message = f"urn of '{service.name}' is longer than {_LONGEST_URN} characters"
             yield Finding(service, message, "urn")
         elif not _URN.fullmatch(service.urn):
-            yield Finding(service, f"urn {service.urn!a} of '{service.name}' is no URN", "urn")
+            message = f"urn {service.urn!a} of '{service.name}' is no URN"
+            example = f"urn:acme:jaus:{service.name}"
+            hint = f"a namespace of 2 to 32 letters and digits, and a name, such as {example}"
+            yield Finding(service, message, "urn", hint)
 
 
 def _ambiguous(
