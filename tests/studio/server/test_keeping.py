@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import os
+import signal
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
 
 import pytest
-from studio_client import RefusedError
+from studio_client import RefusedError, serving
 
 from jausml.editing.project import Project
 from jausml.studio.asking import showing
 from jausml.studio.desk import Desk
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
-    from studio_client import Page
+    from studio_client import Page, Server
 
 pytestmark = pytest.mark.ports
 
@@ -65,6 +69,61 @@ def test_an_edit_that_met_another_is_kept_until_it_is_done_or_discarded(
     assert page.ask("plan", file=FILE)["freshness"]["state"] == "current"
     with pytest.raises(RefusedError, match="no more"):
         page.ask("kept.again", number=kept["number"])
+
+
+@contextmanager
+def halted(*servers: Server) -> Iterator[None]:
+    """Halts studios as long as the context lasts, as a busy computer does."""
+    for each in servers:
+        os.kill(each.process.pid, signal.SIGSTOP)
+    try:
+        yield
+    finally:
+        for each in servers:
+            os.kill(each.process.pid, signal.SIGCONT)
+
+
+def send(page: Page, view: dict[str, Any], wanted: tuple[str, str]) -> int:
+    """Sends another address for a box of a picture; returns what names the answer."""
+    title, address = wanted
+    boxes = view["graph"]["nodes"]
+    ref = next(each["element"] for each in boxes if each["title"] == title)
+    commands = [addressed(ref, address)]
+    return page.send("edit", commands=commands, label="Set", base=view["revision"])
+
+
+def test_two_studios_at_the_same_moment_lose_nothing(
+    server: Server, folder: Path, built: Path
+) -> None:
+    with serving(folder, built) as other, server.page() as one, other.page() as two:
+        begin(one, folder)
+        two.await_told("changed")
+        for turn in range(3):
+            seen = [each.ask("view", file=FILE, view="system") for each in (one, two)]
+            wanted = [("helm", f"1.2.{turn + 1}"), ("winch", f"1.3.{turn + 1}")]
+            with halted(server, other):
+                sent = [send(*each) for each in zip((one, two), seen, wanted, strict=True)]
+            for page, number in zip((one, two), sent, strict=True):
+                assert page.answer(number)["created"] == []
+            text = (folder / FILE).read_text(encoding="utf-8")
+            assert f"1.2.{turn + 1}" in text
+            assert f"1.3.{turn + 1}" in text
+        # Of the same property one is done; the other is kept, with what it was to be.
+        seen = [each.ask("view", file=FILE, view="system") for each in (one, two)]
+        wanted = [("helm", "1.4.1"), ("helm", "1.4.2")]
+        with halted(server, other):
+            sent = [send(*each) for each in zip((one, two), seen, wanted, strict=True)]
+        refused = []
+        for page, number in zip((one, two), sent, strict=True):
+            try:
+                page.answer(number)
+            except RefusedError:
+                refused.append(page)
+        (late,) = refused
+        (kept,) = late.ask("kept")["edits"]
+        mine, theirs = ("1.4.1", "1.4.2") if late is one else ("1.4.2", "1.4.1")
+        assert kept["commands"][0]["values"] == [mine]
+        assert theirs in (folder / FILE).read_text(encoding="utf-8")
 
 
 def test_an_edit_whose_element_is_gone_stays_kept(page: Page, folder: Path) -> None:
