@@ -23,6 +23,7 @@ from jausml.semantics.topics import (
     namespace_fault,
     topic_fault,
 )
+from jausml.semantics.type_extents import excesses
 from jausml.semantics.values import constant_fault, is_integer, is_real
 from jausml.validation.rule import Finding, Note, rule
 
@@ -267,6 +268,24 @@ def default_values(subject: Subject) -> Iterator[Finding]:
         except ValueTextError as error:
             message = f"default {show(field.defaultValue)} of '{field.name}' {error}"
             yield Finding(field, message, "defaultValue")
+
+
+@rule("JML430", Severity.ERROR, "ROS type that is too large")
+def type_extents(subject: Subject) -> Iterator[Finding]:
+    """A ROS type has an end: at most 64 levels, 16384 parts and 4194304 values.
+
+    A number, a text, an array of numbers and a sequence are one part each, wherever types that it
+    uses have them; arrays of types and texts count as often as they have elements. Types that use
+    each other twice double with each level.
+
+    Bad: thirty types, each with two fields of the type before it
+
+    Good: a sequence of the type
+    """
+    types = subject.instances(ros.MessageType, needs=())
+    for excess in excesses(types):
+        message = f"'{excess.field.name}' {excess.reason}"
+        yield Finding(excess.field, message, "messageType")
 
 
 def _topics(subject: Subject) -> Iterator[list[Endpoint]]:
