@@ -95,7 +95,8 @@ def command(
         raise EnvironmentFault(f"{error.filename} cannot be written: {error.strerror}") from error
     click.echo(f"{len(written)} files in {folder}; next:")
     if folder.resolve() != Path.cwd().resolve():
-        click.echo(f"  cd {shlex.quote(str(folder))}")
+        where = f"./{folder}" if str(folder).startswith("-") else str(folder)
+        click.echo(f"  cd {shlex.quote(where)}")
     click.echo("  jausml validate models")
     click.echo(f"  jausml generate {wish.model} -o src")
     click.echo("  jausml run src --for 10")

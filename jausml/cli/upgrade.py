@@ -50,6 +50,6 @@ def command(folder: Path, check: bool) -> None:
     for path in upgrade.files:
         click.echo(f"{path.relative_to(root)} {'is old' if check else 'upgraded'}")
     if not upgrade.files:
-        click.echo("all is of the present version", err=True)
+        click.echo(f"all {'else ' * bool(upgrade.kept)}is of the present version", err=True)
     elif check:
         raise click.exceptions.Exit(PROBLEMS)

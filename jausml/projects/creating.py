@@ -16,6 +16,7 @@ from jausml.projects.eclipse import METAMODELS, with_schema_location
 from jausml.projects.errors import ProjectError
 from jausml.projects.first_model import as_xmi, empty_text, empty_xmi, text_of
 from jausml.projects.upgrading.copies import SUMS, sums_of
+from jausml.semantics.names import DEVICES
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(?:_[a-z0-9]+)*")
 _LIBRARY = "library"
@@ -78,6 +79,8 @@ def create(folder: Path, wish: Wish) -> list[str]:
     """
     if not _NAME.fullmatch(wish.name):
         raise ProjectError(f"{wish.name!a} is no name of a system: small letters, digits, single _")
+    if wish.name in DEVICES:
+        raise ProjectError(f"{wish.name!a} is a device name on Windows; give another by --name")
     contents = _contents(wish)
     taken = [each for each, data in contents.items() if _differs(folder / each, data)]
     if taken:

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 from jausml.editing.commands import Add, Child
 from jausml.metamodel.classes import jaus
 from jausml.model.names import name_of
+from jausml.model.values import show
 from jausml.proposals.elements import AnswerError, label_of, library
 from jausml.proposals.finding import service_of
 from jausml.proposals.fresh import free_name
 from jausml.proposals.message_words import COMMAND, QUERY, REPORT, MessageWish, message_of_words
-from jausml.semantics.names import is_identifier
+from jausml.semantics.names import is_identifier, urn_fault
 from jausml.semantics.services import code
 
 if TYPE_CHECKING:
@@ -70,6 +71,9 @@ def new_service(
         for model in (scope.model, *others, library())
         for each in model.instances(jaus.Service)
     ]
+    fault = urn_fault(urn)
+    if fault:
+        raise AnswerError(f"URN {show(urn)} {fault}; one is urn:example:sea:Sonar")
     if any(each.urn == urn for each in known):
         raise AnswerError(f"there is a service {urn} already")
     wishes = list(_with_queries([message_of_words(each) for each in messages] or [_example(name)]))

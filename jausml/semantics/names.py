@@ -9,6 +9,8 @@ import sys
 from jausml.model.words import snake_case
 
 _IDENTIFIER = re.compile("[A-Za-z][A-Za-z0-9_]*")
+_URN = re.compile(r"urn:[A-Za-z0-9][A-Za-z0-9-]{1,31}:[A-Za-z0-9().,:=@;$_!*'%/+&~-]+")
+_LONGEST_URN = 255
 DEVICES = frozenset(
     {"con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10))}
 )
@@ -49,3 +51,10 @@ def taken(name: str) -> str:
     if name in DEVICES:
         return "is a device name on Windows"
     return ""
+
+
+def urn_fault(urn: str) -> str:
+    """Says why a text cannot be the URN of a service (RFC 8141; AS5710), empty if it can."""
+    if len(urn) > _LONGEST_URN:
+        return f"is longer than {_LONGEST_URN} characters"
+    return "" if _URN.fullmatch(urn) else "is no URN"

@@ -146,3 +146,10 @@ def test_generate_takes_what_the_model_allows(jausml, folder):
     tag = "@allow JML426 until 2999-12-31: for the log alone"
     (folder / "doubtful.xmi").write_text(text.replace("Ten times a second.", tag))
     assert jausml("generate", "doubtful.xmi", "-o", "b", "--strict").exit_code == 0
+
+
+def test_a_baseline_that_is_nested_too_deep(jausml, folder):
+    (folder / "deep.json").write_text("[" * 100_000)
+    result = jausml("validate", "good.xmi", "--baseline", "deep.json")
+    assert result.exit_code == 2
+    assert "nested too deep" in result.output

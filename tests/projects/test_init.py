@@ -153,3 +153,19 @@ def test_what_comes_next_can_be_pasted(tmp_path, monkeypatch, jausml):
     (tmp_path / "here").mkdir()
     monkeypatch.chdir(tmp_path / "here")
     assert "cd " not in jausml("init", ".").output
+
+
+@pytest.mark.parametrize("arguments", [("con",), ("there", "--name", "con")])
+def test_a_device_of_windows_is_no_name(tmp_path, monkeypatch, arguments):
+    monkeypatch.chdir(tmp_path)
+    done = run("init", *arguments)
+    assert done.exit_code == 2
+    assert "'con' is a device name on Windows" in done.output
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_command_that_enters_a_folder_named_like_an_option(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = run("init", "--name", "x", "--", "-x")
+    assert done.exit_code == 0, done.output
+    assert "  cd ./-x\n" in done.output

@@ -258,3 +258,14 @@ def test_a_file_of_services_has_no_system(rover, jausml, suffix):
     [services] = model.documents[0].roots
     assert services.name == "services"
     assert [each.name for each in services.services] == ["Sonar", "Lamp"]
+
+
+@NOTATION
+@pytest.mark.parametrize("urn", ['urn:x:y"} component c {', "Sonar", "urn:example:" + "a" * 255])
+def test_a_urn_that_is_none_is_refused(water, jausml, notation, urn):
+    model = water(notation)
+    before = model.read_bytes()
+    done = jausml("new", "service", "Sonar", "--model", model, "--urn", urn)
+    assert done.exit_code == 2
+    assert "URN" in done.stderr
+    assert model.read_bytes() == before

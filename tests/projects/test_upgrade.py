@@ -182,3 +182,21 @@ def test_eclipse_opens_a_project_after_an_upgrade(tmp_path, jausml):
     assert model.read_bytes() == present
     done = emf_check.ask("models/rover.xmi", cwd=folder)
     assert (done.returncode, done.stdout) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("name", "data"),
+    [
+        ("a.xmi", bytes(3)),
+        ("a.xmi", OLD[: len(OLD) // 2].encode()),
+        ("a.xmi", NEW[: len(NEW) // 2].encode()),
+        ("a.ros2jaus", bytes(3)),
+        ("a.ros2jaus", NEW_TEXT[: len(NEW_TEXT) // 2].encode()),
+        ("a.ros2jaus", b"\xff"),
+    ],
+)
+def test_a_damaged_model_is_not_called_present(tmp_path, name, data):
+    (tmp_path / name).write_bytes(data)
+    with pytest.raises(UpgradeError, match=name):
+        upgrade_of(tmp_path)
+    assert (tmp_path / name).read_bytes() == data

@@ -32,8 +32,6 @@ def upgraded_text(data: bytes, file: str, metamodels: Metamodels, steps: Sequenc
     Raises:
         UpgradeError: It cannot be parsed.
     """
-    if not any(step.renamed for step in steps):
-        return data
     try:
         text = data.decode("utf-8")
     except ValueError as error:
@@ -42,6 +40,8 @@ def upgraded_text(data: bytes, file: str, metamodels: Metamodels, steps: Sequenc
     if parsed.faults:
         span = parsed.faults[0].span
         raise UpgradeError(f"{file}:{span.line}:{span.column}: {parsed.faults[0].message}")
+    if not any(step.renamed for step in steps):
+        return data
     mark = len(text) - len(text.removeprefix("\ufeff"))
     lines = [mark, *accumulate(map(len, text[mark:].splitlines(keepends=True)), initial=mark)][1:]
     changes = []

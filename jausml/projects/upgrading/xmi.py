@@ -44,7 +44,7 @@ def upgraded_xmi(data: bytes, file: str, metamodels: Metamodels, steps: Sequence
         EditError: Its encoding cannot be kept.
     """
     result = parse(data)
-    if result.root is None:
+    if result.root is None or result.fault is not None:
         fault = result.fault
         place = f"{file}:{fault.line}:{fault.column}: " if fault is not None else f"{file}: "
         raise UpgradeError(f"{place}{fault.message if fault is not None else 'it is empty'}")

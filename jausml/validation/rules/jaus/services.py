@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import re
 from collections import defaultdict
 from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge, jaus
 from jausml.model.diagnostics import Severity
+from jausml.model.values import show
 from jausml.semantics import calls
 from jausml.semantics.layouts import signature
 from jausml.semantics.list_drivers import driver_messages
+from jausml.semantics.names import urn_fault
 from jausml.semantics.services import along_inheritance, code, lineage, with_inherited
 from jausml.semantics.standard_services import with_standard
 from jausml.validation.rule import Finding, Note, rule
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
     from jausml.semantics.subject import Subject
 
 # The characters of RFC 8141, without components that services do not use.
-_URN = re.compile(r"urn:[A-Za-z0-9][A-Za-z0-9-]{1,31}:[A-Za-z0-9().,:=@;$_!*'%/+&~-]+")
-_LONGEST_URN = 255
 
 
 @rule("JML311", Severity.ERROR, "service inherits from itself")
@@ -110,13 +109,9 @@ def urns(subject: Subject) -> Iterator[Finding]:
     Good: `urn="urn:jaus:jss:mobility:PrimitiveDriver"`
     """
     for service in subject.instances(jaus.Service):
-        if service.urn is None:
-            continue
-        if len(service.urn) > _LONGEST_URN:
-            message = f"urn of '{service.name}' is longer than {_LONGEST_URN} characters"
-            yield Finding(service, message, "urn")
-        elif not _URN.fullmatch(service.urn):
-            message = f"urn {service.urn!a} of '{service.name}' is no URN"
+        fault = urn_fault(service.urn) if service.urn is not None else ""
+        if fault:
+            message = f"urn {show(service.urn)} of '{service.name}' {fault}"
             example = f"urn:acme:jaus:{service.name}"
             hint = f"a namespace of 2 to 32 letters and digits, and a name, such as {example}"
             yield Finding(service, message, "urn", hint)
