@@ -234,3 +234,12 @@ def test_the_text_says_why(system):
     assert "bridge station_2 (10.1.3), split off station" in text
     assert "here: heavy, apart from commands that do not belong to it" in text
     assert max(map(len, text.splitlines())) <= 100
+
+
+def test_a_bridge_gives_each_reason_once(system):
+    whole = system(STATION)
+    proposal = propose(whole, Assumptions(), None)
+    lines = render(proposal, split(proposal, whole)).splitlines()
+    assert len(names(proposal)[0]) > 2
+    reasons = [line for line in lines if "here: " in line]
+    assert len(reasons) == len(set(reasons)) == 2

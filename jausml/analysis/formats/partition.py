@@ -37,17 +37,21 @@ def _lines(proposal: Proposal, bridges: Sequence[bridge.Bridge]) -> Iterator[str
         load = f"{number(part.share * 100)} % of a processor"
         yield ""
         yield from _wrapped(f"bridge {made.name} ({made.address}){of}{where}: {load}", "")
+        alike: dict[str, list[Group]] = {}
         for group in part.groups:
-            yield from _group(part, group)
+            alike.setdefault(_why(part, group), []).append(group)
+        for why, groups in alike.items():
+            for group in groups:
+                yield from _group(group)
+            yield from _wrapped(f"here: {why}", "    ")
 
 
-def _group(part: Part, group: Group) -> Iterator[str]:
+def _group(group: Group) -> Iterator[str]:
     names = ", ".join(str(each.name) for each in group.connections)
     took = f"{number(group.share * 100)} %, a message {number(group.longest * 1e6)} us"
     yield from _wrapped(f"{names}: {took}", "  ")
     for reason in group.reasons:
         yield from _wrapped(f"together: {reason}", "    ")
-    yield from _wrapped(f"here: {_why(part, group)}", "    ")
 
 
 def _why(part: Part, group: Group) -> str:
