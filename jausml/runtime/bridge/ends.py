@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from .service_client import RosService, ServiceClient
     from .settings import BridgeSettings
     from .simulation import Simulation
-    from .stopping import Stopping
     from .topics import Topic, TopicCounts
 
 
@@ -153,6 +152,13 @@ class RosSide(Protocol):
         """Publishes a serialized `diagnostic_msgs/msg/DiagnosticArray`."""
 
 
+class Feeder(Protocol):
+    """What feeds a report."""
+
+    def judge_silence(self) -> None:
+        """Withdraws what it has said if that is too old by now."""
+
+
 @dataclass(slots=True)
 class ReportHolder:
     """The present report that topics feed.
@@ -163,7 +169,7 @@ class ReportHolder:
     """
 
     value: bytes | None = None
-    feeder: Stopping | None = None
+    feeder: Feeder | None = None
 
     def present(self) -> bytes | None:
         """Returns the report that counts now.
