@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from enum import Enum
+from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
-from ..messages import CancelEvent, CreateEvent, UpdateEvent
+from ..messages import CancelEvent, CreateEvent
 from ..services.events import EVERY_CHANGE, PERIODIC, UNKNOWN_EVENT
 from ..wire.message import DecodeError, Message
 from .presence import SILENCE, Pace
@@ -30,6 +31,9 @@ MAX_SILENCE = 30.0
 
 MAX_RENEWALS = 8
 """Unanswered renewals after which an event is created again."""
+
+SETTLING = 1.0
+"""Seconds after a confirmation in which nobody asks whether the provider knows the event."""
 
 HALF_SEQUENCE = 128
 """Sequence numbers from here on are older than the last one."""
@@ -110,6 +114,7 @@ class EventStream:
         self._presence = presence
         self._pace = Pace(component.settings, presence, provider)
         self._renewals = 0
+        self._is_renewed = False
         self._asked_at = self._confirmed_at = float("-inf")
         self._timer: Timer | None = None
         self._silence_timer: Timer | None = None
@@ -219,7 +224,11 @@ class EventStream:
             self._recreate()
             return
         is_new = self._state is _State.CREATING
+        if not is_new and event_id != self.event_id:
+            is_new = True
+            self._reborn()
         changed, self._confirmed_rate = rate != self._confirmed_rate, rate
+        self._is_renewed = not is_new and not changed
         self._listener.bind(self, event_id)
         self.event_id = event_id
         self._state = _State.ACTIVE
@@ -245,7 +254,7 @@ class EventStream:
                 self._listener.suspect(self.provider)
         elif self._state is _State.CREATING:
             if code == UNKNOWN_EVENT:
-                return  # the answer to a renewal of the event that is being created again
+                return  # the answer to a request of a former life
             self.refusal = f"{text} (code {code})" if text else f"code {code}"
             self._counters.count("event_client.refused", f"{self.provider}: {self.refusal}")
             self._set_timer(self._settings.refused_retry, self._create)
@@ -258,8 +267,12 @@ class EventStream:
         self._recreate()
 
     def verify(self) -> None:
-        """Renew the event now, to learn whether the provider still knows it."""
-        if self._state is _State.ACTIVE and not self._renewals:
+        """Renew the event now, to learn whether the provider still knows it.
+
+        A provider that has just confirmed it knows it, and is left alone.
+        """
+        is_settled = self._loop.now() >= self._confirmed_at + SETTLING
+        if self._state is _State.ACTIVE and not self._renewals and is_settled:
             self._renew()
 
     def _start(self) -> None:
@@ -282,13 +295,7 @@ class EventStream:
         self._asked_at = self._loop.now()
         self._asked_rate = self._rate
         self._set_timer(self._pace.next_pause(), self._create)
-        message = CreateEvent(
-            request_id=self.request_id,
-            event_type=EVERY_CHANGE if self._rate is None else PERIODIC,
-            requested_periodic_rate=self._rate or 0.0,
-            query_message=self.payload,
-        )
-        self._send(message)
+        self._ask()
 
     def _renew(self) -> None:
         if self._renewals == MAX_RENEWALS or self.event_id is None:
@@ -299,14 +306,26 @@ class EventStream:
         self._asked_at = self._loop.now()
         self._asked_rate = self._rate
         self._set_timer(self._settings.retry_min, self._renew)
-        message = UpdateEvent(
+        self._ask()
+
+    def _ask(self) -> None:
+        """Ask for the event, whether or not the provider has it.
+
+        Each provider knows CreateEvent, and answers for an event that it has with that event
+        (AS5710, Events). UpdateEvent would do the same, but there are peers that die of it.
+        """
+        message = CreateEvent(
             request_id=self.request_id,
             event_type=EVERY_CHANGE if self._rate is None else PERIODIC,
             requested_periodic_rate=self._rate or 0.0,
-            event_id=self.event_id,
             query_message=self.payload,
         )
         self._send(message)
+
+    def _reborn(self) -> None:
+        """The provider has begun a new life: it knows nothing of the other events either."""
+        self._counters.add("event_client.lost")
+        self._loop.call_soon(partial(self._listener.suspect, self.provider))
 
     def _send(self, message: Message) -> None:
         """Send a request; the transport repeats it where somebody is there to acknowledge."""
@@ -339,16 +358,24 @@ class EventStream:
         """
         if self._expected is not None and sequence != self._expected:
             missing = (sequence - self._expected) & 0xFF
-            if missing >= HALF_SEQUENCE:
+            if missing >= HALF_SEQUENCE and not self._is_renewed:
                 self._counters.add("event_client.out_of_order")
                 self.late += 1
                 return
-            self._counters.add("event_client.sequence_gap", missing)
-            self.missing += missing
+            if missing < HALF_SEQUENCE:
+                self._counters.add("event_client.sequence_gap", missing)
+                self.missing += missing
+            else:
+                self._reborn()
+            self._is_renewed = False
+        is_repeated = self._is_renewed and self._rate is None and payload == self._last
+        self._is_renewed = False
         self._expected = (sequence + 1) & 0xFF
         self._last = payload
         self._heard = now = self._loop.now()
         self._silence_wait = 0.0
+        if is_repeated:
+            return  # the answer to a renewal: nothing has changed
         for group, subscriptions in tuple(self._groups.items()):
             report = self._read(group, payload)
             if report is not None:

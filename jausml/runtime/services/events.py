@@ -147,13 +147,15 @@ class EventsService:
         try:
             setup = self._check(message)
             event = self._find(sender, setup.payload)
+            # Who asks again for the same periodic event renews it, and gets its next report soon.
+            is_renewal = event is not None and setup.periodic and event.setup == setup
             if event is None:
                 event = self._add(sender, message.request_id, setup)
         except RequestError as error:
             reject(self._component, sender, message.request_id, error)
             return
         event.request_id = message.request_id
-        self._apply(event, setup, report=True)
+        self._apply(event, setup, report=not is_renewal)
 
     def _update(self, message: UpdateEvent, sender: JausAddress) -> None:
         try:

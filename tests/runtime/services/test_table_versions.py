@@ -152,7 +152,7 @@ def test_event_of_a_v1_0_provider_lives_on(world, client):
     )
     world.run(600.0, step=0.25)
     assert len(reports) == pytest.approx(601, abs=2)
-    assert world.count(CreateEvent.CODE) == 1
+    assert world.count(CreateEvent.CODE) == 21, "once, and each half minute again"
 
 
 def test_event_of_a_v1_0_provider_that_was_restarted(world, client):
