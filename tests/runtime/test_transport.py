@@ -302,6 +302,23 @@ class TestAcknowledge:
         assert results == [True]
         assert here.counter("transport.unmatched_acknowledgement") == 1
 
+    @pytest.mark.parametrize("version", [0, 1, 3])
+    def test_an_acknowledgement_counts_whatever_version_it_states(
+        self, station, peer, wait_until, version
+    ):
+        # JAUS++ acknowledges with a right message behind a wrong first byte.
+        here = station(acknowledge_timeout=0.5).attach(DRIVER)
+        join(peer, here, wait_until)
+        results: list[bool] = []
+        here.transport.send(DRIVER, PEER, STATUS, acknowledge=True, on_result=results.append)
+        packet = peer.receive()
+        data = from_peer(b"", packet.sequence, acknowledge=AckNak.ACK).encode()
+        peer.send(bytes([version]) + data[1:], here.transport.endpoint)
+        wait_until(lambda: results)
+        assert results == [True]
+        assert peer.is_quiet()
+        assert here.counter("judp.acknowledgement_of_other_version") == 1
+
     def test_an_acknowledgement_is_never_delivered(self, station, peer, wait_until):
         driver = station().attach(DRIVER)
         for kind in (AckNak.ACK, AckNak.NAK):

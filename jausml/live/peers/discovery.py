@@ -18,7 +18,7 @@ from jausml.runtime.messages import (
     ReportStatus,
 )
 from jausml.runtime.services.definitions import Scope
-from jausml.runtime.services.discovery_messages import query_all_services
+from jausml.runtime.services.discovery_messages import query_all_services, query_services_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -93,6 +93,7 @@ class Survey:
         self._component = component
         self._peers = tuple(peers)
         self._subsystems: dict[int, KnownSubsystem] = {}
+        self._asked_by_name: set[JausAddress] = set()
         component.on_message(ReportIdentification, self._identified)
         component.on_message(ReportServices, self._services)
         component.on_message(ReportStatus, self._answered)
@@ -153,6 +154,11 @@ class Survey:
             component.is_silent = False
 
     def _services(self, report: ReportServices, sender: JausAddress) -> None:
+        is_empty = not any(node.component_list for node in report.node_list)
+        if is_empty and sender not in self._asked_by_name:
+            # There are stacks that know no wildcards, and report nothing then.
+            self._asked_by_name.add(sender)
+            self._component.send(query_services_of(sender), sender)
         for address, services in services_of(report, sender.subsystem).items():
             if address != self._component.address and address.is_concrete:
                 component = self._at(address)

@@ -16,6 +16,7 @@ from jausml.runtime.transports.packets.packet import (
     parse_datagram,
 )
 from jausml.runtime.transports.packets.reassembly import Reassembly
+from jausml.runtime.transports.udp.shared_port import FRAME
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
 
 _REASSEMBLY_TIMEOUT = 10.0
 _REASSEMBLY_LIMIT = 4 << 20
-_HOST_FRAMES = (b"\0F", b"\0P")  # runtime/shared_port.py
 _HEADER_COMPRESSION = (0, 2)  # bytes that it adds to a header
 _REASONS = {
     "judp.version_1": "JUDP version 1 (AS5669) is not supported, AS5669A has version 2",
@@ -174,7 +174,7 @@ class Observer:
         Args:
             datagram: The datagram.
         """
-        if datagram.source is not None and datagram.data.startswith(_HOST_FRAMES):
+        if datagram.source is not None and datagram.data.startswith(FRAME):
             self.host_frames += 1
             return
         now = datagram.time or 0.0
@@ -235,7 +235,7 @@ def _reason(name: str, data: bytes) -> str:
     if not data:
         return "the datagram is empty"
     if name == "judp.bad_version":
-        if data[0] == 0:
+        if data.startswith(FRAME):
             return "a frame between the jausml processes of one host, no JUDP"
         return f"JUDP version {data[0]} is not supported"
     return f"{_REASONS.get(name, name)} ({len(data)} bytes)"

@@ -48,12 +48,15 @@ class Questions:
         self.send(question)
 
     def answered(self, kind: type[Message]) -> bool:
-        """Take a question off the list; return whether it was the last open one."""
+        """Take a question off the list; return whether it was the last one that is worth asking.
+
+        One that was asked in vain too often does not keep the others from their pace.
+        """
         self._tries[kind] = 0
         if kind not in self._open:
             return False
         self._open.discard(kind)
-        return not self._open
+        return not self.urgent
 
     def go_on(self, kind: type[Message]) -> None:
         """Keep a question open that was answered, though not as wanted."""

@@ -77,9 +77,12 @@ class DiscoveryService:
     ) -> ReportIdentification | None:
         if sender in self._heard:
             self._heard[sender] = self._component.loop.now()
-        if not self._scope <= query.query_type <= Scope.COMPONENT:
+        if not Scope.SYSTEM <= query.query_type <= Scope.COMPONENT:
             return None
         scope = Scope(query.query_type)
+        # Operator units ask single components for the system: it has the name of the subsystem.
+        if Scope.SYSTEM < scope < self._scope:
+            return None
         name = self._component.name
         if scope <= Scope.SUBSYSTEM:
             name = self._component.settings.subsystem_name or name

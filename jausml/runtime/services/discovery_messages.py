@@ -37,6 +37,19 @@ def query_all_services() -> QueryServices:
     return QueryServices(node_list=[node])
 
 
+def query_services_of(component: JausAddress) -> QueryServices:
+    """Return the query for the services of one component, which names it.
+
+    Args:
+        component: The component. There are stacks that know no wildcards, and report nothing.
+    """
+    asked = QueryServices.ComponentRec(component_id=component.component)
+    node = QueryServices.NodeSeq(
+        node_rec=QueryServices.NodeRec(node_id=component.node), component_list=[asked]
+    )
+    return QueryServices(node_list=[node])
+
+
 def query_all_service_lists() -> QueryServiceList:
     """Return the query of v1.1 for all services of all components of all subsystems."""
     component = QueryServiceList.ComponentRec(component_id=WILDCARD_COMPONENT)

@@ -86,7 +86,7 @@ def test_identification_within_the_scope_only(world, client, scope, asked):
     client.take()
     client.send_bytes(bytes([0x00, 0x2B, asked]), tested)
     answers = client.take()
-    if scope <= asked <= COMPONENT:
+    if asked == SYSTEM or scope <= asked <= COMPONENT:
         (answer,) = answers
         assert answer.query_type == asked
     else:
@@ -348,6 +348,31 @@ def test_search(world):
     lone.start()
     world.run(16.0, step=1.0)
     assert [hit.address for hit in hits[1:]] == [JausAddress(8, 1, 1)]
+
+
+def test_who_knows_no_wildcards_is_asked_by_name(world):
+    """JAUS++ answers a query with wildcards by a report without components."""
+    searcher = world.component("2.1.1", services=())
+    searcher.start()
+    hits = []
+    searcher.discover(SENSOR.urn, hits.append)
+    other = world.probe("152.1.1", strict=False)
+    world.settle()
+    other.send(ReportServices(node_list=[]), searcher)
+    world.settle()
+    named = [message for message in other.take() if isinstance(message, QueryServices)][-1]
+    (node,) = named.node_list
+    assert node.node_rec.node_id == 1
+    assert [each.component_id for each in node.component_list] == [1]
+    other.send(ReportServices(node_list=[]), searcher)
+    world.settle()
+    assert not [message for message in other.take() if isinstance(message, QueryServices)]
+
+    catalog = {JausAddress(152, 1, 1): (SENSOR,)}
+    other.send(report_services(named, catalog, 152), searcher)
+    world.settle()
+    assert [each.address for each in hits] == [JausAddress(152, 1, 1)]
+    assert world.counters.snapshot()["discovery_client.knows_no_wildcards"] == 1
 
 
 def test_search_asks_everyone(world):

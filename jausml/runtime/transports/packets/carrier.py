@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Generic, TypeVar
 
@@ -24,6 +25,10 @@ class Carrier(ABC, Generic[Origin]):
     @abstractmethod
     def answer(self, packet: Packet, origin: Origin) -> None:
         """Send a packet back to where one came from."""
+
+    def heard(self, destination: JausAddress) -> float:  # noqa: ARG002
+        """Return when a destination was heard last, on the loop's clock; never if nobody knows."""
+        return -math.inf
 
     def suspect(self, destination: JausAddress, since: float) -> None:
         """Learn that a destination fails to acknowledge, before the last repetition.

@@ -23,6 +23,10 @@ _MAX_IDLE_LANES = 256
 _BEST_EFFORT_WINDOW = 8
 _BEST_EFFORT_PATIENCE_S = 1.0
 
+PATIENCE = 4
+"""How many times as often a packet of a large message is repeated while its destination lives: a
+packet in three frames is lost often where one frame in five is."""
+
 
 class _Flight:
     """A packet under way."""
@@ -42,8 +46,9 @@ class Outbox:
     """Repeats packets until they are acknowledged (AS5669A, acknowledge and retry).
 
     A packet is repeated with its sequence number after ``acknowledge_timeout`` and given up
-    after ``acknowledge_retries`` repetitions, of which the last one also searches by multicast.
-    With it goes all that waits for a destination which acknowledged nothing meanwhile. The lane
+    after ``acknowledge_retries`` repetitions, of which the last one also searches by multicast;
+    one of several packets of a message is given more of them while its destination lives.
+    With it goes all that waits for a destination of which nothing was heard meanwhile. The lane
     of each destination says which packets are under way at once. Callable from any thread;
     results are reported on the loop's thread.
     """
@@ -226,7 +231,9 @@ class Outbox:
         with self._lock:
             if self._flights.get(flight.key) is not flight:
                 return
-            if flight.repetitions < self._retries:
+            is_alive = self._is_alive(flight, now)
+            patience = PATIENCE if is_alive and flight.message.is_large else 1
+            if flight.repetitions < patience * self._retries:
                 flight.repetitions += 1
                 flight.due = now + self._timeout
                 self._flights[flight.key] = self._flights.pop(flight.key)
@@ -235,12 +242,18 @@ class Outbox:
             else:
                 given_up = self._give_up(flight)
                 ready = self._take_off(self._lanes[packet.destination], packet.destination)
-        if flight.repetitions == self._retries:
+        if flight.repetitions == self._retries and not is_alive:
             self._carrier.suspect(packet.destination, flight.since)
         for message in given_up:
             self._loop.counters.count("transport.unacknowledged", f"{packet.destination}")
             self._report(message, acknowledged=False)
         self._transmit(ready)
+
+    def _is_alive(self, flight: _Flight, now: float) -> bool:
+        """Return whether the destination was heard in the time that a packet may take."""
+        destination = flight.packet.destination
+        heard = max(self._lanes[destination].heard, self._carrier.heard(destination))
+        return heard >= now - PATIENCE * (self._retries + 1) * self._timeout
 
     def _give_up(self, flight: _Flight) -> list[Message]:
         """Forget a message, and what waits behind it if its destination is silent."""
@@ -251,7 +264,8 @@ class Outbox:
             if other is not None and other.message is message:
                 self._land(other)
         self._forget(message, lane)
-        waiting = lane.give_up_waiting() if lane.heard < flight.since else []
+        is_alive = self._is_alive(flight, self._loop.now())
+        waiting = [] if is_alive else lane.give_up_waiting()
         for each in waiting:
             self._drop(each)
         return [message, *waiting]

@@ -148,11 +148,18 @@ def parse_datagram(data: bytes, counters: Counters) -> list[Packet]:
     """Return the messages of a datagram in their order; never raises.
 
     What cannot be read is counted: ``judp.version_1`` and ``judp.reference_architecture``, older
-    protocols; ``judp.bad_version``; ``judp.truncated``, the size says more than there is;
+    protocols; ``judp.bad_version``; ``judp.acknowledgement_of_other_version``, which is taken all
+    the same; ``judp.truncated``, the size says more than there is;
     ``transport.bad_size``; ``judp.trailing_bytes``, ignored after a good message; and what
     ``parse_message`` counts.
     """
     if not data or data[0] != JUDP_VERSION:
+        if _is_acknowledgement(data):
+            # JAUS-DEVIATION: JAUS++ states version 0 in front of its acknowledgements, which are
+            # right otherwise. Only the number of a packet that waits for one makes use of it.
+            counters.count("judp.acknowledgement_of_other_version", data.hex())
+            packet = parse_message(data, 1, EMPTY_MESSAGE_SIZE, counters)
+            return [] if packet is None else [packet]
         _count_version(data, counters)
         return []
     packets: list[Packet] = []
@@ -240,6 +247,14 @@ def _is_plausible(data: bytes, offset: int) -> bool:
     _, destination, source = _FIELDS.unpack_from(data, offset + _FIELDS_OFFSET)
     to = address_of(destination)
     return address_of(source).is_concrete and bool(to.subsystem and to.node and to.component)
+
+
+def _is_acknowledgement(data: bytes) -> bool:
+    """Return whether a datagram is an acknowledgement, whatever version it states."""
+    if len(data) != 1 + EMPTY_MESSAGE_SIZE or data[1]:
+        return False
+    size, flags = data[2] | data[3] << 8, data[4]
+    return size == EMPTY_MESSAGE_SIZE and FLAGS[flags][2] is AckNak.ACK
 
 
 def _count_version(data: bytes, counters: Counters) -> None:

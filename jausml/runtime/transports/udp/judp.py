@@ -13,7 +13,14 @@ from ..port_holder import manager_folder
 from .datagrams import DatagramTransport
 from .drops import KernelDrops
 from .reading import reader
-from .shared_port import SharedPort, forwarded_frame, present_frame, read_forwarded, read_present
+from .shared_port import (
+    FRAME,
+    SharedPort,
+    forwarded_frame,
+    present_frame,
+    read_forwarded,
+    read_present,
+)
 from .standstill import Standstill
 
 if TYPE_CHECKING:
@@ -121,7 +128,7 @@ class JudpTransport(DatagramTransport):
             return
         if not self._allowed.admits(sender):
             return
-        if data[:1] == b"\0" and sender[0] == self._settings.interface:
+        if data.startswith(FRAME) and sender[0] == self._settings.interface:
             self._on_neighbour(data, sender)
             return
         for packet in parse_datagram(data, self.counters):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from typing import TYPE_CHECKING, Protocol
 
@@ -105,6 +106,11 @@ class Sender(Carrier[Endpoint]):
             self.prover.send(packet.destination, entry, packet.encode())
         else:
             self.put(packet.encode(), origin)
+
+    def heard(self, destination: JausAddress) -> float:
+        """Return when a destination was heard last, whatever it said."""
+        entry = self._book.learnt.get(destination)
+        return -math.inf if entry is None else entry.latest
 
     def suspect(self, destination: JausAddress, since: float) -> None:
         """Search for a destination that fails to acknowledge, from its next packet on."""

@@ -23,9 +23,13 @@ if TYPE_CHECKING:
     from ...base.settings import Endpoint, TransportSettings
 
 # JAUS-DEVIATION: AS5669A knows one process per port. These two frames pass between processes of
-# one host only; they begin with 0, which is no JUDP version, so that other stacks drop them.
-_FORWARDED = b"\x00F"
-_PRESENT = b"\x00P"
+# one host only; they begin with 0, which is no JUDP version, so that other stacks drop them, and
+# with a word, so that nobody takes for one of them what other stacks send with version 0.
+FRAME = b"\x00JAUSML"
+"""How each of these frames begins."""
+
+_FORWARDED = FRAME + b"F"
+_PRESENT = FRAME + b"P"
 _ENDPOINT = struct.Struct("!4sH")
 _FORWARDED_SIZE = len(_FORWARDED) + _ENDPOINT.size
 _MAX_PRESENT = 256
