@@ -19,6 +19,7 @@ from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet, Priority
 from jausml.runtime.transports.udp.drops import KernelDrops
 from jausml.runtime.transports.udp.judp import JudpTransport
+from jausml.runtime.transports.udp.shared_port import FRAME
 
 if TYPE_CHECKING:
     from jausml.runtime.transports.delivery import ReceivedMessage
@@ -161,7 +162,7 @@ def _socket() -> socket.socket:
 
 def _portless(data: bytes) -> bytes:
     """Return a datagram without the endpoint of whom it is forwarded for."""
-    return data[8:] if data.startswith(b"\0F") else data
+    return data[len(FRAME) + 7 :] if data.startswith(FRAME + b"F") else data
 
 
 def _drain(sock: socket.socket) -> list[tuple[bytes, Any]]:

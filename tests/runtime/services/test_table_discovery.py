@@ -123,14 +123,14 @@ OCU = (
 IDENTIFICATION = tuple(
     row(
         f"QueryIdentification {asked.name}, scope {scope.name}: "
-        + ("answered" if scope <= asked else "silence"),
+        + ("answered" if asked is SYSTEM or scope <= asked else "silence"),
         when=asks(asked),
         then=identified(
             asked,
             {SYSTEM: 30001, SUBSYSTEM: 30001, NODE: 40001, COMPONENT: 60001}[asked],
             "robot" if asked <= SUBSYSTEM else "tested",
         )
-        if scope <= asked
+        if asked is SYSTEM or scope <= asked
         else {},
         scope=scope,
     )

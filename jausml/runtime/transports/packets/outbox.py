@@ -231,8 +231,8 @@ class Outbox:
         with self._lock:
             if self._flights.get(flight.key) is not flight:
                 return
-            is_alive = self._is_alive(flight, now)
-            patience = PATIENCE if is_alive and flight.message.is_large else 1
+            is_patient = flight.message.is_large and self._is_alive(flight, now)
+            patience = PATIENCE if is_patient else 1
             if flight.repetitions < patience * self._retries:
                 flight.repetitions += 1
                 flight.due = now + self._timeout
@@ -242,7 +242,7 @@ class Outbox:
             else:
                 given_up = self._give_up(flight)
                 ready = self._take_off(self._lanes[packet.destination], packet.destination)
-        if flight.repetitions == self._retries and not is_alive:
+        if flight.repetitions == self._retries and not is_patient:
             self._carrier.suspect(packet.destination, flight.since)
         for message in given_up:
             self._loop.counters.count("transport.unacknowledged", f"{packet.destination}")
