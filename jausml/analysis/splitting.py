@@ -25,6 +25,8 @@ _LARGEST_COMPONENT = 254
 _COPIED = (
     *("namespace", "frequency", "type", "authority", "defaultAuthority", "controlTimeout"),
     *("eventTimeout", "coreServices", "fixedSources"),
+    *("amplificationLimit", "maxPeers", "maxConnections", "idleTimeout"),
+    *("maxEvents", "eventRateBudget"),
 )
 
 

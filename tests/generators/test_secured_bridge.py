@@ -59,3 +59,22 @@ def test_nothing_is_generated_where_nothing_is_said(tmp_path):
         assert word not in base
     for line in ('jaus_allowed_hosts: ""', "jaus_fixed_sources: false", "drive.rate_cap: 0.0"):
         assert line in parameters
+
+
+def test_budgets_are_what_the_model_says(tmp_path):
+    stated = "amplificationLimit: 5 maxPeers: 64 maxConnections: 8 idleTimeout: 10.0"
+    base, parameters = generated(tmp_path, f"{stated} maxEvents: 20 eventRateBudget: 500.0")
+    for word in (
+        *("amplification_limit=5", "max_peers=64", "max_connections=8", "idle_timeout=10.0"),
+        *("max_events=20", "event_rate_budget=500.0"),
+    ):
+        assert word in base
+        assert f"jaus_{word.replace('=', ': ')}" in parameters
+
+
+def test_budgets_that_are_not_stated_are_in_the_parameters_alone(tmp_path):
+    base, parameters = generated(tmp_path)
+    assert "amplification_limit" not in base
+    assert "event_rate_budget" not in base
+    assert "jaus_amplification_limit: 3" in parameters
+    assert "jaus_event_rate_budget: 4000.0" in parameters

@@ -69,6 +69,7 @@ def parameter_lines(view: BridgeView) -> Iterator[ParameterLine]:
         bool(element.fixedSources),
         "Whether a component that is suddenly heard from another endpoint is refused.",
     )
+    yield from _budget_lines(element)
     yield ParameterLine(
         "jaus_authority",
         element.authority,
@@ -93,6 +94,32 @@ def parameter_lines(view: BridgeView) -> Iterator[ParameterLine]:
             yield from _connection_lines(connection)
         for call in view.calls:
             yield from _call_lines(call)
+
+
+def _budget_lines(element: bridge.Bridge) -> Iterator[ParameterLine]:
+    """Yields what strangers get."""
+    yield ParameterLine(
+        "jaus_amplification_limit",
+        element.amplificationLimit,
+        "Bytes to a UDP endpoint for each byte from it, until it proved its address; 0 is any.",
+    )
+    yield ParameterLine(
+        "jaus_max_peers",
+        element.maxPeers,
+        "Components that are remembered, besides stated ones and the one in control.",
+    )
+    yield ParameterLine("jaus_max_connections", element.maxConnections, "TCP connections.")
+    yield ParameterLine(
+        "jaus_idle_timeout",
+        float(element.idleTimeout),
+        "Seconds in which a message must come over a new TCP connection; 0 is any time.",
+    )
+    yield ParameterLine("jaus_max_events", element.maxEvents, "JAUS events at a time.")
+    yield ParameterLine(
+        "jaus_event_rate_budget",
+        float(element.eventRateBudget),
+        "Reports of all periodic JAUS events together each second.",
+    )
 
 
 def _connection_lines(view: ConnectionView) -> Iterator[ParameterLine]:

@@ -13,7 +13,7 @@ from jausml.semantics.services import query_name
 from jausml.semantics.standard_services import answers_for_subsystem, with_standard
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     from jausml.metamodel.classes.system import Host, System
 
@@ -116,6 +116,7 @@ def component_settings(system: System, component: jaus.Component) -> str:
         f"control_timeout={int(component.controlTimeout)}",
         f"event_timeout={int(component.eventTimeout)}",
     ]
+    arguments += _stated(component, _EVENT_BUDGETS)
     if answers_for_subsystem(component, [*system.components, *system.bridges]):
         arguments.append("discovery_scope=Scope.SUBSYSTEM")
     return call("ComponentSettings", *arguments)
@@ -154,6 +155,13 @@ TRANSPORTS = {"judp": "judp", "jtcp": "jtcp", "nodeManager": "node-manager"}
 """Values of the option `--jaus-transport` of a process, by literal of Transport."""
 
 _FRAGMENT_SIZE = 4079
+_EVENT_BUDGETS = {"maxEvents": "max_events", "eventRateBudget": "event_rate_budget"}
+_TRANSPORT_BUDGETS = {
+    "amplificationLimit": "amplification_limit",
+    "maxPeers": "max_peers",
+    "maxConnections": "max_connections",
+    "idleTimeout": "idle_timeout",
+}
 _TRANSPORT_KINDS = {"jtcp": "JTCP", "nodeManager": "NODE_MANAGER"}
 
 
@@ -200,7 +208,19 @@ def _source_arguments(component: jaus.Component) -> list[str]:
         arguments.append(f"allowed_hosts=({hosts}{comma})")
     if component.fixedSources:
         arguments.append("fixed_sources=True")
-    return arguments
+    return [*arguments, *_stated(component, _TRANSPORT_BUDGETS)]
+
+
+def _stated(component: jaus.Component, budgets: Mapping[str, str]) -> list[str]:
+    """Returns the budgets of a bridge that are not as the runtime has them by itself."""
+    if not isinstance(component, bridge.Bridge):
+        return []
+    default = bridge.Bridge()
+    return [
+        f"{argument}={getattr(component, feature)!r}"
+        for feature, argument in budgets.items()
+        if getattr(component, feature) != getattr(default, feature)
+    ]
 
 
 def _peers_elsewhere(system: System, host: Host) -> list[str]:

@@ -855,6 +855,44 @@ class Bridge(jaus.Component):
     on another port, or takes a shared port over, is refused for as long.
     """
 
+    amplificationLimit: int
+    """Bytes that go to a UDP endpoint on another host for each byte from it, until it has
+    acknowledged a number that it could not guess: at least 3, or 0 for no limit and no proof.
+
+    Components that the model places on hosts need none.
+    """
+
+    maxPeers: int
+    """Components that the bridge remembers the addresses of, besides those that the model places
+    and the one in control.
+
+    When all places are taken, who has not proved its address gives way, then one of the host that
+    has most.
+    """
+
+    maxConnections: int
+    """TCP connections at a time.
+
+    When all are taken, one that nothing has come by gives way, then one of the host that has most.
+    """
+
+    idleTimeout: float
+    """Seconds in which a whole message must come over a TCP connection that a peer has made; 0
+    for any time."""
+
+    maxEvents: int
+    """JAUS events that the bridge serves at a time, at most 255.
+
+    When all are taken, a client without proof gives way, then one of the host that has most.
+    Modelled peers and the one in control always get one.
+    """
+
+    eventRateBudget: float
+    """Reports each second of all periodic JAUS events together.
+
+    When more are asked for, those who ask for more than a fair share get fewer.
+    """
+
     maps: abc.Sequence[AttributeMap]
     """Attribute maps of this bridge."""
 

@@ -237,6 +237,41 @@ def add_arguments(
         default=known.fixed_sources,
         help="refuse a component that is suddenly heard from elsewhere (default %(default)s)",
     )
+    _add_budgets(parser, known)
+
+
+def _add_budgets(parser: argparse.ArgumentParser, known: TransportSettings) -> None:
+    """Add the options for what strangers get."""
+    group = parser.add_argument_group("what strangers get")
+    group.add_argument(
+        "--jaus-amplification-limit",
+        type=int,
+        default=known.amplification_limit,
+        metavar="FACTOR",
+        help="bytes to a UDP endpoint on another host for each byte from it, until it has"
+        " acknowledged; 0 for no limit (default %(default)s)",
+    )
+    group.add_argument(
+        "--jaus-max-peers",
+        type=int,
+        default=known.max_peers,
+        metavar="NUMBER",
+        help="components that are remembered besides stated ones (default %(default)s)",
+    )
+    group.add_argument(
+        "--jaus-max-connections",
+        type=int,
+        default=known.max_connections,
+        metavar="NUMBER",
+        help="TCP connections at a time (default %(default)s)",
+    )
+    group.add_argument(
+        "--jaus-idle-timeout",
+        type=float,
+        default=known.idle_timeout,
+        metavar="SECONDS",
+        help="time in which a message must come over a TCP connection (default %(default)s)",
+    )
 
 
 def from_arguments(
@@ -266,6 +301,10 @@ def from_arguments(
             each.strip() for each in arguments.jaus_allowed_hosts.split(",") if each
         ),
         fixed_sources=arguments.jaus_fixed_sources,
+        amplification_limit=arguments.jaus_amplification_limit,
+        max_peers=arguments.jaus_max_peers,
+        max_connections=arguments.jaus_max_connections,
+        idle_timeout=arguments.jaus_idle_timeout,
     )
 
 

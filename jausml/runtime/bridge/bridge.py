@@ -10,10 +10,13 @@ is handed over.
 from __future__ import annotations
 
 import time
+from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from ..base.address import JausAddress
 from ..base.counters import LOGGER
+from ..base.errors import JausError
 from ..clients.exchanges import Exchanges
 from ..component.component import JausComponent
 from ..conversions import Time
@@ -30,7 +33,6 @@ from .transcoding import Form
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from ..base.address import JausAddress
     from ..base.loop import Loop
     from ..base.simulated_clock import Timing
     from ..clients.peer_binding import PeerBinding
@@ -124,6 +126,7 @@ class Bridge:
                 connection.watch()
                 connection.follow(self.standing, None)
             self._measure_latency(ros.parameter(parameters.latency(), self._measure_latency))
+            ros.parameter(parameters.lift_emergency(self._check_lift), self._lift_emergency)
             self._diagnosing = Diagnosing(self, period)
             self._diagnosing.start()
 
@@ -277,6 +280,20 @@ class Bridge:
         """Gives an attribute the value of its parameter, now and whenever that changes."""
         assign = partial(setattr, self, each.attribute)
         assign(self.ros.parameter(each.of(getattr(self, each.attribute)), assign))
+
+    def _check_lift(self, clients: str) -> None:
+        """Raise ValueError where an emergency cannot be lifted."""
+        try:
+            if clients:
+                self.component.check_lift(JausAddress.parse(clients))
+        except JausError as error:
+            raise ValueError(str(error)) from error
+
+    def _lift_emergency(self, clients: str) -> None:
+        """Lift emergencies; who sets the parameter was told before why that cannot be."""
+        if clients:
+            with suppress(JausError):
+                self.component.lift_emergency(JausAddress.parse(clients))
 
     def _measure_latency(self, wanted: bool) -> None:  # noqa: FBT001
         with self.loop.lock:

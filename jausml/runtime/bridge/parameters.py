@@ -18,7 +18,7 @@ from ..services.definitions import MAX_EVENT_RATE
 from .parameter import Parameter
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from .actions import ListAction
     from .ends import RosSide
@@ -121,7 +121,37 @@ def network(model: BridgeSettings) -> tuple[Parameter, ...]:
             known.fixed_sources,
             "Whether a component that is suddenly heard from another endpoint is refused.",
         ),
+        Parameter(
+            "jaus_amplification_limit",
+            known.amplification_limit,
+            "Bytes to a UDP endpoint for each byte from it, until it proved its address; 0 is any.",
+            (0, 1000),
+        ),
+        Parameter(
+            "jaus_max_peers",
+            known.max_peers,
+            "Components that are remembered, besides stated ones and the one in control.",
+            (16, 65535),
+        ),
+        Parameter("jaus_max_connections", known.max_connections, "TCP connections.", (4, 4096)),
+        Parameter(
+            "jaus_idle_timeout",
+            float(known.idle_timeout),
+            "Seconds in which a message must come over a new TCP connection; 0 is any time.",
+            (0.0, 86400.0),
+        ),
     )
+
+
+def max_events(value: int) -> Parameter:
+    """Returns how many events are served at a time."""
+    return Parameter("jaus_max_events", value, "JAUS events at a time.", (1, 255))
+
+
+def event_rate_budget(value: float) -> Parameter:
+    """Returns how many reports a second all periodic events may have together."""
+    text = "Reports of all periodic JAUS events together each second."
+    return Parameter("jaus_event_rate_budget", float(value), text, (1.0, 255 * MAX_EVENT_RATE))
 
 
 def authority(value: int) -> Parameter:
@@ -203,6 +233,16 @@ def latency(connection: str = "") -> Parameter:
     name, whose = (f"{connection}.latency", connection) if connection else ("latency", "all")
     text = f"Whether the latency of {whose} is measured."
     return Parameter(name, default=False, description=text)
+
+
+def lift_emergency(check: Callable[[str], None]) -> Parameter:
+    """Returns whose emergencies are to be lifted, by somebody at the robot.
+
+    Args:
+        check: Raises ValueError where that cannot be.
+    """
+    text = "JAUS address of clients that set an emergency and are gone; setting it lifts theirs."
+    return Parameter("lift_emergency", "", text, check=check)
 
 
 def freshness(join: str, seconds: float) -> Parameter:

@@ -139,11 +139,18 @@ def _configure(
     # argparse reads defaults that are text as it reads options.
     parser.set_defaults(**{each.name: node.parameter(each) for each in parameters.network(model)})
     options = parser.parse_args(line)
+    component = component_settings(options, model.component)
     bridge.settings = replace(
         model,
         address=options.jaus_id,
         authority=node.parameter(parameters.authority(model.authority)),
-        component=component_settings(options, model.component),
+        component=replace(
+            component,
+            max_events=node.parameter(parameters.max_events(component.max_events)),
+            event_rate_budget=node.parameter(
+                parameters.event_rate_budget(component.event_rate_budget)
+            ),
+        ),
     )
     try:
         return from_arguments(options, model.transport)

@@ -325,6 +325,25 @@ class ComponentBase(ComponentHooks):
         with self.loop.lock:
             self._jaus_core.management.fail(reason)
 
+    def lift_emergency(self, clients: JausAddress) -> None:
+        """Lift emergencies whose clients are gone, by the decision of a person at the robot.
+
+        The component is then in Standby without a controller.
+
+        Args:
+            clients: Who set them; a wildcard means several.
+
+        Raises:
+            JausError: Nobody of them set one, or somebody of them was heard within 10 s.
+        """
+        with self.loop.lock:
+            self._jaus_core.management.lift(clients)
+
+    def check_lift(self, clients: JausAddress) -> None:
+        """Raise what ``lift_emergency`` would, and do nothing else."""
+        with self.loop.lock:
+            self._jaus_core.management.check_lift(clients)
+
     # ---- hooks with a default ---------------------------------------------------------------
 
     def host_time(self) -> datetime:

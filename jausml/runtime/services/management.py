@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..base.counters import LOGGER
+from ..base.errors import JausError
 from ..messages import (
     ClearEmergency,
     QueryStatus,
@@ -36,6 +37,14 @@ PASSIVE = (Status.EMERGENCY, Status.FAILURE, Status.SHUTDOWN)
 
 MAX_EMERGENCY_CLIENTS = 1024
 """Senders whose emergencies are remembered; a flood of false ones must not fill the memory."""
+
+
+ABSENT_S = 10.0
+"""Seconds of silence after which somebody at the robot may lift an emergency of a client."""
+
+
+class EmergencyStandsError(JausError):
+    """An emergency that may not be lifted."""
 
 
 class ManagementService:
@@ -195,6 +204,52 @@ class ManagementService:
             self._access.restore(controller, authority)
         if self.status is Status.EMERGENCY:  # no hook has reported a failure meanwhile
             self._enter(status)
+
+    def check_lift(self, clients: JausAddress) -> list[JausAddress]:
+        """Return whose emergencies somebody at the robot may lift.
+
+        A stop needs no proof of who sends it, so that anybody can set an emergency, also in a name
+        that nobody has. AS5710 lets the same name alone clear it. A person at the robot must have
+        a way out, yet not against an operator who is there: those must have been silent.
+
+        Args:
+            clients: Who set them; a wildcard means several.
+
+        Raises:
+            EmergencyStandsError: Nobody of them set one, or somebody was heard a moment ago.
+        """
+        meant = [each for each in self._emergencies if clients.matches(each)]
+        if not meant:
+            known = ", ".join(map(str, sorted(self._emergencies))) or "nobody"
+            raise EmergencyStandsError(f"no emergency was set by {clients}; by {known}")
+        for each in meant:
+            silent = self._component.transport.silence_of(each)
+            if silent < ABSENT_S:
+                raise EmergencyStandsError(
+                    f"{each} was heard {silent:.1f} s ago: it clears its emergency itself, or must "
+                    f"be silent for {ABSENT_S:g} s"
+                )
+        return meant
+
+    def lift(self, clients: JausAddress) -> None:
+        """Lift the emergencies of clients who are not there any more; see ``check_lift``.
+
+        When it was the last one, the component is in Standby without a controller, in v1.0 as
+        well: nothing moves before somebody takes control and resumes it.
+
+        Raises:
+            EmergencyStandsError: See ``check_lift``.
+        """
+        for each in self.check_lift(clients):
+            self._emergencies.discard(each)
+            self._component.counters.count("management.emergency_lifted", f"that of {each}")
+        if self.status is Status.EMERGENCY and not self._emergencies:
+            LOGGER.warning("%s: the last emergency was lifted", self._component.address)
+            status = self._interrupted[0]
+            if self._access.kept:
+                self._access.drop(Reject.CONTROL_RELEASED)
+            self._enter(status if status in FINAL else Status.STANDBY)
+            self._component.call(self._component.on_emergency, False)  # noqa: FBT003
 
     def _control_lost(self) -> None:
         if self.status is Status.READY:

@@ -171,6 +171,7 @@ class Ros:
         self.statuses = []
         self.parameters = {}
         self.changed = {}
+        self.declared = []
         self.found_faults = {}
         self.served = {}
         self.answers = {}
@@ -187,6 +188,7 @@ class Ros:
         assert parameter.description
         limits = parameter.limits
         assert limits is None or limits[0] <= parameter.default <= limits[1]
+        self.declared.append(parameter)
         self.changed[parameter.name] = changed
         return self.parameters.get(parameter.name, parameter.default)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime import Guard
+from jausml.runtime import Guard, Status
 from jausml.runtime.bridge.bridge import Bridge
 from jausml.runtime.bridge.settings import BridgeSettings
 from jausml.runtime.bridge.stops import StopReason
@@ -122,6 +122,23 @@ def test_an_emergency_is_one_while_inactive_too(world, setting):
     peer = world.probe(str(PEER))
     setting.ros.deliver["numbers"](Number(5.0))
     assert minutes(5) not in peer.take()
+
+
+def test_a_parameter_lifts_the_emergency_of_somebody_who_is_gone(world, setting):
+    setting.open(command(safe_value=safe, is_command=True), services=CORE)
+    stranger = world.probe("66.1.1")
+    stranger.send(SetEmergency(emergency_code=1), OWN)
+    world.settle()
+    (lift,) = [each for each in setting.ros.declared if each.name == "lift_emergency"]
+    for text, reason in (("66.1.1", "heard"), ("9.9.9", "no emergency"), ("operator", "operator")):
+        with pytest.raises(ValueError, match=reason):
+            lift.check(text)
+    assert setting.bridge.standing.halt is StopReason.EMERGENCY
+    world.run(10.1)
+    lift.check("66.1.1")
+    setting.ros.changed["lift_emergency"]("66.1.1")
+    assert setting.bridge.component.status is Status.STANDBY
+    assert setting.bridge.standing.halt is not StopReason.EMERGENCY
 
 
 def test_a_bridge_that_begins_inactive_asks_for_control_when_it_is_active(world, setting):

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime import Guard, JausComponent, Status
+from jausml.runtime import Guard, JausComponent, ServiceIdentity, Status
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.errors import JausError
 from jausml.runtime.messages import (
     ClearEmergency,
     ConfirmControl,
@@ -384,3 +386,73 @@ class TestFloodOfRequests:
             world.probe(f"{number + 10}.1.1").send(RequestControl(authority_code=1), ready)
         world.settle()
         assert len(ready._jaus_core.access_control._refusals._counts) <= 256
+
+
+class TestLift:
+    """A way out of the emergency of somebody who is gone, for a person at the robot."""
+
+    @pytest.fixture
+    def stopped(self, ready, other):
+        other.ask(SetEmergency(emergency_code=1), ready)
+        ready.take()
+        return ready
+
+    def test_one_that_was_heard_a_moment_ago_stands(self, world, stopped, other):
+        world.run(9.0)
+        with pytest.raises(JausError, match=f"{other.address} was heard 9.0 s ago"):
+            stopped.lift_emergency(other.address)
+        assert stopped.status is Status.EMERGENCY
+        assert stopped.take() == []
+
+    def test_that_of_one_who_is_gone_ends_in_standby(self, world, stopped, other):
+        world.run(10.1)
+        stopped.lift_emergency(other.address)
+        assert stopped.status is Status.STANDBY
+        assert stopped.controller is None
+        assert stopped.take() == ["emergency False"]
+        assert world.counters.snapshot()["management.emergency_lifted"] == 1
+
+    def test_somebody_else_can_stop_it_all_the_same(self, world, stopped, client, other):
+        world.run(10.1)
+        client.ask(SetEmergency(emergency_code=1), stopped)
+        stopped.lift_emergency(other.address)
+        assert stopped.status is Status.EMERGENCY
+        client.ask(ClearEmergency(emergency_code=1), stopped)
+        assert stopped.status is Status.STANDBY
+
+    def test_a_wildcard_lifts_those_of_many_unless_one_is_there(self, world, stopped, client):
+        everybody = JausAddress.parse("65535.255.255")
+        world.run(10.1)
+        client.ask(SetEmergency(emergency_code=1), stopped)
+        with pytest.raises(JausError, match=str(client.address)):
+            stopped.lift_emergency(everybody)
+        world.run(10.1)
+        stopped.lift_emergency(everybody)
+        assert stopped.status is Status.STANDBY
+
+    def test_nobody_who_set_none_is_named(self, stopped, other):
+        with pytest.raises(JausError, match=f"no emergency was set by 9.9.9; by {other.address}"):
+            stopped.lift_emergency(JausAddress(9, 9, 9))
+
+    def test_a_component_that_has_failed_does_not_come_back_by_it(self, world, stopped, other):
+        stopped.fail("broken")
+        other.ask(SetEmergency(emergency_code=1), stopped)
+        world.run(10.1)
+        stopped.lift_emergency(other.address)
+        assert stopped.status is Status.FAILURE
+
+    def test_of_version_1_0_it_does_not_go_on_where_it_was(self, world, client, other):
+        services = tuple(
+            ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 0)
+            for name in ("Transport", "Events", "AccessControl", "Management")
+        )
+        component = world.component("1.1.1", kind=Robot, services=services)
+        component.start()
+        for each in (RequestControl(authority_code=9), Resume()):
+            client.ask(each, component)
+        assert component.status is Status.READY
+        other.ask(SetEmergency(emergency_code=1), component)
+        world.run(10.1)
+        component.lift_emergency(other.address)
+        assert component.status is Status.STANDBY
+        assert component.controller is None

@@ -128,3 +128,40 @@ def rate_caps(subject: Subject) -> Iterator[Finding]:
         if (each.direction.name, each.exchange.name) != ("jausToRos", "message"):
             message = f"'{each.name}' takes nothing unasked that a rateCap could be for"
             yield Finding(each, message, "rateCap", "state a maxRate")
+
+
+_BUDGETS: dict[str, tuple[float, float]] = {
+    "amplificationLimit": (3, 1000),
+    "maxPeers": (16, 65535),
+    "maxConnections": (4, 4096),
+    "idleTimeout": (1, 86400),
+    "maxEvents": (1, 255),
+    "eventRateBudget": (1, 278460),
+}
+"""Ranges of what strangers get, as the runtime has them."""
+
+_NO_LIMIT = ("amplificationLimit", "idleTimeout")
+"""Budgets for which 0 means that there is none."""
+
+
+@rule("JML489", Severity.ERROR, "budget out of range")
+def budgets(subject: Subject) -> Iterator[Finding]:
+    """What a bridge lends to strangers leaves room for those that it is for.
+
+    amplificationLimit is 0 or 3..1000: with less, a peer could not even be asked for a proof.
+    idleTimeout is 0 or 1..86400 s, maxPeers 16..65535, maxConnections 4..4096, maxEvents 1..255,
+    and eventRateBudget 1..278460 reports a second.
+
+    Bad: `amplificationLimit="1"`
+
+    Good: `amplificationLimit="3"`
+    """
+    for owner in subject.instances(bridge.Bridge, needs=("name",)):
+        for name, (lower, upper) in _BUDGETS.items():
+            value = getattr(owner, name)
+            if lower <= value <= upper or (name in _NO_LIMIT and value == 0):
+                continue
+            allowed = f"{lower}..{upper}"
+            allowed = f"0 or {allowed}" if name in _NO_LIMIT else allowed
+            message = f"{name} {value:g} of '{owner.name}' is not in {allowed}"
+            yield Finding(owner, message, name)
