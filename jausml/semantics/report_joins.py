@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.semantics.services import find_same, inputs, query_name
+from jausml.semantics.services import find_input, inputs, query_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -65,7 +65,7 @@ class JoinedReport:
     def query_of(self, provider: Provider) -> jaus.MessageDef | None:
         """Returns the query among the inputs of who is asked; None when it takes none."""
         if self.stated_query is not None:
-            return find_same(self.stated_query, inputs(provider))
+            return find_input(self.stated_query, provider)
         wanted = query_name(self.join.message)
         return next((each for each in inputs(provider) if each.name == wanted), None)
 

@@ -120,6 +120,38 @@ def services_of(provider: Provider) -> list[jaus.Service]:
     return provided_services(provider)
 
 
+def find_input(message: jaus.MessageDef, provider: Provider) -> jaus.MessageDef | None:
+    """Returns the message that a provider takes which is the same on the wire, or None."""
+    return find_same(message, _inputs_by_code(provider).get(code(message), ()))
+
+
+def find_output(message: jaus.MessageDef, provider: Provider) -> jaus.MessageDef | None:
+    """Returns the message that a provider sends which is the same on the wire, or None."""
+    return find_same(message, _outputs_by_code(provider).get(code(message), ()))
+
+
+@remembered
+def _inputs_by_code(provider: Provider) -> dict[int, list[jaus.MessageDef]]:
+    return _by_code(inputs(provider))
+
+
+@remembered
+def _outputs_by_code(provider: Provider) -> dict[int, list[jaus.MessageDef]]:
+    return _by_code(outputs(provider))
+
+
+def _by_code(messages: Iterable[jaus.MessageDef]) -> dict[int, list[jaus.MessageDef]]:
+    found: dict[int, list[jaus.MessageDef]] = {}
+    for each in messages:
+        found.setdefault(code(each), []).append(each)
+    return found
+
+
+@remembered
+def _inputs_by_name(provider: Provider) -> dict[str | None, jaus.MessageDef]:
+    return {each.name: each for each in reversed(inputs(provider))}
+
+
 def find_same(
     message: jaus.MessageDef, candidates: Iterable[jaus.MessageDef]
 ) -> jaus.MessageDef | None:
@@ -166,9 +198,9 @@ def find_query(
         provider: Who answers.
     """
     if connection.query is not None:
-        return find_same(connection.query, inputs(provider))
+        return find_input(connection.query, provider)
     if isinstance(connection, jaus.ServiceConnection):
         wanted = query_name(connection.message)
     else:
         wanted = query_name(connection.map.message)
-    return next((each for each in inputs(provider) if each.name == wanted), None)
+    return _inputs_by_name(provider).get(wanted)

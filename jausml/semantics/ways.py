@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from jausml.semantics.memory import remembered
 from jausml.semantics.services import (
     provided_services,
     query_name,
@@ -171,7 +172,7 @@ def _usual_exchange(connection: bridge.Connection) -> str:
     """Returns how a message crosses that no service at hand has: by events what has a query."""
     message = connection.map.message if connection.map is not None else None
     service = message.eContainer() if message is not None else None
-    if service is None or message not in service.outputs:
+    if service is None or message not in _sent(service):
         return MESSAGE
     return EVENT if _has_query(connection, [service]) else MESSAGE
 
@@ -187,20 +188,41 @@ def _partners(connection: bridge.Connection, owner: bridge.Bridge) -> list[list[
 
 
 def _takes(services: Iterable[jaus.Service], message: jaus.MessageDef) -> bool:
-    return any(_has(service.inputs, message) for service in services)
+    return any(_has(_taken(service), message) for service in services)
 
 
 def _sends(services: Iterable[jaus.Service], message: jaus.MessageDef) -> bool:
-    return any(_has(service.outputs, message) for service in services)
+    return any(_has(_sent(service), message) for service in services)
 
 
-def _has(messages: Sequence[jaus.MessageDef], wanted: jaus.MessageDef) -> bool:
+@remembered
+def _taken(service: jaus.Service) -> frozenset[object]:
+    """Returns the messages that a service takes, with their codes."""
+    return _with_codes(service.inputs)
+
+
+@remembered
+def _sent(service: jaus.Service) -> frozenset[object]:
+    """Returns the messages that a service sends, with their codes."""
+    return _with_codes(service.outputs)
+
+
+@remembered
+def _names_taken(service: jaus.Service) -> frozenset[str | None]:
+    return frozenset(each.name for each in service.inputs)
+
+
+def _with_codes(messages: Iterable[jaus.MessageDef]) -> frozenset[object]:
+    return frozenset(each for message in messages for each in (message, message.code) if each)
+
+
+def _has(known: frozenset[object], wanted: jaus.MessageDef) -> bool:
     """Tells whether messages have one of the code; rules compare the layouts later."""
-    return any(each is wanted or (each.code and each.code == wanted.code) for each in messages)
+    return wanted in known or wanted.code in known
 
 
 def _has_query(connection: bridge.Connection, services: Sequence[jaus.Service]) -> bool:
     if connection.query is not None:
         return True
     wanted = query_name(connection.map.message)
-    return any(each.name == wanted for service in services for each in service.inputs)
+    return any(wanted in _names_taken(service) for service in services)

@@ -176,7 +176,7 @@ class _Import:
             known = sorted({owner for owner, _ in self._known})
             if package not in known:
                 installed = self._installation.packages() if self._installation else []
-                hint = suggest(package, [*known, *installed])
+                hint = _remedy(package, suggest(package, [*known, *installed]))
             message = f"no message type {package}/{kind.name} is known"
             self._report("JML648", place, message, hint)
             return
@@ -244,6 +244,12 @@ def library_types(model: Model) -> dict[tuple[str, str], ros.MessageType]:
                         model.name_by_id(each.obj, identifier)
     packages = shipped.instances(ros.InterfacePackage)
     return {(each.name, message.name): message for each in packages for message in each.messages}
+
+
+def _remedy(package: str, near: str) -> str:
+    """Returns what helps where a package is not known, beside the question for a near name."""
+    remedy = f"name the folder of {package} in the same command, or install {package}"
+    return f"{near} Else {remedy}" if near else remedy
 
 
 def _document(file: Source) -> Document:

@@ -116,8 +116,8 @@ class TextDocument:
         """Settles what connections leave open; returns what is unclear about them and members."""
         ends = [each for each in self._maps.ends if not self._declarer.declares(each.end)]
         check = MemberCheck(self._declarer.types)
-        unclear = settle_connections(self._nodes.classes.items())
-        return [*check.run(ends), *self._unused(), *unclear]
+        unclear = [*check.run(ends), *self._unused()]
+        return [*unclear, *settle_connections(self._nodes.classes.items())]
 
     def _placed(self, fault: Fault) -> Fault:
         """Returns a syntax error with the element of which it may hide anything."""

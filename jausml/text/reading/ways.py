@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, cast
 
 from jausml.metamodel.filling import set_value
 from jausml.model.notation import Fault
+from jausml.semantics.memory import remembering
 from jausml.semantics.ways import CONNECTION, FEATURES, settle
 
 if TYPE_CHECKING:
@@ -19,15 +20,20 @@ if TYPE_CHECKING:
 _SERVICES, _PEERS = ("provides", "uses"), ("map", "peers", "query")
 
 
-def settle_connections(classes: Iterable[tuple[Node, ClassTable]]) -> Iterator[Fault]:
-    """Gives connections what follows from all else; yields what several ways would be.
+def settle_connections(classes: Iterable[tuple[Node, ClassTable]]) -> list[Fault]:
+    """Gives connections what follows from all else; returns what several ways would be.
 
     Args:
         classes: The nodes of a document, whose references are resolved, with their classes.
     """
-    for node, table in classes:
-        if table.qualified_name == CONNECTION and node.obj is not None:
-            yield from _settle(node, table)
+    wanted = [
+        (node, table)
+        for node, table in classes
+        if table.qualified_name == CONNECTION and node.obj is not None
+    ]
+    # What services have does not change while ways are settled.
+    with remembering():
+        return [fault for node, table in wanted for fault in _settle(node, table)]
 
 
 def _settle(node: Node, table: ClassTable) -> Iterator[Fault]:

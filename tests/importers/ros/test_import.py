@@ -103,6 +103,7 @@ def test_a_message_and_a_service_of_one_name():
         ("Rpoe rope", "JML648", "winch_msgs/Winch.msg:1:1", "did you mean 'Rope'?"),
         ("bool a\ngeometry_msgs/Twits t", "JML648", "winch_msgs/Winch.msg:2:1", "'Twist'?"),
         ("geometri_msgs/Twist t", "JML648", "winch_msgs/Winch.msg:1:1", "'geometry_msgs'?"),
+        ("zz_msgs/A a", "JML648", "winch_msgs/Winch.msg:1:1", "name the folder of zz_msgs"),
         ("Header header", "JML660", "winch_msgs/Winch.msg:1:1", "write std_msgs/Header"),
         ("Winch[] inner", "JML650", "winch_msgs/Winch.msg:1:1", ""),
     ],

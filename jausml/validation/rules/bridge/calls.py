@@ -16,10 +16,9 @@ from jausml.semantics.layouts import attributes
 from jausml.semantics.ros_paths import RosPlace, ros_name
 from jausml.semantics.services import (
     code,
-    find_same,
-    inputs,
+    find_input,
+    find_output,
     is_known,
-    outputs,
     provides_access_control,
 )
 from jausml.semantics.topics import resolve_topic, topic_fault
@@ -274,10 +273,10 @@ def _asked(connection: bridge.RosServiceConnection) -> list[Provider]:
 def _provided(connection: bridge.RosServiceConnection, provider: Provider) -> Iterator[Finding]:
     asking = calls.asking(connection)
     answers = [each for each in calls.messages(connection) if each is not asking]
-    if asking is not None and find_same(asking, inputs(provider)) is None:
+    if asking is not None and find_input(asking, provider) is None:
         yield _unprovided(connection, provider, asking, "takes")
     for each in answers:
-        if find_same(each, outputs(provider)) is None:
+        if find_output(each, provider) is None:
             yield _unprovided(connection, provider, each, "sends")
 
 

@@ -12,11 +12,10 @@ from jausml.semantics.commands import is_command
 from jausml.semantics.flows import find_loops, flow_of
 from jausml.semantics.layouts import attributes
 from jausml.semantics.services import (
+    find_input,
+    find_output,
     find_query,
-    find_same,
-    inputs,
     is_known,
-    outputs,
     provides_access_control,
 )
 from jausml.semantics.ways import FEATURES, possible_ways
@@ -125,7 +124,7 @@ def query_known(subject: Subject) -> Iterator[Finding]:
         for sender in senders:
             if sender is None or not is_known(subject, sender):
                 continue
-            if find_same(message, outputs(sender)) is None:
+            if find_output(message, sender) is None:
                 continue
             if find_query(connection, sender) is None:
                 yield missing_query(connection, message, sender)
@@ -256,7 +255,7 @@ def _serving(connection: bridge.Connection) -> str:
     """Returns how the bridge can serve the report itself; nothing where it provides it already."""
     owner, message = connection.eContainer(), connection.map.message
     service = message.eContainer()
-    if owner is None or service is None or find_same(message, outputs(owner)) is not None:
+    if owner is None or service is None or find_output(message, owner) is not None:
         return ""
     return f"let '{owner.name}' provide {service.name} to serve it"
 
@@ -268,11 +267,11 @@ def _service_findings(
     if _to_ros(connection) and by_message:
         yield from _taken_findings(connection, owner, peers)
     elif by_message:
-        without = [peer for peer in peers if find_same(message, inputs(peer)) is None]
+        without = [peer for peer in peers if find_input(message, peer) is None]
         yield from (_unprovided(connection, peer, "takes") for peer in without)
     else:
         senders: list[Provider] = peers if _to_ros(connection) else [owner]
-        without = [each for each in senders if find_same(message, outputs(each)) is None]
+        without = [each for each in senders if find_output(message, each) is None]
         yield from (_unprovided(connection, each, "sends") for each in without)
 
 
@@ -280,12 +279,12 @@ def _taken_findings(
     connection: bridge.Connection, owner: bridge.Bridge, peers: list[Provider]
 ) -> Iterator[Finding]:
     message = connection.map.message
-    if find_same(message, inputs(owner)) is not None:
+    if find_input(message, owner) is not None:
         return
     if not peers:
         yield _unprovided(connection, owner, "takes")
     for peer in peers:
-        if find_same(message, outputs(peer)) is None:
+        if find_output(message, peer) is None:
             text = f"neither '{owner.name}' provides a service that takes {message.name}"
             text += f" nor {provider_name(peer)} one that sends it"
             notes = tuple(Note(each, provider_name(each)) for each in (owner, peer))

@@ -11,7 +11,11 @@ from jausml.semantics.directions import directions
 from jausml.semantics.layouts import attributes
 from jausml.semantics.paths import source_paths
 from jausml.semantics.report_joins import joined_reports, report_join_of
-from jausml.semantics.services import find_same, is_known, outputs, query_name
+from jausml.semantics.services import (
+    find_output,
+    is_known,
+    query_name,
+)
 from jausml.validation.rule import Finding, Note, rule
 from jausml.validation.rules.jaus.components import MAXIMUM_RATE, provider_name
 
@@ -160,7 +164,7 @@ def _origin_findings(subject: Subject, report: JoinedReport) -> Iterator[Finding
     for peer in peers:
         if not is_known(subject, peer):
             continue
-        if find_same(report.join.message, outputs(peer)) is None:
+        if find_output(report.join.message, peer) is None:
             yield _unsent(report, peer)
         elif asks and report.query_of(peer) is None:
             stated = report.stated_query

@@ -10,10 +10,9 @@ from jausml.metamodel.classes import bridge, jaus
 from jausml.model.diagnostics import Severity
 from jausml.semantics.commands import needs_control
 from jausml.semantics.services import (
+    find_output,
     find_query,
-    find_same,
     is_known,
-    outputs,
     provided_services,
     provides_access_control,
     query_name,
@@ -174,7 +173,7 @@ def connection_provided(subject: Subject) -> Iterator[Finding]:
         provider, message = connection.provider or connection.search, connection.message
         if provider is None or not is_known(subject, provider) or not subject.is_intact(message):
             continue
-        if find_same(message, outputs(provider)) is None:
+        if find_output(message, provider) is None:
             owner = message.eContainer()
             yield Finding(
                 connection,
@@ -202,7 +201,7 @@ def connection_query(subject: Subject) -> Iterator[Finding]:
             continue
         if connection.query is not None and not subject.is_intact(connection.query):
             continue
-        if find_same(message, outputs(provider)) is None:
+        if find_output(message, provider) is None:
             continue
         if find_query(connection, provider) is None:
             yield missing_query(connection, message, provider)
