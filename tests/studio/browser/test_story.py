@@ -122,6 +122,7 @@ def test_from_an_empty_folder_to_a_running_system(open_studio, tmp_path, running
     expect(live).to_contain_text("Velocity_X: 1")
     expect(live).to_contain_text("z: -0.2")
 
-    # It ends, and that is seen too.
+    # It ends, and that is seen at once: nothing looks as if it still ran.
     process.send_signal(signal.SIGINT)
-    expect(desk.page.locator(".box.live-silent")).to_have_count(2)
+    expect(desk.page.locator(".box.live-gone")).to_have_count(2)
+    expect(live).to_contain_text("does not answer any more; was in")
