@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes import bridge, jaus, ros
     from jausml.proposals.elements import Scope
     from jausml.proposals.mapping.members import Member
+    from jausml.validation.rule import Finding, Rule
 
 _MOST = 6
 """How many choices a line names."""
@@ -152,7 +153,7 @@ def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
         },
         told,
         tuple(doubts),
-        tuple(f"{rule.id} {each.message}" for rule, each in findings(metamodels, made)),
+        tuple(map(_worded, findings(metamodels, made))),
     )
 
 
@@ -178,6 +179,13 @@ def _alike(
     for sources, target in doubtful:
         if not target.outer and (not target.is_jaus) in ways:
             yield Doubt(not target.is_jaus, target.path, tuple(each.path for each in sources))
+
+
+def _worded(found: tuple[Rule, Finding]) -> str:
+    """Returns a finding in words, with the table that names of both ends need."""
+    rule, each = found
+    text = f"{rule.id} {each.message}"
+    return f"{text}: {each.hint}" if rule.id == "JML448" else text
 
 
 def _of_values(used: bridge.AttributeMap, ways: Collection[bool]) -> Iterator[Doubt]:

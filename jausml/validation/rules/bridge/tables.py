@@ -9,6 +9,7 @@ from jausml.model.diagnostics import Severity
 from jausml.semantics.attributes import BOOL, NUMBER, TEXT, Attribute
 from jausml.semantics.conversions.authored import LookUp
 from jausml.semantics.directions import directions
+from jausml.semantics.named_values import compared, table_text
 from jausml.semantics.values import constant_fault, is_real
 from jausml.validation.rule import Finding, Note, rule
 
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.metamodel.classes.ecore import EObject
+    from jausml.semantics.named_values import Comparison
     from jausml.semantics.paths import Placed
     from jausml.semantics.subject import Subject
 
@@ -48,6 +50,71 @@ def tables(subject: Subject) -> Iterator[Finding]:
                     if key not in reported:
                         reported.add(key)
                         yield finding
+
+
+@rule("JML448", Severity.ERROR, "named value with another number")
+def renumbered(subject: Subject) -> Iterator[Finding]:
+    """What both ends of an assignment call alike has one number, or a table maps the names.
+
+    Without a conversion numbers pass as they are. Where `CLOSED` is 0 in ROS and `closed` is 1 in
+    JAUS, a closed gate would be told as something else. Names are compared without case and
+    separators; constants of a ROS type that begin with the name of a field belong to that field.
+
+    Bad: `State -> state`, with open 0 and closed 1 in JAUS, CLOSED 0 and OPEN 1 in ROS
+
+    Good: `State -> state : look_up(gate)` with `table gate ( open <-> OPEN  closed <-> CLOSED )`
+    """
+    for placed, found in _enumerated(subject):
+        if wrong := found.renumbered:
+            told = ", ".join(
+                f"{one.name} is {one.number} and {other.name} {other.number}"
+                for one, other in wrong[:_MOST_NAMES]
+            )
+            table = table_text(found, to_ros=placed.scope.to_ros)
+            yield Finding(
+                placed.assignment,
+                f"names that both ends have stand for other numbers: {told}",
+                "source",
+                f"look_up a table ( {table} )",
+            )
+
+
+@rule("JML449", Severity.WARNING, "named value that drops the message")
+def unmatched(subject: Subject) -> Iterator[Finding]:
+    """Each named value of the source has a counterpart in the JAUS field that it fills.
+
+    A message with another value is dropped when it comes, which nobody sees before.
+
+    Bad: `state -> State`, with STUCK 7 in ROS and the values open, closed and moving in JAUS
+
+    Good: a table that maps STUCK to one of them, or a value set that has it
+    """
+    for placed, found in _enumerated(subject):
+        (target,) = placed.target_attributes
+        legal = target.values
+        lost = [each for each in found.unmatched if legal and not _is_legal(each.number, target)]
+        if lost and not target.is_ros and found.is_of_one_enumeration:
+            names = ", ".join(f"{each.name} ({each.number})" for each in lost[:_MOST_NAMES])
+            message = f"'{target.label}' has no value for {names}, which drops the message"
+            yield Finding(placed.assignment, message, "source")
+
+
+def _enumerated(
+    subject: Subject,
+) -> Iterator[tuple[Placed[bridge.FieldAssignment], Comparison]]:
+    """Yields the assignments that pass numbers as they are between ends that both name values."""
+    for direction in directions(subject):
+        for placed in direction.of_kind(bridge.FieldAssignment):
+            ends = placed.source_attributes, placed.target_attributes
+            if placed.assignment.conversions or any(len(each) != 1 for each in ends):
+                continue
+            found = compared(ends[0][0], ends[1][0])
+            if found is not None:
+                yield placed, found
+
+
+def _is_legal(number: int, attribute: Attribute) -> bool:
+    return any(low <= number <= high for low, high in attribute.values)
 
 
 def _findings(

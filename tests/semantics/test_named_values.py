@@ -1,0 +1,42 @@
+"""Enumerations of both sides are compared by their names."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from jausml.semantics.attributes import NUMBER, Attribute
+from jausml.semantics.named_values import compared, named_values, table_text
+
+
+def number(label: str, *, is_ros: bool = True, **values: int) -> Attribute:
+    constants = tuple((name, str(value)) for name, value in values.items())
+    return Attribute(
+        NUMBER, "a number", integral=True, label=label, is_ros=is_ros, constants=constants
+    )
+
+
+def test_constants_that_begin_with_the_field_are_its_own() -> None:
+    constants = {"POWER_SUPPLY_STATUS_FULL": 4, "POWER_SUPPLY_HEALTH_GOOD": 1}
+    assert list(named_values(number("power_supply_status", **constants))) == ["full"]
+    assert list(named_values(number("percentage", **constants))) == [
+        "powersupplystatusfull",
+        "powersupplyhealthgood",
+    ]
+
+
+def test_names_are_compared_without_case_and_separators() -> None:
+    ros = number("mode", MODE_STAND_BY=1, MODE_READY=2, MODE_LOST=9)
+    jaus = number("Mode", is_ros=False, **{"Stand By": 1, "ready": 3})
+    found = compared(ros, jaus)
+    assert found is not None
+    assert [(one.name, other.name) for one, other in found.renumbered] == [("MODE_READY", "ready")]
+    assert [each.name for each in found.unmatched] == ["MODE_LOST"]
+    assert found.is_of_one_enumeration
+    assert table_text(found, to_ros=False) == '"Stand By" <-> MODE_STAND_BY  ready <-> MODE_READY'
+
+
+def test_what_has_no_names_is_not_compared() -> None:
+    ros = number("state", OPEN=1)
+    assert compared(ros, number("State", is_ros=False)) is None
+    assert compared(ros, replace(ros, kind="text")) is None
+    assert compared(ros, number("State", is_ros=False, shut=1)) is None
