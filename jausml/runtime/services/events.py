@@ -228,7 +228,7 @@ class EventsService:
         """Confirm the request, then report and (re)start the timers."""
         rephase = event.timer is None or setup != event.setup
         event.setup = setup
-        event.rate = self._held(event).wanted
+        event.rate = self._first_rate(event)
         self._index()
         self._restart_expiry(event)
         self._confirm(event.client, event.request_id, event.event_id, setup.rate)
@@ -289,16 +289,28 @@ class EventsService:
         """Give a client the rate that it asked for, from now on."""
         for event in self._events.values():
             if event.client == client and event.setup.periodic:
-                event.rate = event.setup.rate
+                event.rate = self._first_rate(event)
                 self._stop_timer(event)
                 event.due = self._clock.now()
                 self._schedule(event)
         self._plan_shares()
 
+    def _wanted(self) -> float:
+        return sum(each.setup.rate for each in self._events.values())
+
+    def _first_rate(self, event: _Event) -> float:
+        """Return the rate of an event until the next sharing: an equal share when that is near.
+
+        With all that it asks for, one that is created again and again would never be cut.
+        """
+        wanted, budget = self._held(event).wanted, self._settings.event_rate_budget
+        if not wanted or self._wanted() <= budget:
+            return wanted
+        return min(wanted, max(budget / len(self._events), _LEAST_RATE))
+
     def _plan_shares(self) -> None:
         """Share the rates soon, where they are more than one component serves."""
-        wanted = sum(each.setup.rate for each in self._events.values())
-        is_due = self._is_cut or wanted > self._settings.event_rate_budget
+        is_due = self._is_cut or self._wanted() > self._settings.event_rate_budget
         if is_due and self._shares_at is None:
             self._shares_at = self._loop.call_later(_SHARING_INTERVAL_S, self._share)
 

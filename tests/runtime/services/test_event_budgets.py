@@ -151,6 +151,21 @@ class TestService:
         assert 750 <= sum(map(reports, greedy)) <= 820
         assert world.counters.snapshot()["events.rate_cut"] == 1
 
+    def test_events_that_are_made_again_and_again_get_no_more(self, world):
+        tested = world.component("1.1.1", event_rate_budget=100.0)
+        tested.start()
+        greedy = [world.probe(f"9.1.{n}") for n in range(1, 21)]
+        for each in greedy:
+            each.ask(create(1000.0), tested)
+        world.run(0.1, step=0.001)
+        for each in greedy:
+            each.take()
+        for each in greedy * 10:
+            each.send(create(1000.0 - world.time % 1), tested)
+            world.run(0.005, step=0.001)
+        # A request is answered by a report as well, and 200 were sent in a second.
+        assert sum(map(reports, greedy)) <= 200 + 150
+
     @pytest.mark.parametrize("budget", [0.0, -1.0, 1e9])
     def test_a_budget_that_is_none_is_refused(self, budget):
         with pytest.raises(ValueError, match="event_rate_budget"):
