@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge, jaus
+from jausml.metamodel.filling import is_set
 from jausml.model.diagnostics import Severity
 from jausml.semantics import calls
 from jausml.semantics.commands import is_command
@@ -36,6 +37,38 @@ def authority_suffices(subject: Subject) -> Iterator[Finding]:
             message += f" '{component.name}' has {component.authority}"
             note = Note(target, f"'{target.name}'", "defaultAuthority")
             yield Finding(place, message, feature, "raise its authority", (note,))
+
+
+@rule("JML366", Severity.INFO, "control that lapses without a word")
+def lapse_is_decided(subject: Subject) -> Iterator[Finding]:
+    """A bridge that takes commands of an external component says when control lapses.
+
+    Without a `controlTimeout`, control lapses 5 s after it was requested last, and what is driven
+    stops. Clients of v1.0 of the core services, and many of others, request control once and never
+    again: they lose the vehicle in mid-drive. 0 keeps control until it is released or preempted;
+    then nothing notices a client that is gone but the silence of its commands.
+
+    Bad: a connection with commands of an external operator, without `controlTimeout`
+
+    Good: `controlTimeout="0"` for a client that asks once, `controlTimeout="5"` for one that renews
+    """
+    for owner in subject.instances(bridge.Bridge):
+        table = subject.model.metamodels.class_of(owner).features["controlTimeout"]
+        if is_set(owner, table):
+            continue
+        for connection in owner.bridgeConnections:
+            clients = [each for each in connection.peers if each.external]
+            if connection.direction.name != "jausToRos" or not clients:
+                continue
+            if connection.map is None or not subject.is_intact(connection.map.message):
+                continue
+            if connection.exchange.name == "message" and is_command(connection.map.message):
+                message = f"control of '{owner.name}' lapses {owner.controlTimeout} s after "
+                message += f"'{clients[0].name}' has requested it last"
+                hint = "state controlTimeout: 0 for clients that request control once"
+                note = Note(connection, f"'{connection.name}' takes its commands", "peers")
+                yield Finding(owner, message, hint=hint, related=(note,))
+                break
 
 
 @rule("JML365", Severity.ERROR, "component that is its own peer")
