@@ -79,6 +79,14 @@ class TestProof:
         assert count(robot, "transport.address_proved") == 1
         assert count(robot, "transport.unmatched_acknowledgement") == 0
 
+    def test_an_acknowledgement_of_jaus_plus_plus_is_a_proof(self, robot, stranger, wait_until):
+        peer = stranger()
+        peer.send(STRANGER, QueryStatus().encode())
+        wait_until(lambda: peer.take() or peer.numbers)
+        answer = Packet(ROBOT, STRANGER, b"", peer.numbers[0], acknowledge=AckNak.ACK).encode()
+        peer.sock.sendto(b"\x00" + answer[1:], robot.transport.endpoint)
+        wait_until(lambda: robot.transport.is_proved(STRANGER))
+
     def test_a_guess_proves_nothing(self, robot, stranger, wait_until) -> None:
         mute = stranger()
         mute.send(STRANGER, QueryStatus().encode())
