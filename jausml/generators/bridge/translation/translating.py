@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 _TAKEN_ATTRIBUTES = names_in(
     """
     accept clock close component connections exchanges follow is_active list_driver list_drivers
-    loop note_unasked now on_control_lost on_not_ready open publisher parameters report ros set_active settings
-    simulation standing subscribe
+    loop note_unasked now on_control_lost on_not_ready open publisher parameters report ros
+    set_active settings simulation standing subscribe
     """
 )
 
