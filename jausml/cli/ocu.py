@@ -120,10 +120,13 @@ def status(settings: Settings, target: JausAddress) -> None:
 
     with settings.operator() as operator:
         state, control = operator.status(target)
+        is_controlled = control is not None and bool(control.subsystem_id)
+        timeout = operator.control_timeout(target) if is_controlled else None
         if settings.as_json:
-            click.echo(rendering.status_json(target, state, control))
+            click.echo(rendering.status_json(target, state, control, timeout))
         else:
-            click.echo(f"{target} {rendering.status_line(state, control)}")
+            words = (rendering.status_line(state, control), rendering.lapse_words(timeout))
+            click.echo(f"{target} {'; '.join(filter(None, words))}")
 
 
 @command.command("query")

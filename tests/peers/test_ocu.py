@@ -73,6 +73,7 @@ def test_status_names_state_and_controller(jausml, component):
         "status": "STANDBY",
         "controller": "9.1.1",
         "authority": 7,
+        "control_timeout": 0,
     }
 
 
@@ -204,6 +205,16 @@ def test_a_session_on_a_pipe(jausml, vehicle):
         assert text in result.stdout
     assert len(target.wrenches) == 1
     assert target.controller is None
+
+
+def test_status_says_when_control_lapses(jausml, component):
+    target = component(control_timeout=5)
+    target._jaus_core.access_control._request(
+        RequestControl(authority_code=7), JausAddress(9, 1, 1)
+    )
+    result = jausml("ocu", "status", "100.1.1")
+    words = "controlled by 9.1.1 with authority 7; control lapses 5 s after the last request"
+    assert result.stdout == f"100.1.1 STANDBY; {words}\n"
 
 
 def test_a_session_that_just_ends_releases_and_cancels(jausml, vehicle, wait_until):

@@ -13,7 +13,14 @@ from jausml.live.peers.discovery import Survey
 from jausml.live.peers.entry_messages import find_exchange, find_message, message_class
 from jausml.live.peers.samples import full_query
 from jausml.live.peers.services import controller_of
-from jausml.runtime.messages import QueryControl, QueryStatus, ReportControl, ReportStatus
+from jausml.runtime.messages import (
+    QueryControl,
+    QueryStatus,
+    QueryTimeout,
+    ReportControl,
+    ReportStatus,
+    ReportTimeout,
+)
 from jausml.runtime.services.definitions import Status
 from jausml.runtime.wire.message import EncodeError
 
@@ -296,6 +303,14 @@ class Asker:
         if state is None or control is None:
             self._half_silent.add(target)
         return None if state is None else status_of(state), control
+
+    def control_timeout(self, target: JausAddress) -> int | None:
+        """Returns the seconds after which control of a component lapses; 0 is never, None unknown.
+
+        A component without AccessControl does not answer.
+        """
+        answer = self._begin(target, QueryTimeout(), ReportTimeout).within(_GRACE)
+        return None if answer is None else int(answer.timeout)
 
     def look(self, target: JausAddress, tell: Callable[[str], None]) -> None:
         """Asks a component for its state and its controller, without waiting.

@@ -81,14 +81,31 @@ def status_line(state: Status | None, control: ReportControl | None) -> str:
     return "; ".join(words)
 
 
-def status_json(target: JausAddress, state: Status | None, control: ReportControl | None) -> str:
-    """Returns one JSON object with the state of a component and who controls it."""
+def lapse_words(timeout: int | None) -> str:
+    """Returns when control lapses, in words; empty if that is not known.
+
+    Args:
+        timeout: Seconds after the last request, 0 for never.
+    """
+    if timeout is None:
+        return ""
+    return f"control lapses {timeout} s after the last request" if timeout else "it never lapses"
+
+
+def status_json(
+    target: JausAddress,
+    state: Status | None,
+    control: ReportControl | None,
+    timeout: int | None = None,
+) -> str:
+    """Returns one JSON object with the state of a component, who controls it, and until when."""
     controller = controller_of(control) if control is not None and control.subsystem_id else None
     content = {
         "component": str(target),
         "status": None if state is None else state.name,
         "controller": controller,
         "authority": None if control is None else control.authority_code,
+        "control_timeout": timeout,
     }
     return json.dumps(content)
 
