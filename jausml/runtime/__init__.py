@@ -31,7 +31,7 @@ from .bridge.forms import differing_forms
 from .bridge.jaus_to_service import JausToRosService
 from .bridge.joins import Join
 from .bridge.layouts import CdrLayouts, CdrRows, PresenceLayouts
-from .bridge.list_driver import ListMessages
+from .bridge.list_driver import ListAnswers, ListMessages
 from .bridge.list_to_action import ListToAction
 from .bridge.parameters import AttributeParameter
 from .bridge.process import run_bridge, run_node
@@ -111,6 +111,7 @@ __all__ = [
     "Join",
     "Kind",
     "ListAction",
+    "ListAnswers",
     "ListElement",
     "ListMessages",
     "ListRequest",

@@ -6,15 +6,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.semantics.jaus_paths import JausPlace, message_place
-from jausml.semantics.services import code, lineage
+from jausml.semantics.layouts import signature
+from jausml.semantics.services import code, lineage, query_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from jausml.metamodel.classes import jaus
+    from jausml.metamodel.classes import bridge, jaus
 
 EXECUTE, QUERY, REPORT = "ExecuteList", "QueryActiveElement", "ReportActiveElement"
 LIST_MANAGER = "ListManager"
+SPEED_REPORT = "ReportTravelSpeed"
 
 ELEMENTS = {
     "urn:jaus:jss:mobility:GlobalWaypointListDriver": 0x040C,
@@ -59,6 +61,59 @@ def driver_messages(service: jaus.Service | None) -> DriverMessages | None:
     return DriverMessages(execute, query, report)
 
 
+@dataclass(frozen=True)
+class Answer:
+    """A query that a list driver answers, and how.
+
+    Attributes:
+        query: Asks.
+        report: Answers.
+    """
+
+    query: jaus.MessageDef
+    report: jaus.MessageDef
+
+
+def speed_answer(driver: jaus.Service) -> Answer | None:
+    """Returns how a driver tells its speed; None when it knows none, or is not asked.
+
+    Args:
+        driver: The list driver.
+    """
+    messages = driver_messages(driver)
+    if messages is None or not knows_speed(messages):
+        return None
+    outputs = (m for each in lineage(driver) for m in each.outputs)
+    return _answer(driver, _named(SPEED_REPORT, outputs))
+
+
+def element_answer(driver: jaus.Service, element: jaus.MessageDef) -> Answer | None:
+    """Returns how a driver tells what the active element holds; None when it is not asked.
+
+    The report is laid out as the element is, so that nothing has to be translated.
+
+    Args:
+        driver: The list driver.
+        element: The message of its elements.
+    """
+    wanted = f"Report{(element.name or '').removeprefix('Set')}"
+    report = _named(wanted, (m for each in lineage(driver) for m in each.outputs))
+    is_alike = report is not None and signature(report) == signature(element)
+    return _answer(driver, report) if is_alike else None
+
+
+def answers(action: bridge.RosActionConnection) -> list[Answer]:
+    """Returns what a bridge that is a list driver answers besides QueryActiveElement.
+
+    Args:
+        action: Its connection, with driver and map.
+    """
+    if action.direction.name != "jausToRos":
+        return []
+    found = (speed_answer(action.driver), element_answer(action.driver, action.element.message))
+    return [each for each in found if each is not None]
+
+
 def knows_speed(messages: DriverMessages) -> bool:
     """Tells whether ExecuteList of a driver has a speed; that of manipulators has none.
 
@@ -77,6 +132,13 @@ def takes(service: jaus.Service, message: jaus.MessageDef) -> bool:
     """
     expected = ELEMENTS.get(str(service.urn))
     return expected is None or code(message) == expected
+
+
+def _answer(driver: jaus.Service, report: jaus.MessageDef | None) -> Answer | None:
+    if report is None:
+        return None
+    query = _named(query_name(report), (m for each in lineage(driver) for m in each.inputs))
+    return None if query is None else Answer(query, report)
 
 
 def _named(name: str, messages: Iterable[jaus.MessageDef]) -> jaus.MessageDef | None:

@@ -16,14 +16,21 @@ from jausml.generation.literals import printable, python_literal, python_string
 from jausml.generators.bridge.connections import ConnectionView
 from jausml.generators.common.components import address_call, search_call
 from jausml.generators.common.ros import ros_type
-from jausml.generators.python.statements import call
+from jausml.generators.python.statements import call, tuple_of
 from jausml.metamodel.classes import bridge
-from jausml.semantics.list_drivers import driver_messages, knows_speed
+from jausml.semantics.list_drivers import (
+    answers,
+    driver_messages,
+    element_answer,
+    knows_speed,
+    speed_answer,
+)
+from jausml.semantics.services import code
 
 if TYPE_CHECKING:
     from jausml.generators.python.codec.messages import MessageView
     from jausml.metamodel.classes import jaus
-    from jausml.semantics.list_drivers import DriverMessages
+    from jausml.semantics.list_drivers import Answer, DriverMessages
 
 
 def carried(owner: bridge.Bridge) -> list[bridge.Connection]:
@@ -53,6 +60,18 @@ def messages_of_driver(action: bridge.RosActionConnection) -> DriverMessages:
     if found is None:
         raise GenerationError(f"connection '{action.name}': {action.driver.name} drives no list")
     return found
+
+
+def answers_of_driver(action: bridge.RosActionConnection) -> list[Answer]:
+    """Returns what the driver of a connection answers; a connection of the bridge comes first.
+
+    Args:
+        action: The connection.
+    """
+    owner = action.eContainer()
+    others = owner.bridgeConnections if isinstance(owner, bridge.Bridge) else ()
+    taken = {code(each.map.message) for each in others if each.direction.name == "rosToJaus"}
+    return [each for each in answers(action) if code(each.report) not in taken]
 
 
 @dataclass(frozen=True)
@@ -131,7 +150,7 @@ class ActionView(ConnectionView):
         lines = [f"message={self.message_name}"] if self.to_ros else []
         lines += [f"action={self._action}", f"driver={self._driver}"]
         if self.to_ros:
-            lines.append(f"fill=self.{self.hook}")
+            lines += [*self._answers, f"fill=self.{self.hook}"]
         else:
             lines += [f"speed={python_literal(self.speed)}", f"speed_of=self.{self.hook}"]
             if not action.control:
@@ -148,6 +167,21 @@ class ActionView(ConnectionView):
     @property
     def _driver(self) -> str:
         return call("ListMessages", *(each.class_name for each in self.driver))
+
+    @property
+    def _answers(self) -> list[str]:
+        """What the driver tells besides the active element, unless a connection answers it."""
+        action = self.action
+        found = {
+            "speed": speed_answer(action.driver),
+            "element": element_answer(action.driver, action.element.message),
+        }
+        free = answers_of_driver(action)
+        told = [f"{name}={self._pair(each)}" for name, each in found.items() if each in free]
+        return [f"answers={call('ListAnswers', *told)}"] if told else []
+
+    def _pair(self, answer: Answer) -> str:
+        return tuple_of(*(self.view_of(each).class_name for each in (answer.query, answer.report)))
 
     @property
     def _action(self) -> str:

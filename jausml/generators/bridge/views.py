@@ -11,7 +11,12 @@ from jausml.generation.artifact import MethodContract, SkeletonContract
 from jausml.generation.languages.python import Imports, offered
 from jausml.generation.literals import python_literal, python_string
 from jausml.generation.system import source_of, system_of
-from jausml.generators.bridge.actions import ActionView, carried, messages_of_driver
+from jausml.generators.bridge.actions import (
+    ActionView,
+    answers_of_driver,
+    carried,
+    messages_of_driver,
+)
 from jausml.generators.bridge.base_module import BaseModule, names_of, stub
 from jausml.generators.bridge.call_views import CallView
 from jausml.generators.bridge.connections import ConnectionView
@@ -188,7 +193,13 @@ class BridgeView:
             for element in _messages_of_calls(connection)
         )
         of_drivers = (each for one in drivers for each in (one.execute, one.query, one.report))
-        found = (*elements, *of_calls, *of_drivers)
+        answered = (
+            message
+            for action in self.bridge.actionConnections
+            for each in answers_of_driver(action)
+            for message in (each.query, each.report)
+        )
+        found = (*elements, *of_calls, *of_drivers, *answered)
         return build_message_map(each for each in found if each is not None)
 
     @functools.cached_property

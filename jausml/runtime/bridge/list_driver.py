@@ -9,13 +9,17 @@ is.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ..services.completion import Completion
 from ..services.definitions import Guard
 from ..services.element_list import NO_UID
+from ..transports.delivery import MESSAGE_CODE_SIZE
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from ..base.address import JausAddress
     from ..component.component import JausComponent
     from ..services.element_list import ListElement
@@ -35,6 +39,24 @@ class ListMessages:
     execute: type[Message]
     query: type[Message]
     report: type[Message]
+
+
+Answer = tuple["type[Message]", "type[Message]"]
+"""A query and its report."""
+
+
+@dataclass(frozen=True)
+class ListAnswers:
+    """What a list driver tells of one kind of list besides the active element.
+
+    Attributes:
+        speed: QueryTravelSpeed and ReportTravelSpeed; None for a driver that tells none.
+        element: The query and the report of what the active element holds, laid out as that is;
+            None for a driver that does not tell it.
+    """
+
+    speed: Answer | None = None
+    element: Answer | None = None
 
 
 class ListExecutor(Protocol):
@@ -72,6 +94,7 @@ class ListDriver:
 
     Attributes:
         active: UID of the element that is executed; 0 for none.
+        speed: Metres per second of what is executed, as its controller has said; 0 for none.
     """
 
     def __init__(self, component: JausComponent, messages: ListMessages) -> None:
@@ -82,17 +105,31 @@ class ListDriver:
             messages: The messages of the driver.
         """
         self.active = NO_UID
+        self.speed = 0.0
         self._component = component
         self._messages = messages
         self._executors: list[ListExecutor] = []
         self._running: ListExecutor | None = None
+        self._reports: list[type[Message]] = []  # what changes with the element and the speed
+        self._last: dict[ListExecutor, ListElement] = {}  # what was active last
         self._completion = Completion()
         component.handle(messages.execute, self._execute, when=Guard.READY)
         component.provide(messages.query, messages.report, self._report)
 
-    def add(self, executor: ListExecutor) -> None:
-        """Has lists of one more kind executed."""
+    def add(self, executor: ListExecutor, answers: ListAnswers) -> None:
+        """Has lists of one more kind executed, and tells of them what is asked."""
         self._executors.append(executor)
+        if answers.speed is not None:
+            self._provide(answers.speed, partial(self._report_speed, answers.speed[1]))
+        if answers.element is not None:
+            of_kind = partial(self._report_element, executor, answers.element[1].CODE)
+            self._provide(answers.element, of_kind)
+
+    def _provide(self, answer: Answer, provider: Callable[[Message, JausAddress], Any]) -> None:
+        # Drivers of two kinds tell the same speed.
+        if answer[1] not in self._reports:
+            self._component.provide(*answer, provider)
+            self._reports.append(answer[1])
 
     # ------------------------------------------------------------------ for the bridge
 
@@ -103,7 +140,9 @@ class ListDriver:
     def list_changed(self) -> None:
         """Follows a change of the list."""
         if self._running is not None:
+            self._note_active()
             self._running.list_changed()
+            self._tell()
 
     # ------------------------------------------------------------------ for the executors
 
@@ -148,7 +187,9 @@ class ListDriver:
             self._completion.succeed()
         else:
             self._completion.fail()
+        self.speed = 0.0
         self._set_active(NO_UID)
+        self._tell()
 
     # ------------------------------------------------------------------ messages
 
@@ -169,12 +210,16 @@ class ListDriver:
         if former is not None and former is not executor:
             former.leave()
         self._running, self._completion = executor, begun
+        self.speed = speed or 0.0
         executor.begin(uid, speed)
+        self._tell()
         return begun
 
     def _change_speed(self, speed: float) -> Completion:
         if self._running is not None:
+            self.speed = speed
             self._running.change_speed(speed)
+            self._tell()
         done = Completion()
         done.succeed()
         return done
@@ -201,7 +246,35 @@ class ListDriver:
         made: Message = report(element_uid=self.active)
         return made
 
+    def _report_speed(self, report: Any, _query: Message, _sender: JausAddress) -> Message:
+        made: Message = report(speed=self.speed)
+        return made
+
+    def _report_element(
+        self, executor: ListExecutor, code: int, _query: Message, _sender: JausAddress
+    ) -> bytes | None:
+        """Returns the active element; else the last one, or the one that a list begins with.
+
+        None when there never was one of the kind: a place that nobody has said is no answer.
+        """
+        first = self._component.elements.first
+        told = self._last.get(executor) or first
+        if told is None or not executor.is_of(told):
+            return None
+        return code.to_bytes(MESSAGE_CODE_SIZE, "little") + told.data[MESSAGE_CODE_SIZE:]
+
     def _set_active(self, uid: int) -> None:
         if uid != self.active:
             self.active = uid
+            self._note_active()
             self._component.report_changed(self._messages.report)
+            self._tell()
+
+    def _note_active(self) -> None:
+        element = self._component.elements.get(self.active)
+        if self._running is not None and element is not None:
+            self._last[self._running] = element
+
+    def _tell(self) -> None:
+        for each in self._reports:
+            self._component.report_changed(each)

@@ -14,6 +14,7 @@ from . import parameters
 from .actions import LONGEST_GOAL, Outcome
 from .connection import NOT_READY
 from .list_connection import ListConnection
+from .list_driver import ListAnswers
 from .transcoding import ros_encoder
 
 if TYPE_CHECKING:
@@ -34,6 +35,9 @@ SourceT = TypeVar("SourceT", bound="Message")
 TargetT = TypeVar("TargetT")
 
 TOO_LONG = "too_long"
+
+NO_ANSWERS = ListAnswers()
+"""Nothing is told but the active element."""
 
 ANSWER_PERIOD = 0.1
 """Seconds between two looks at a goal that is not accepted: its server may just be starting."""
@@ -60,6 +64,7 @@ class ListToAction(ListConnection[SourceT, TargetT]):
         message: type[SourceT],
         action: ListAction,
         driver: ListMessages,
+        answers: ListAnswers = NO_ANSWERS,
         fill: Callable[[Any, float | None], object] | None = None,
         peers: Sequence[JausAddress] | PeerSearch = (),
         timeout: float = 1.0,
@@ -72,6 +77,7 @@ class ListToAction(ListConnection[SourceT, TargetT]):
             message: What that is.
             action: The action.
             driver: The messages of the list driver.
+            answers: What it tells besides the active element.
             fill: Sets what a goal has besides its elements; it is given the speed in m/s.
             peers: JAUS components whose lists are executed, or how they are found; none means that
                 of whoever controls the bridge.
@@ -81,6 +87,7 @@ class ListToAction(ListConnection[SourceT, TargetT]):
         self.timeout = timeout
         self._message = message
         self._messages = driver
+        self._answers = answers
         self._fill = fill
         self._peers = PeerBinding(peers)
         self._driver: ListDriver
@@ -107,7 +114,7 @@ class ListToAction(ListConnection[SourceT, TargetT]):
         self._peers.follow(ends.component.find_peers, lambda _: None, lambda _: None)
         self._client = ends.ros.action_client(self._action)
         self._driver = ends.list_driver(self._messages)
-        self._driver.add(self)
+        self._driver.add(self, self._answers)
 
     def decoder(self) -> Callable[[bytes], SourceT]:
         """Returns what decodes the message of an element."""

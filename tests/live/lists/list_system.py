@@ -85,6 +85,32 @@ class Operator(JausComponent):
         with self.loop.lock:
             self.command(ROBOT, message, on_done=self.ends.append, max_duration=3600)
 
+    def _asked(self, query, report_class):
+        """Asks once; the report, or None when it stayed unanswered."""
+        answers = []
+        with self.loop.lock:
+            self.query(
+                ROBOT,
+                query,
+                report_class,
+                lambda report, _sender: answers.append(report),
+                on_failure=lambda: answers.append(None),
+            )
+        wait_for(lambda: answers, f"end of {type(query).__name__}", PATIENCE)
+        return answers[0]
+
+    def asked_speed(self):
+        """The speed that the robot tells."""
+        messages = self.messages
+        return round(self._asked(messages.QueryTravelSpeed(), messages.ReportTravelSpeed).speed, 1)
+
+    def asked_x(self):
+        """The x of the waypoint that the robot tells; None for no answer."""
+        messages = self.messages
+        query = messages.QueryLocalWaypoint(presence_vector=0)
+        report = self._asked(query, messages.ReportLocalWaypoint)
+        return None if report is None else round(report.x, 1)
+
     def wait_active(self, uid):
         wait_for(lambda: self.seen[-1] == uid, f"active element {uid}", PATIENCE)
 

@@ -31,6 +31,31 @@ def test_a_list_is_followed_to_its_end(system, operator):
     assert operator.ends == [True]
 
 
+def test_speed_and_waypoint_are_told_before_while_and_after_it_drives(system, operator):
+    operator.give(1, 2)
+    assert (operator.asked_speed(), operator.asked_x()) == (0.0, 1.0)
+    operator.execute(speed=1.5)
+    wait_goal(system)
+    operator.wait_active(1)
+    assert (operator.asked_speed(), operator.asked_x()) == (1.5, 1.0)
+    pass_by(system, operator, 2)
+    wait_for(lambda: operator.ends, "end of the command", PATIENCE)
+    assert (operator.asked_speed(), operator.asked_x()) == (0.0, 2.0)
+
+
+def test_another_speed_is_told(system, operator):
+    operator.give(1)
+    operator.execute(speed=1.5)
+    wait_goal(system)
+    operator.execute(uid=None, speed=0.5)
+    wait_for(lambda: operator.asked_speed() == 0.5, "the other speed", PATIENCE)
+
+
+def test_no_waypoint_is_told_that_nobody_has_set(operator):
+    assert operator.asked_x() is None
+    assert operator.asked_speed() == 0.0
+
+
 def test_execution_begins_at_the_named_element(system, operator):
     operator.give(1, 2, 3)
     operator.execute(2)
