@@ -19,7 +19,7 @@ pytestmark = [
 ]
 
 PAGE = Path(__file__).parents[3] / "docs" / "how-to" / "connection-states.md"
-CONNECTIONS = {"through": "goal to list", "follow_": "list to goal"}
+CONNECTIONS = {"through": "goal to list", "follow": "list to goal"}
 DEACTIVATE, ACTIVATE = 4, 3
 """Transitions of lifecycle_msgs."""
 
