@@ -70,7 +70,8 @@ def answers_of_driver(action: bridge.RosActionConnection) -> list[Answer]:
     """
     owner = action.eContainer()
     others = owner.bridgeConnections if isinstance(owner, bridge.Bridge) else ()
-    taken = {code(each.map.message) for each in others if each.direction.name == "rosToJaus"}
+    asked = (each for each in others if each.exchange.name != "message")
+    taken = {code(each.map.message) for each in asked if each.direction.name == "rosToJaus"}
     return [each for each in answers(action) if code(each.report) not in taken]
 
 
