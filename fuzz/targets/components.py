@@ -102,6 +102,28 @@ class Network:
         """Delivers to nobody any more."""
         self.receive = None
 
+    def is_proved(self, _address: JausAddress) -> bool:
+        """Everybody is believed here."""
+        return True
+
+    def place_of(self, address: JausAddress) -> tuple[str, str]:
+        """A host for each subsystem, an endpoint for each node."""
+        return str(address.subsystem), f"{address.subsystem}.{address.node}"
+
+    def is_kept(self, _address: JausAddress) -> bool:
+        """Nobody is stated."""
+        return False
+
+    def keep_place(self, _owner: JausAddress, _address: JausAddress | None) -> None:
+        """There is room for everybody."""
+
+    def when_proved(self, _listener: Callable[[JausAddress], None]) -> None:
+        """Nobody needs a proof."""
+
+    def silence_of(self, _address: JausAddress) -> float:
+        """Whoever is asked about has just spoken."""
+        return 0.0
+
     def sender(
         self,
         source: JausAddress,

@@ -16,6 +16,7 @@ from click.testing import CliRunner
 from ports import free_port
 
 from jausml.cli import main
+from jausml.runtime.transports.udp.shared_port import FRAME
 
 pytestmark = pytest.mark.ports
 
@@ -278,7 +279,7 @@ def test_each_bad_datagram_is_told_with_its_place(jausml, tmp_path):
 
 def test_captures(jausml, tmp_path):
     path = tmp_path / "a.pcap"
-    path.write_bytes(capture(DATAGRAM, b"\0P\1\1\1\1", DATAGRAM))
+    path.write_bytes(capture(DATAGRAM, FRAME + b"P\1\1\1\1", DATAGRAM))
     result = jausml("decode", "--pcap", path)
     assert result.exit_code == 0
     assert [

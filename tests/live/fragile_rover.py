@@ -7,7 +7,7 @@ from rover.rover import Rover
 
 
 class FragileRover(Rover):
-    """Dies of a top speed of 20 m/s, leaves at the next command at 25, shuts ROS down at 30."""
+    """Refuses a top speed of 20 m/s, leaves at the next command at 25, shuts ROS down at 30."""
 
     @property
     def max_speed(self) -> float:

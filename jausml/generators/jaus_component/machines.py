@@ -51,7 +51,7 @@ host_time ignored is_control_available is_controlling_client is_id_stored lift_e
 payload_caller permissions_changed permit_control provide provide_by_machines provision query
 query_found raise_event read_list request_core_state run_action run_condition running send
 services set_emergency set_list settings shut_down start status stop subscribe subscribe_to_found
-supports_element transport when_shut_down when_started
+supports_element transport watch_unwanted when_shut_down when_started
 """
 COMPONENT_NAMES = frozenset(_NAMES.split())
 """Names of the component's class that no method of a machine may replace."""

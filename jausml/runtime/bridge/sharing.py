@@ -147,7 +147,7 @@ class SharedMessages:
                 counts_each=not listeners.are_commands,
             )
         for message, noting in self._unasked.items():
-            self._component.on_unwanted(message, noting.taking())
+            self._component.watch_unwanted(message, noting.taking())
         for message, (when, takers) in self._commands.items():
             self._component.handle_payload(message, takers.taking(), when=when, is_robust=True)
 

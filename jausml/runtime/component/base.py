@@ -237,7 +237,7 @@ class ComponentBase(ComponentHooks):
                 message_class, callback, is_robust=is_robust, counts_each=counts_each
             )
 
-    def on_unwanted(
+    def watch_unwanted(
         self, message_class: type[Message], callback: Callable[[bytes, JausAddress], None]
     ) -> None:
         """Call ``callback(payload, sender)`` for each such message that nothing else takes.

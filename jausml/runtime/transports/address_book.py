@@ -10,7 +10,7 @@ from enum import Enum, auto
 from typing import TYPE_CHECKING
 
 from ..base.address import address_of
-from .proof import Claim
+from .claim import Claim
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

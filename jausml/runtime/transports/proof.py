@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from ..base.settings import Endpoint
     from .address_book import AddressBook, Entry
+    from .claim import Claim
 
 PROVED = "transport.address_proved"
 """Components that have acknowledged a question."""
@@ -42,30 +43,6 @@ _INTERVAL_S = 0.1
 _MOST_WRONG = 8
 _MOST_HELD = 4
 _MANY_QUESTIONS = 10
-
-
-class Claim:
-    """What a component without proof has sent and got, at the one endpoint that it claims.
-
-    Attributes:
-        host: The host that it claims to be on.
-        received: Bytes that came from it.
-        sent: Bytes that went to it.
-        number: What it is to acknowledge; None while it has not been asked.
-        held: Datagrams that wait.
-    """
-
-    __slots__ = (
-        *("asked", "asker", "held", "host", "number", "questions", "received", "sent", "wrong"),
-    )
-
-    def __init__(self, host: str) -> None:
-        self.host = host
-        self.received = self.sent = self.wrong = self.questions = 0
-        self.number: int | None = None
-        self.asked = float("-inf")
-        self.asker: JausAddress | None = None
-        self.held: list[bytes] = []
 
 
 class Prover:
