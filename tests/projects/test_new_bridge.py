@@ -186,6 +186,11 @@ def test_a_person_says_why_a_command_may_stand(rover, jausml):
             "vehicle on its way",
             "say what you know about the receiver",
         ),
+        (
+            "goal_pose=It stands until the next one: see that something stops the rover on its way",
+            "say what you know about the receiver",
+        ),
+        ("goal_pose=it stands until the next one", "say what you know about the receiver"),
     ],
 )
 def test_what_a_tool_could_have_written_is_no_reason(rover, jausml, hold, says):

@@ -67,7 +67,7 @@ def holds_explained(subject: Subject) -> Iterator[Finding]:
     """A command that outlasts its source does so for a stated reason, and sends no stop.
 
     The reason is something that a person knows about the receiver. The words that former versions
-    of jausml proposed are none.
+    of jausml proposed are none, nor are words much like them.
 
     Bad: `onSilence="hold"` without `holdReason`, or with a `safeValue`
 
