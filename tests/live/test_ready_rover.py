@@ -201,7 +201,7 @@ def rover(world):
 def test_release_by_an_operator_that_keeps_sending(rover):
     assert rover.pilot.release(ROVER)
     rover.stops()
-    rover.tells("control was released or lapsed")
+    rover.tells("control was released")
 
 
 def test_take_over(rover):

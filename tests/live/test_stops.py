@@ -183,7 +183,7 @@ def test_station_is_killed(driven):
     driven.stops()
     log = driven.log("vehicle")
     assert "velocity_command: the source is silent; the stop is sent" in log
-    assert "control was released or lapsed: " in log
+    assert "control lapsed: its client did not request it again in time: " in log
     assert "travel_speed: the stop is sent" in log
 
 

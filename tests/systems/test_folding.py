@@ -206,6 +206,10 @@ def test_answers_of_a_component_come_together():
     assert (told.name, told.state, told.controller) == ("rover", "READY", "20.1.1")
     assert (told.authority, told.round_trip, told.services) == (127, 0.002, ("urn/1.0",))
     assert (told.level, told.told) == (Level.OK, 3.0)
+    state = fold_answer(state, Answer("10.1.1", control_timeout=5), 3.0)
+    assert "20.1.1 (authority 127, lapses after 5 s)" in component_row(state.components["10.1.1"])
+    state = fold_answer(state, Answer("10.1.1", control_timeout=0), 3.0)
+    assert "20.1.1 (authority 127, never lapses)" in component_row(state.components["10.1.1"])
     released = fold_answer(state, Answer("10.1.1", controller="", authority=1), 4.0)
     assert released.components["10.1.1"].controller == ""
 

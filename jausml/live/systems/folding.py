@@ -66,6 +66,8 @@ class Answer:
         state: Name of its Management state.
         controller: JAUS id of who controls it, empty when nobody does.
         authority: Authority code of who controls it, else its default.
+        control_timeout: Seconds after which control lapses unless it is requested again, 0 for
+            never.
         services: URN and version of what it provides.
         round_trip: Seconds from a question to the answer.
         source: Whether the component itself answers, another one speaks of it, or nobody answers.
@@ -77,6 +79,7 @@ class Answer:
     state: str | None = None
     controller: str | None = None
     authority: int | None = None
+    control_timeout: int | None = None
     services: tuple[str, ...] | None = None
     round_trip: float | None = None
     source: Source = Source.ITSELF
@@ -201,6 +204,9 @@ def fold_answer(state: SystemState, answer: Answer, now: float) -> SystemState:
         state=former.state if answer.state is None else cut(answer.state),
         controller=former.controller if answer.controller is None else answer.controller,
         authority=former.authority if answer.authority is None else answer.authority,
+        control_timeout=former.control_timeout
+        if answer.control_timeout is None
+        else answer.control_timeout,
         services=former.services if answer.services is None else answer.services,
         round_trip=former.round_trip if answer.round_trip is None else answer.round_trip,
         told=now if is_live else former.told,
@@ -287,6 +293,7 @@ def _gone(component: ComponentState, level: Level) -> ComponentState:
         state="",
         controller=None,
         authority=None,
+        control_timeout=None,
         round_trip=None,
     )
 

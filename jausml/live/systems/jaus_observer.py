@@ -10,7 +10,14 @@ from jausml.live.peers.asking import status_of
 from jausml.live.peers.discovery import type_name
 from jausml.live.peers.services import controller_of
 from jausml.live.systems.folding import Answer, Source
-from jausml.runtime.messages import QueryControl, QueryStatus, ReportControl, ReportStatus
+from jausml.runtime.messages import (
+    QueryControl,
+    QueryStatus,
+    QueryTimeout,
+    ReportControl,
+    ReportStatus,
+    ReportTimeout,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -55,12 +62,14 @@ class JausObserver:
         self._known = dict.fromkeys(declared)
         self._asked: dict[JausAddress, float] = {}
         self._failures: dict[JausAddress, int] = {}
+        self._timed: set[JausAddress] = set()
         self._told: dict[JausAddress, Answer] = {}
         self._turn = 0
         self._end = Event()
         self._thread = Thread(target=self._run, name="jaus observer", daemon=True)
         operator.on_report(ReportStatus, self._status)
         operator.on_report(ReportControl, self._control)
+        operator.on_report(ReportTimeout, self._timeout)
 
     def start(self) -> None:
         """Begins to ask."""
@@ -88,6 +97,7 @@ class JausObserver:
         for address in self._next(number):
             if self._asked.pop(address, None) is not None:
                 self._failures[address] = self._failures.get(address, 0) + 1
+                self._timed.discard(address)
                 self._take(Answer(str(address), source=Source.NOBODY))
             self._asked[address] = time.perf_counter()
             self._operator.send(address, QueryStatus())
@@ -129,6 +139,12 @@ class JausObserver:
             round_trip=self._trip(sender),
         )
         self._answered(sender, answer)
+        if controller and sender not in self._timed:
+            self._operator.send(sender, QueryTimeout())
+
+    def _timeout(self, report: ReportTimeout, sender: JausAddress) -> None:
+        self._timed.add(sender)
+        self._answered(sender, Answer(str(sender), control_timeout=int(report.timeout)))
 
     def _trip(self, sender: JausAddress) -> float | None:
         asked = self._asked.pop(sender, None)

@@ -65,6 +65,7 @@ def _component(component: ComponentState, now: float) -> dict[str, Any]:
         "state": component.state or None,
         "controller": component.controller or None,
         "authority": component.authority,
+        "control_timeout": component.control_timeout,
         "services": list(component.services),
         "round_trip_ms": None if trip is None else round(trip * 1e3, 3),
         "told": _since(component.told, now),

@@ -160,6 +160,8 @@ class ComponentState:
         state: Management state such as `READY`, empty when it tells none.
         controller: JAUS id of who controls it, empty when nobody does, None when it tells nothing.
         authority: Authority code of who controls it, else its default; None when unknown.
+        control_timeout: Seconds after which control lapses unless it is requested again, 0 for
+            never; None when unknown.
         services: URN and version of what it provides.
         round_trip: Seconds of its last answer, None before the first one.
         told: When it last answered, None when it never did.
@@ -175,6 +177,7 @@ class ComponentState:
     state: str = ""
     controller: str | None = None
     authority: int | None = None
+    control_timeout: int | None = None
     services: tuple[str, ...] = ()
     round_trip: float | None = None
     told: float | None = None

@@ -181,7 +181,11 @@ def _control(component: ComponentState) -> str:
         return "-"
     if not component.controller:
         return "nobody"
-    return f"{component.controller} (authority {component.authority})"
+    words = [f"authority {component.authority}"]
+    if component.control_timeout is not None:
+        seconds = component.control_timeout
+        words.append(f"lapses after {seconds} s" if seconds else "never lapses")
+    return f"{component.controller} ({', '.join(words)})"
 
 
 def summary(state: SystemState) -> str:

@@ -204,7 +204,9 @@ class Bridge:
             self._log_stops(stopped, reason)
 
     def _present_standing(self) -> Standing:
-        return Standing(self.component.status, self.component.controller, self.is_active)
+        component = self.component
+        lapsed = component.has_control_lapsed
+        return Standing(component.status, component.controller, self.is_active, lapsed)
 
     def _log_stops(self, connections: Sequence[Carried], reason: StopReason) -> None:
         commands = [each for each in connections if each.is_command]

@@ -17,7 +17,8 @@ class StopReason(Enum):
 
     START = "no message yet"
     SILENCE = "the source is silent"
-    CONTROL_LOST = "control was released or lapsed"
+    CONTROL_RELEASED = "control was released"
+    CONTROL_LAPSED = "control lapsed: its client did not request it again in time"
     TAKEN_OVER = "another component took control"
     INACTIVE = "the bridge is inactive"
     CLOCK = "nobody says the time on /clock"
@@ -45,11 +46,13 @@ class Standing:
         status: Management state (AS5710).
         controller: The component that controls the bridge.
         is_active: Whether the node is active (ROS 2, managed nodes).
+        has_lapsed: Whether nobody controls the bridge since its controller let control lapse.
     """
 
     status: Status
     controller: JausAddress | None
     is_active: bool = True
+    has_lapsed: bool = False
 
     @property
     def halt(self) -> StopReason | None:
@@ -64,6 +67,11 @@ class Standing:
             return StopReason.STANDBY
         return _HALTS.get(self.status)
 
+    @property
+    def without_controller(self) -> StopReason:
+        """Why the former controller has control no more, where nobody took it over."""
+        return StopReason.CONTROL_LAPSED if self.has_lapsed else StopReason.CONTROL_RELEASED
+
     def lost_since(self, former: Standing) -> StopReason | None:
         """Returns why what the former controller commanded must not stand; None when it may.
 
@@ -77,6 +85,6 @@ class Standing:
         if former.status in _HALTS:
             return None  # what stood then ended with that state
         if former.controller not in (None, self.controller):
-            return StopReason.TAKEN_OVER if self.controller else StopReason.CONTROL_LOST
+            return StopReason.TAKEN_OVER if self.controller else self.without_controller
         left_ready = former.status is Status.READY and self.status is not Status.READY
         return StopReason.STANDBY if left_ready else None

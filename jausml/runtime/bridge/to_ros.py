@@ -435,8 +435,8 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         if standing.halt is not None:
             return standing.halt.value
         if standing.controller is None:
-            lost = self.stopped is StopReason.CONTROL_LOST
-            return StopReason.CONTROL_LOST.value if lost else "nobody controls the bridge"
+            why = standing.without_controller
+            return why.value if self.stopped is why else "nobody controls the bridge"
         waits = self._when is Guard.READY and standing.status is not Status.READY
         return StopReason.STANDBY.value if waits else ""
 

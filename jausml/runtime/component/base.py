@@ -389,6 +389,11 @@ class ComponentBase(ComponentHooks):
         return self._jaus_core.access_control.controller
 
     @property
+    def has_control_lapsed(self) -> bool:
+        """Whether the last controller let control lapse: it did not request it again in time."""
+        return self._jaus_core.access_control.has_lapsed
+
+    @property
     def authority(self) -> int:
         """Authority code of the controller, or the default authority without one."""
         return self._jaus_core.access_control.authority

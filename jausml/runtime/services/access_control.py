@@ -43,6 +43,7 @@ class AccessControlService:
         authority: Its authority code; the default authority without a controller.
         offered: Whether the component offers control at all.
         managed: Whether the state of the Management service permits control.
+        has_lapsed: Whether the last controller let control lapse.
         kept: Whether the controller keeps control while nobody else may have it.
         emergency_clients: Who has set an emergency.
         on_lost: Called when control ends, before the controller is told.
@@ -60,6 +61,7 @@ class AccessControlService:
         self.authority = self._default
         self.offered = True
         self.managed = True
+        self.has_lapsed = False
         self.kept = False
         self.emergency_clients: Set[JausAddress] = frozenset()
         self.on_lost: Callable[[], None] = _nothing
@@ -117,6 +119,7 @@ class AccessControlService:
 
     def _grant(self, sender: JausAddress, code: int) -> None:
         former, self.controller = self.controller, sender
+        self.has_lapsed = False
         raised, self.authority = self.authority != code, code
         self._restart_timer()
         if former is not None and former != sender:
@@ -152,6 +155,7 @@ class AccessControlService:
         if self.available:
             self._component.counters.add("access_control.timed_out")
             self._component.core_event("Timedout")
+            self.has_lapsed = True
             self.drop(Reject.CONTROL_RELEASED)
         else:
             self._restart_timer()

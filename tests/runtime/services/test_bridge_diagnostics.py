@@ -82,9 +82,23 @@ def test_diagnostics_count_the_reasons_of_stops(world, setting):
     told = values(setting.ros.statuses[-1]["times"])
     assert {key: value for key, value in told.items() if key.startswith("stopped: ")} == {
         "stopped: no message yet": "1",
-        "stopped: control was released or lapsed": "2",
+        "stopped: control was released": "2",
         "stopped: the bridge is reset": "1",
     }
+
+
+def test_diagnostics_tell_lapsed_control_from_released(world, setting):
+    setting.open(
+        message_connection(when=Guard.READY, safe_value=lambda: Number(-1.0)), services=CORE
+    )
+    operator = world.probe("5.1.1")
+    for each in (RequestControl(authority_code=200), Resume(), minutes(2)):
+        operator.send(each, OWN)
+    world.run(7.0)
+    status = setting.ros.statuses[-1]["times"]
+    lapsed = "control lapsed: its client did not request it again in time"
+    assert values(status)[f"stopped: {lapsed}"] == "1"
+    assert lapsed in setting.bridge.connections[0].forbidden()
 
 
 def test_diagnostics_tell_what_becomes_of_a_command_without_its_source(world, setting):
