@@ -13,9 +13,14 @@ from jausml.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from typing import TypeAlias
 
     from jausml.metamodel.classes.ecore import EObject
     from jausml.semantics.subject import Subject
+
+    _Connection: TypeAlias = (
+        bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection
+    )
 
 
 @rule("JML364", Severity.ERROR, "control that is never granted")
@@ -41,14 +46,15 @@ def authority_suffices(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML366", Severity.INFO, "control that lapses without a word")
 def lapse_is_decided(subject: Subject) -> Iterator[Finding]:
-    """A bridge that takes commands of an external component says when control lapses.
+    """A bridge that takes commands of clients outside of the model says when control lapses.
 
     Without a `controlTimeout`, control lapses 5 s after it was requested last, and what is driven
     stops. Clients of v1.0 of the core services, and many of others, request control once and never
     again: they lose the vehicle in mid-drive. 0 keeps control until it is released or preempted;
-    then nothing notices a client that is gone but the silence of its commands.
+    then nothing notices a client that is gone but the silence of its commands. Components of jausml
+    renew control: where the peers are of the model and not external, nothing is to be decided.
 
-    Bad: a connection with commands of an external operator, without `controlTimeout`
+    Bad: a connection with commands of an external operator, or of anybody, without `controlTimeout`
 
     Good: `controlTimeout="0"` for a client that asks once, `controlTimeout="5"` for one that renews
     """
@@ -56,19 +62,40 @@ def lapse_is_decided(subject: Subject) -> Iterator[Finding]:
         table = subject.model.metamodels.class_of(owner).features["controlTimeout"]
         if is_set(owner, table):
             continue
-        for connection in owner.bridgeConnections:
-            clients = [each for each in connection.peers if each.external]
-            if connection.direction.name != "jausToRos" or not clients:
+        connections: tuple[_Connection, ...] = (
+            *owner.bridgeConnections,
+            *owner.serviceConnections,
+            *owner.actionConnections,
+        )
+        for connection in connections:
+            if not _takes_commands(subject, connection):
                 continue
-            if connection.map is None or not subject.is_intact(connection.map.message):
-                continue
-            if connection.exchange.name == "message" and is_command(connection.map.message):
+            known = list(connection.peers)
+            outside = [each for each in known if each.external]
+            if outside or not known:
+                client = f"'{outside[0].name}'" if outside else "its client"
                 message = f"control of '{owner.name}' lapses {owner.controlTimeout} s after "
-                message += f"'{clients[0].name}' has requested it last"
+                message += f"{client} has requested it last"
                 hint = "state controlTimeout: 0 for clients that request control once"
                 note = Note(connection, f"'{connection.name}' takes its commands", "peers")
                 yield Finding(owner, message, hint=hint, related=(note,))
                 break
+
+
+def _takes_commands(subject: Subject, connection: _Connection) -> bool:
+    """Tells whether components may command the ROS side by a connection."""
+    if connection.direction.name != "jausToRos":
+        return False
+    if isinstance(connection, bridge.RosActionConnection):
+        return True
+    if isinstance(connection, bridge.RosServiceConnection):
+        message = calls.asking(connection)
+    else:
+        used = connection.map
+        message = (
+            used.message if used is not None and connection.exchange.name == "message" else None
+        )
+    return message is not None and subject.is_intact(message) and is_command(message)
 
 
 @rule("JML365", Severity.ERROR, "component that is its own peer")
