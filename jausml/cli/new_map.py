@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import click
@@ -52,6 +53,12 @@ _WAYS = {"both": (True, False), "to-ros": (True,), "to-jaus": (False,)}
 @click.option(
     "--yes", is_flag=True, help="Take the first choice where several fit, and ask nothing."
 )
+@click.option(
+    "--zeros-stop",
+    is_flag=True,
+    help="Your decision that zeros stop what the command moves when its source is lost. Only where "
+    "all of its numbers are rates; --yes does not include it.",
+)
 @click.option("--bridge", metavar="NAME", help="Bridge that gets the map, if there are several.")
 @model_option
 def command(
@@ -64,6 +71,7 @@ def command(
     ready: str | None,
     fills: bool,
     yes: bool,
+    zeros_stop: bool,
     bridge: str | None,
     model: Path | None,
 ) -> None:
@@ -77,26 +85,31 @@ def command(
     A SOURCE is a member, with conversions behind a colon (Velocity_Y : negate), a constant
     ("odom" in quotes, or a number), clock, or ignore.
 
+    What stops a command when its source is lost is yours to decide: write stopRos or stopJaus into
+    the map, or say --zeros-stop. Until then the map has no stop, and validate reports JML451.
+
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
     from jausml.projects.adding import add, bridge_in, check_map_name
     from jausml.proposals.finding import message_of, type_of
     from jausml.proposals.mapping.beginning import Wish
 
-    if ready is not None and (fills or to_ros or to_jaus):
-        raise click.UsageError("--copy takes a map as it is: no --fill, --to-ros or --to-jaus")
+    if ready is not None and (fills or to_ros or to_jaus or zeros_stop):
+        taken = "--fill, --to-ros, --to-jaus or --zeros-stop"
+        raise click.UsageError(f"--copy takes a map as it is: no {taken}")
     ros, jaus = (tuple(pairs(each, "=", _EXAMPLE)) for each in (to_ros, to_jaus))
 
     def commands(at: Opened) -> Sequence[Command]:
         owner = bridge_in(at, bridge or "")
         check_map_name(name, owner)
         ends = message_of(at.scope, message), type_of(at.scope, kind)
-        wish = Wish(name, *ends, ros, jaus, _WAYS[direction])
-        if not (fills or ros or jaus):
+        wish = Wish(name, *ends, ros, jaus, _WAYS[direction], zeros_stop=zeros_stop)
+        if not (fills or ros or jaus or zeros_stop):
             copy = _copy(at.scope, owner, wish, ready, yes=yes)
             if copy:
                 return copy
-        return [_begun(at.scope, owner, wish, yes=yes).add]
+        begun = _begun(at.scope, owner, wish, yes=yes)
+        return [begun.add, *begun.tables]
 
     with stopping():
         place = place_for(model)
@@ -156,8 +169,22 @@ def _begun(scope: Scope, owner: bridge.Bridge, wish: Wish, *, yes: bool) -> Begu
             wish = wish.with_first(each) if yes else _answered(wish, each)
         asked |= {*doubts}
         begun = begin_map(scope, owner, wish)
+    if wish.zeros_stop and not begun.stops_by_zeros:
+        raise click.UsageError(
+            "--zeros-stop: zeros stop only a command that moves something and of which all numbers "
+            "are rates, such as velocities; write the stop of others yourself"
+        )
+    if begun.stops_by_zeros and not (yes or wish.zeros_stop) and can_ask() and _zeros_stop():
+        begun = begin_map(scope, owner, replace(wish, zeros_stop=True))
     _tell(begun)
     return begun
+
+
+def _zeros_stop() -> bool:
+    """Asks a person what no tool knows; nothing but a yes is one."""
+    click.echo("All numbers of this command are rates, such as velocities.", err=True)
+    question = "Do zeros stop what it moves, when its source is lost?"
+    return click.confirm(question, default=False, err=True)
 
 
 def _answered(wish: Wish, doubt: Doubt) -> Wish:
@@ -169,6 +196,11 @@ def _answered(wish: Wish, doubt: Doubt) -> Wish:
 
 
 def _tell(begun: Begun) -> None:
+    for table in (each for each in begun.tables if each.kind == "bridge.ValueTable"):
+        entries = (
+            f"{each.values['jaus'][0]} <-> {each.values['ros'][0]}" for each in table.children
+        )
+        click.echo(f"table {table.values['name'][0]} ( {'  '.join(entries)} )")
     for to_ros, statements in begun.statements.items():
         click.echo("JAUS->ROS" if to_ros else "ROS->JAUS")
         for each in statements:

@@ -55,8 +55,7 @@ def holds_of(words: Sequence[str], topics: Sequence[TopicEnd]) -> dict[str, str]
             raise click.UsageError(f"--hold {word!a}: there is no topic {name!a} here")
         if not is_reason(reason):
             raise click.UsageError(
-                f"--hold {name}: say what you know about the receiver, such as "
-                "'the planner of the vehicle drives to the goal by itself'"
+                f"--hold {name}: say what you know about the receiver that makes it safe"
             )
         found[name] = reason.strip()
     return found
@@ -258,6 +257,7 @@ def tell_undecided(chosen: Sequence[Crossing]) -> None:
         chosen: All ways that were taken.
     """
     from jausml.model.names import name_of
+    from jausml.proposals.mapping.stopping import STOPS, stops_by_zeros
 
     names = [each for each in chosen if each.has_no_stop and not each.hold_reason]
     if not names:
@@ -266,6 +266,10 @@ def tell_undecided(chosen: Sequence[Crossing]) -> None:
     for each in names:
         message = name_of(each.offer.message)
         click.echo(f"  {each.topic.name}: nothing stops what {message} sets in motion", err=True)
+        if stops_by_zeros(each.map, [each.offer.to_ros]):
+            stop, used = STOPS[each.offer.to_ros], name_of(each.map)
+            told = f"its numbers are all rates: if zeros stop it, give map {used} a {stop} of zeros"
+            click.echo(f"    {told}", err=True)
     click.echo(
         "  validate reports JML451 until each has a stop (a safeValue, or one in its map), or a\n"
         "  reason why the last command may stand (onSilence: hold and holdReason, or --hold).\n"

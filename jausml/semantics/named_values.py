@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from itertools import takewhile
+from typing import TypeAlias
 
+from jausml.model.words import words
 from jausml.semantics.attributes import NUMBER, Attribute
 from jausml.semantics.values import is_real
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 _LEAST_COMMON = 2
 """Names that both sides have from which on they are taken for one enumeration."""
@@ -27,6 +26,10 @@ class NamedValue:
 
     name: str
     number: int
+
+
+_Named: TypeAlias = "tuple[list[str], NamedValue]"
+"""A value with the words of its name."""
 
 
 @dataclass(frozen=True)
@@ -82,20 +85,51 @@ def named_values(attribute: Attribute) -> dict[str, NamedValue]:
     """Returns the named values of a number, by their names without case, separators and prefix.
 
     Constants of a ROS type belong to all of its fields. Those that begin with the name of the field
-    are its own; where none does, all count that have no such prefix of another one in common.
+    are its own, else those that begin with the first words of that name; where none does, all
+    count. What all names have in common at their beginning is no part of them.
     """
     if attribute.kind != NUMBER or not attribute.integral:
         return {}
-    label = _plain(attribute.label)
-    pairs = [(name, int(float(value))) for name, value in attribute.constants if is_real(value)]
-    own = [pair for pair in pairs if label and _plain(pair[0]).startswith(label)]
-    if not attribute.is_ros:
-        own = []
-    return {
-        key: NamedValue(name, number)
-        for name, number in own or pairs
-        if (key := _plain(name).removeprefix(label if own else ""))
-    }
+    found = [
+        (_words(name), NamedValue(name, int(float(value))))
+        for name, value in attribute.constants
+        if is_real(value)
+    ]
+    if attribute.is_ros:
+        found = _own(_words(attribute.label), found)
+    found = [(each, value) for each, value in found if each]
+    common = _common([each for each, _ in found])
+    return {"".join(each[common:]): value for each, value in found}
+
+
+def _own(label: list[str], found: list[_Named]) -> list[_Named]:
+    """Returns the constants of a field: those with the longest beginning of its name."""
+    for length in range(len(label), 0, -1):
+        beginning = "".join(label[:length])
+        own = [
+            (rest, value)
+            for each, value in found
+            if (rest := _without(beginning, each)) is not None
+        ]
+        if own:
+            return own
+    return found
+
+
+def _without(beginning: str, name: list[str]) -> list[str] | None:
+    """Returns the words of a name behind a beginning; None where it begins otherwise."""
+    for length in range(1, len(name) + 1):
+        if "".join(name[:length]) == beginning:
+            return name[length:]
+    return None
+
+
+def _common(names: list[list[str]]) -> int:
+    """Returns how many words several names have in common at their beginning, none a whole name."""
+    if len(names) < _LEAST_COMMON:
+        return 0
+    columns = zip(*(each[:-1] for each in names), strict=False)
+    return sum(1 for _ in takewhile(lambda column: len({*column}) == 1, columns))
 
 
 def table_text(found: Comparison, *, to_ros: bool) -> str:
@@ -105,18 +139,26 @@ def table_text(found: Comparison, *, to_ros: bool) -> str:
         found: The enumerations.
         to_ros: The direction of the assignment.
     """
-    return "  ".join(_entries(found, to_ros=to_ros))
+    entries = table_entries(found, to_ros=to_ros)
+    return "  ".join(f"{_written(jaus.name)} <-> {_written(ros.name)}" for jaus, ros in entries)
 
 
-def _entries(found: Comparison, *, to_ros: bool) -> Iterator[str]:
-    for one, other in found.common:
-        jaus, ros = (one, other) if to_ros else (other, one)
-        yield f"{_written(jaus.name)} <-> {_written(ros.name)}"
+def table_entries(found: Comparison, *, to_ros: bool) -> list[tuple[NamedValue, NamedValue]]:
+    """Returns the entries of a table that maps common values by their names: of JAUS, and of ROS.
+
+    They are in the order of the JAUS values, so that both directions have one table.
+
+    Args:
+        found: The enumerations.
+        to_ros: The direction of the assignment.
+    """
+    pairs = found.common if to_ros else [(other, one) for one, other in found.common]
+    return sorted(pairs, key=lambda pair: pair[0].number)
 
 
 def _written(name: str) -> str:
     return name if re.fullmatch(r"[A-Za-z_]\w*", name) else f'"{name}"'
 
 
-def _plain(name: str) -> str:
-    return re.sub(r"[\W_]+", "", name).casefold()
+def _words(name: str) -> list[str]:
+    return [each.casefold() for each in words(name)]

@@ -250,6 +250,74 @@ def test_it_asks_on_a_terminal(ears):
         terminal.wait_for("Which (numbers)", begin)
         assert "What fills CommandType?" in terminal.shown
         terminal.type("2\n")
+        terminal.wait_for("Do zeros stop what it moves, when its source is lost? [y/N]")
+        terminal.type("\n")
         terminal.wait_for("next: jausml validate")
-    filled = {each.target: getattr(each, "value", "") for each in map_in(model, "own").toJaus}
+    made = map_in(model, "own")
+    filled = {each.target: getattr(each, "value", "") for each in made.toJaus}
     assert filled["CommandType"] == "Set maximum allowed values"
+    assert (made.stopRos, made.stopJaus) == (None, None)
+
+
+def test_a_yes_on_a_terminal_lets_zeros_stop_a_command(ears):
+    model = ears("text")
+    command = (sys.executable, "-m", "jausml", "new", "map", "own", *COMMAND, "--fill")
+    command += ("--direction", "to-ros")
+    with at_terminal(*command, cwd=model.parents[1]) as terminal:
+        terminal.wait_for("Do zeros stop what it moves")
+        terminal.type("y\n")
+        terminal.wait_for("next: jausml validate")
+        assert "JML451" not in terminal.shown
+    assert map_in(model, "own").stopRos is not None
+
+
+@NOTATION
+def test_only_a_word_of_its_own_lets_zeros_stop_a_command(ears, jausml, notation):
+    model = ears(notation)
+    done = jausml("new", "map", "undecided", *COMMAND, "--fill", "--yes")
+    assert done.exit_code == 0, done.output
+    assert "state what stops the command: stopRos and stopJaus (JML451)" in done.output
+    undecided = map_in(model, "undecided")
+    assert (undecided.stopRos, undecided.stopJaus) == (None, None)
+    done = jausml("new", "map", "decided", *COMMAND, "--fill", "--yes", "--zeros-stop")
+    assert done.exit_code == 0, done.output
+    assert "JML451" not in done.output
+    made = map_in(model, "decided")
+    assert (made.stopRos is not None, list(made.stopRos.values)) == (True, [])
+    zeros = {each.target: each.value for each in made.stopJaus.values}
+    assert zeros["Velocity_X"] == zeros["YawRate"] == "0"
+    assert "CommandType" not in zeros
+
+
+@NOTATION
+def test_values_of_one_name_are_mapped_by_a_table(ears, jausml, notation):
+    model = ears(notation)
+    done = jausml("new", "service", "Supply", "--message", "ReportSupply: Supply full|charging")
+    assert done.exit_code == 0, done.output
+    words = ("--to-ros", "power_supply_status=Supply", "--to-jaus", "Supply=power_supply_status")
+    ends = ("ReportSupply", "sensor_msgs/BatteryState")
+    done = jausml("new", "map", "supply", *ends, *words, "--yes")
+    assert done.exit_code == 0, done.output
+    full, charging = "POWER_SUPPLY_STATUS_FULL", "POWER_SUPPLY_STATUS_CHARGING"
+    assert f"table supply ( full <-> {full}  charging <-> {charging} )" in done.output
+    assert "Supply -> power_supply_status : look_up(supply)" in done.output
+    assert "JML440 table 'supply' lacks POWER_SUPPLY_STATUS_UNKNOWN, " in done.output
+    own = map_in(model, "supply")
+    [table] = own.tables
+    assert [(each.jaus, each.ros) for each in table.entries] == [
+        ("full", full),
+        ("charging", charging),
+    ]
+    for assignments in (own.toRos, own.toJaus):
+        used = [step.table for each in assignments for step in getattr(each, "conversions", ())]
+        assert used == [table]
+
+
+def test_zeros_stop_no_command_of_positions(ears, jausml):
+    model = ears("text")
+    before = model.read_bytes()
+    ends = ("LocalWaypointDriver.SetLocalWaypoint", "geometry_msgs/PoseStamped")
+    done = jausml("new", "map", "goal", *ends, "--yes", "--zeros-stop")
+    assert done.exit_code == 2
+    assert "zeros stop only a command that moves something" in done.output
+    assert model.read_bytes() == before

@@ -18,10 +18,32 @@ def number(label: str, *, is_ros: bool = True, **values: int) -> Attribute:
 def test_constants_that_begin_with_the_field_are_its_own() -> None:
     constants = {"POWER_SUPPLY_STATUS_FULL": 4, "POWER_SUPPLY_HEALTH_GOOD": 1}
     assert list(named_values(number("power_supply_status", **constants))) == ["full"]
-    assert list(named_values(number("percentage", **constants))) == [
-        "powersupplystatusfull",
-        "powersupplyhealthgood",
+    assert list(named_values(number("percentage", **constants))) == ["statusfull", "healthgood"]
+
+
+def test_constants_of_other_fields_are_left_out() -> None:
+    constants = {"GATE_OPEN": 1, "GATE_CLOSED": 0, "MOTOR_ON": 1, "OPEN_LIMIT": 5}
+    assert list(named_values(number("gate_state", **constants))) == ["open", "closed"]
+    assert list(named_values(number("gate", **constants))) == ["open", "closed"]
+
+
+def test_what_all_names_begin_with_is_no_part_of_them() -> None:
+    ros = number("state", BOOM_FOLDED=0, BOOM_UNFOLDED=1, BOOM_Z=2)
+    jaus = number("Position", is_ros=False, StateFolded=1, StateUnfolded=0)
+    found = compared(ros, jaus)
+    assert found is not None
+    assert [(one.name, other.name) for one, other in found.renumbered] == [
+        ("BOOM_FOLDED", "StateFolded"),
+        ("BOOM_UNFOLDED", "StateUnfolded"),
     ]
+
+
+def test_a_name_that_others_begin_with_stays_whole() -> None:
+    assert list(named_values(number("x", OPEN=0, OPEN_SLOWLY=1))) == ["open", "openslowly"]
+
+
+def test_a_single_name_has_no_common_beginning() -> None:
+    assert list(named_values(number("state", BOOM_FOLDED=0))) == ["boomfolded"]
 
 
 def test_names_are_compared_without_case_and_separators() -> None:

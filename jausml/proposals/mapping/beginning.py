@@ -9,11 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from jausml.editing.commands import Add, Child
+from jausml.editing.commands import NEW, Add, Child
 from jausml.proposals.mapping.completing import bare, completed
 from jausml.proposals.mapping.filling import FEATURES, found
 from jausml.proposals.mapping.opens import opens
 from jausml.proposals.mapping.statements import statement
+from jausml.proposals.mapping.stopping import stops_by_zeros, zeros
+from jausml.proposals.mapping.tabling import additions, table_of, tabled
 from jausml.proposals.mapping.trial import findings, fresh_map, with_assignments
 from jausml.proposals.mapping.words import assignments_of, shown, words_of
 
@@ -23,7 +25,6 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes import bridge, jaus, ros
     from jausml.proposals.elements import Scope
     from jausml.proposals.mapping.members import Member
-    from jausml.validation.rule import Finding, Rule
 
 _MOST = 6
 """How many choices a line names."""
@@ -44,6 +45,7 @@ class Wish:
         to_jaus: What the author says of the message.
         ways: The directions: True to ROS. One of which nothing is known stays empty.
         taken: What was taken for the author without being asked for, in words.
+        zeros_stop: Whether the author says that zeros stop what it commands.
     """
 
     name: str
@@ -53,6 +55,7 @@ class Wish:
     to_jaus: Words = ()
     ways: tuple[bool, ...] = (True, False)
     taken: tuple[str, ...] = ()
+    zeros_stop: bool = False
 
     def said(self, *, to_ros: bool) -> Words:
         """Returns what the author says of a direction."""
@@ -92,17 +95,21 @@ class Begun:
 
     Attributes:
         add: What adds it to its owner.
+        tables: What adds its tables then, and the assignments by them.
         statements: Its assignments in the text notation, by direction: True to ROS.
         opens: What is left to the author, in words.
         doubts: Where more than one thing fits; nothing fills these targets yet, or the first.
         findings: What the rules say of it, with their ids.
+        stops_by_zeros: The directions in which zeros may be what stops it: True to ROS.
     """
 
     add: Add
+    tables: tuple[Add, ...]
     statements: Mapping[bool, tuple[str, ...]]
     opens: tuple[str, ...]
     doubts: tuple[Doubt, ...]
     findings: tuple[str, ...]
+    stops_by_zeros: tuple[bool, ...]
 
 
 def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
@@ -118,13 +125,15 @@ def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
     """
     metamodels = scope.model.metamodels
     made = fresh_map(metamodels, wish.name, wish.message, wish.type)
+    tables: list[Child] = []
     children: list[Child] = []
     doubts: list[Doubt] = []
 
     def take(more: Iterable[Child]) -> None:
-        more = list(more)
-        children.extend(more)
-        with_assignments(metamodels, made, more)
+        found = tabled(made, more)
+        tables.extend(found.tables)
+        children.extend(found.assignments)
+        with_assignments(metamodels, made, (*found.tables, *found.assignments))
 
     for way in wish.ways:
         take(_said(scope, made, wish, doubts, to_ros=way))
@@ -136,7 +145,12 @@ def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
         take(completed(scope, made, to_ros=way, ignores=way in found_of))
     doubts += _alike(filled.doubtful, begun)
     doubts += _of_values(made, found_of)
+    by_zeros = stops_by_zeros(made, found_of)
+    for way in by_zeros if wish.zeros_stop else ():
+        take([zeros([each for each in children if each.feature == FEATURES[way]], to_ros=way)])
     told = (*opens(made, children, begun), *wish.taken, *map(_told, doubts))
+    by_tables = [each for each in children if any(map(table_of, each.children))]
+    plain = [each for each in children if each not in by_tables]
     values = {
         "name": (wish.name,),
         "message": (scope.ref(wish.message),),
@@ -145,7 +159,8 @@ def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
     if told:
         values["documentation"] = ("\n\n".join(f"Open: {each}." for each in told),)
     return Begun(
-        Add(scope.ref(owner), "maps", "bridge.AttributeMap", values, tuple(children)),
+        Add(scope.ref(owner), "maps", "bridge.AttributeMap", values, tuple(plain)),
+        tuple(additions(f"{NEW}0", tables, by_tables, (), 1)),
         {
             way: tuple(statement(each) for each in children if each.feature == FEATURES[way])
             for way in begun
@@ -153,7 +168,8 @@ def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
         },
         told,
         tuple(doubts),
-        tuple(map(_worded, findings(metamodels, made))),
+        tuple(f"{rule.id} {each.message}" for rule, each in findings(metamodels, made)),
+        tuple(by_zeros),
     )
 
 
@@ -179,13 +195,6 @@ def _alike(
     for sources, target in doubtful:
         if not target.outer and (not target.is_jaus) in ways:
             yield Doubt(not target.is_jaus, target.path, tuple(each.path for each in sources))
-
-
-def _worded(found: tuple[Rule, Finding]) -> str:
-    """Returns a finding in words, with the table that names of both ends need."""
-    rule, each = found
-    text = f"{rule.id} {each.message}"
-    return f"{text}: {each.hint}" if rule.id == "JML448" else text
 
 
 def _of_values(used: bridge.AttributeMap, ways: Collection[bool]) -> Iterator[Doubt]:

@@ -16,6 +16,7 @@ from jausml.proposals.mapping.assigning import assign
 from jausml.proposals.mapping.corresponding import corresponding
 from jausml.proposals.mapping.members import leaves
 from jausml.proposals.mapping.statements import OF_AUTHORS, innermost, statement, steps
+from jausml.proposals.mapping.tabling import additions, tabled
 from jausml.proposals.mapping.trial import judge, judge_together
 from jausml.proposals.mapping.variances import variances
 from jausml.semantics.attributes import LIST
@@ -66,11 +67,12 @@ def fill_map(scope: Scope, used: bridge.AttributeMap) -> Filling:
     if used.message is None or used.type is None:
         return Filling(label, (), (), {}, "the map has no message or no type yet")
     ways = _ways(scope, used)
-    good = found(scope, used, ways).assignments
-    own = scope.ref(used)
+    tables = tabled(used, found(scope, used, ways).assignments)
+    good = tables.assignments
+    known = [(name_of(each), scope.ref(each)) for each in used.tables]
     return Filling(
         label,
-        tuple(Add(own, each.feature, each.kind, each.values, each.children) for each in good),
+        tuple(additions(scope.ref(used), tables.tables, good, known, 0)),
         tuple(map(statement, good)),
         {"to_ros" if way else "to_jaus": _left(used, good, to_ros=way) for way in ways},
         "" if good else "no further members correspond by name, time, or unit and axis",

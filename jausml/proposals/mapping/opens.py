@@ -9,13 +9,14 @@ from jausml.proposals.mapping.completing import bare
 from jausml.proposals.mapping.filling import FEATURES, is_filled
 from jausml.proposals.mapping.members import leaves
 from jausml.proposals.mapping.statements import UNKNOWN, innermost
+from jausml.proposals.mapping.stopping import STOPS
 from jausml.semantics.commands import is_command
 from jausml.semantics.paths import outer_scope, parse_path
 from jausml.semantics.rates import fills_rates_alone
 from jausml.semantics.ros_paths import ros_name
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Sequence
 
     from jausml.editing.commands import Child
     from jausml.metamodel.classes import bridge
@@ -27,12 +28,12 @@ _FRAME_IDS = ("frame_id", "child_frame_id")
 
 
 def opens(
-    used: bridge.AttributeMap, assignments: Sequence[Child], ways: Iterable[bool]
+    used: bridge.AttributeMap, assignments: Sequence[Child], ways: Collection[bool]
 ) -> Iterator[str]:
     """Yields what is left to the author of a new map.
 
     Args:
-        used: The map with its assignments.
+        used: The map with its assignments, and its stops if a person has decided.
         assignments: The same as commands.
         ways: The directions that it has.
     """
@@ -125,16 +126,20 @@ def _absent(used: bridge.AttributeMap, own: Iterable[Child]) -> Iterator[str]:
 def _of_connections(used: bridge.AttributeMap, ways: Iterable[bool]) -> Iterator[str]:
     """Yields what a connection by the map will ask for."""
     if is_command(used.message) and used.message.moves:
-        stops = {"stopRos" if to_ros else "stopJaus": to_ros for to_ros in ways}
-        yield f"state what stops the command: {' and '.join(stops)} (JML451)"
-        zeros = [name for name, to_ros in stops.items() if fills_rates_alone(used, to_ros=to_ros)]
-        if zeros:
+        stops = [way for way in ways if getattr(used, STOPS[way]) is None]
+        if stops:
+            yield f"state what stops the command: {_named(stops)} (JML451)"
+        if zeros := [way for way in stops if fills_rates_alone(used, to_ros=way)]:
             yield (
-                f"all of its numbers are rates, so that {' and '.join(zeros)} of zeros may be what "
+                f"all of its numbers are rates, so that {_named(zeros)} of zeros may be what "
                 "stops it; write it if that is so for what you drive"
             )
     elif False in ways:
         yield "state freshness, or whenStale: keep, for a topic that falls silent (JML455)"
+
+
+def _named(ways: Iterable[bool]) -> str:
+    return " and ".join(STOPS[way] for way in ways)
 
 
 def _listed(names: Sequence[str]) -> str:

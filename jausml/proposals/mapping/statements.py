@@ -57,7 +57,8 @@ def statement(child: Child) -> str:
 
 
 def _call(conversion: Child) -> str:
-    name, arguments = conversion.values["kind"][0], conversion.values.get("arguments", ())
+    values = conversion.values
+    name, arguments = values["kind"][0], values.get("table", values.get("arguments", ()))
     return f"{name}({', '.join(arguments)})" if arguments else name
 
 

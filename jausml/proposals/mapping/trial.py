@@ -9,6 +9,7 @@ from jausml.metamodel import FeatureKind
 from jausml.metamodel.filling import contents, link, new_object, point, set_value, set_values
 from jausml.model.made import made_model
 from jausml.model.values import convert
+from jausml.proposals.mapping.tabling import table_of
 from jausml.semantics.subject import Subject
 from jausml.validation.rules import all_rules
 
@@ -189,12 +190,23 @@ def with_assignments(
     Args:
         metamodels: The metamodels of the map.
         whole: The map.
-        assignments: Each with the feature of the map that shall own it.
+        assignments: Each with the feature of the map that shall own it; tables come before what
+            names them.
     """
     made = [made_of(metamodels, each) for each in assignments]
     for each, element in zip(assignments, made, strict=True):
         link(whole, metamodels.class_of(whole).features[each.feature], element)
+        _refer_to_tables(metamodels, whole, each, element)
     return made
+
+
+def _refer_to_tables(metamodels: Metamodels, whole: Any, child: Child, made: Any) -> None:
+    """Lets conversions refer to tables of the map, which they name."""
+    named = [table_of(each) for each in child.children]
+    for name, conversion in zip(named, made.conversions if any(named) else (), strict=False):
+        for table in whole.tables if name else ():
+            if table.name == name:
+                point(conversion, metamodels.class_of(conversion).features["table"], table)
 
 
 def _copied(metamodels: Metamodels, element: EObject) -> EObject:

@@ -56,6 +56,61 @@ class Map:
         return [each for each in report.diagnostics if each.severity.value == "error"]
 
 
+GATES = """\
+import `jaus.core-1.1`
+interface_package gate_msgs {
+    message_type Gate {
+        primitive_field state { type: uint8 }
+        constant CLOSED { type: uint8  value: 0 }
+        constant OPEN { type: uint8  value: 1 }
+        constant STUCK { type: uint8  value: 7 }
+    }
+}
+service_set gates {
+    service Gates {
+        urn: "urn:example:Gates"
+        inherits: Events
+        inputs: new message_def QueryGate { code: 0xD201 }
+        outputs: new message_def ReportGate {
+            code: 0xD401
+            record GateRec {
+                fixed_field State {
+                    values: {
+                        enumerated_value open { value: 0 }
+                        enumerated_value closed { value: 1 }
+                    }
+                }
+            }
+        }
+    }
+}"""
+
+
+def test_values_of_one_name_are_filled_by_a_table_that_both_directions_share(tmp_path):
+    used = Map(tmp_path, "ReportGate", "gate_msgs/Gate", head=GATES)
+    found = used.take()
+    assert found.statements == (
+        "State -> state : look_up(state)",
+        "state -> State : look_up(state)",
+    )
+    [table] = used.map.tables
+    assert [(each.jaus, each.ros) for each in table.entries] == [
+        ("open", "OPEN"),
+        ("closed", "CLOSED"),
+    ]
+    for [assignment] in (used.map.toRos, used.map.toJaus):
+        assert [each.table for each in assignment.conversions] == [table]
+    assert not used.errors()
+
+
+def test_a_table_that_is_there_is_used(tmp_path):
+    table = "    table states ( open <-> OPEN  closed <-> CLOSED )\n"
+    used = Map(tmp_path, "ReportGate", "gate_msgs/Gate", lines=table, head=GATES)
+    assert "State -> state : look_up(states)" in used.take().statements
+    assert [each.name for each in used.map.tables] == ["states"]
+    assert not used.errors()
+
+
 def test_a_new_map_is_filled_in_both_directions_by_one_edit_and_tells_what_is_left(tmp_path):
     used = Map(tmp_path, "ReportVelocityState", "geometry_msgs/TwistStamped")
     before = (tmp_path / FILE).read_text()

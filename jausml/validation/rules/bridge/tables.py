@@ -9,7 +9,7 @@ from jausml.model.diagnostics import Severity
 from jausml.semantics.attributes import BOOL, NUMBER, TEXT, Attribute
 from jausml.semantics.conversions.authored import LookUp
 from jausml.semantics.directions import directions
-from jausml.semantics.named_values import compared, table_text
+from jausml.semantics.named_values import compared, named_values, table_text
 from jausml.semantics.values import constant_fault, is_real
 from jausml.validation.rule import Finding, Note, rule
 
@@ -32,7 +32,7 @@ def tables(subject: Subject) -> Iterator[Finding]:
     An entry is a number, or the name of an enumerated JAUS value or of a constant of the ROS type,
     which means its number. Of several entries with one value the first counts; one whose values
     both stand in earlier entries is never found. Each enumerated value of the source should be in
-    the table, since one that is not drops the message.
+    the table, and each constant of a ROS field, since one that is not drops the message.
 
     Bad: a table `OPEN <-> true` for a JAUS field with the values Opened and Closed
 
@@ -169,7 +169,7 @@ def _side(entry: bridge.TableEntry, feature: str) -> str:
 
 def _lacking(table: bridge.ValueTable, feature: str, attribute: Attribute) -> Iterator[Finding]:
     known = {_resolved(_side(entry, feature), attribute) for entry in table.entries}
-    listed = attribute.constants if not attribute.is_ros else ()
+    listed = attribute.constants if not attribute.is_ros else _own_constants(known, attribute)
     if attribute.kind == BOOL:
         listed = (("true", "true"), ("false", "false"))
     names = [name for name, value in listed if _resolved(value, attribute) not in known]
@@ -178,6 +178,16 @@ def _lacking(table: bridge.ValueTable, feature: str, attribute: Attribute) -> It
         message = f"table '{table.name}' lacks {', '.join(names[:_MOST_NAMES])}{more}"
         message += f" of '{attribute.label}', which drops the message"
         yield Finding(table, message, "entries", severity=Severity.WARNING)
+
+
+def _own_constants(known: set[str], attribute: Attribute) -> list[tuple[str, str]]:
+    """Returns the constants of a ROS field, as far as a table of some values means them.
+
+    Constants belong to a type, not to a field: where a table has values without a name, or of
+    other names, it says nothing of them.
+    """
+    own = [(each.name, str(each.number)) for each in named_values(attribute).values()]
+    return own if known <= {_resolved(name, attribute) for name, _ in own} else []
 
 
 def _resolved(value: str | None, attribute: Attribute) -> str:
