@@ -48,8 +48,8 @@ MOVES_NOTHING = frozenset(
     ]
 )
 """Commands that set nothing in motion: they state where the vehicle is, what time it is or what is
-stored, or they stop. Elements of lists move nothing until ExecuteList (AS6009). CreateCommandEvent is
-none of them: what it carries is obeyed."""
+stored, or they stop. Elements of lists move nothing until ExecuteList (AS6009). CreateCommandEvent
+is none of them: what it carries is obeyed."""
 
 
 @dataclass(frozen=True)
