@@ -83,7 +83,7 @@ def bridge_lines(stem: str, maps: list[Any], number: int) -> list[str]:
                 peer = "" if is_provider else f"{stem}_peer"
                 carrier = _call if is_of_call(each) else _connection
                 connections.append(carrier(each, to_ros=to_ros, peer=peer))
-    lines = [f"bridge {stem}_bridge {{", f"  address: 10.1.{number + 1}"]
+    lines = [f"bridge {stem}_bridge {{", f"  address: 10.1.{number + 1}  controlTimeout: 5"]
     lines += [f"  provides: {', '.join(sorted(given))}"] if given else []
     lines += [f"  uses: {', '.join(sorted(used))}"] if used else []
     lines += [*connections, "}"]
