@@ -6,7 +6,15 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge
-from jausml.semantics.attributes import NUMBER, NUMBERS, Attribute
+from jausml.semantics.attributes import (
+    BOOL,
+    NUMBER,
+    NUMBERS,
+    TEXT,
+    TIME,
+    TIME_STAMP,
+    Attribute,
+)
 from jausml.semantics.jaus_paths import JausPlace
 from jausml.semantics.paths import outer_scope, source_paths, target_paths
 from jausml.semantics.ros_paths import RosPlace
@@ -18,6 +26,7 @@ if TYPE_CHECKING:
     from jausml.languages.units import Unit
 
 _NUMERIC = (NUMBER, NUMBERS)
+_WITHOUT_NUMBERS = (BOOL, TEXT, TIME, TIME_STAMP)
 
 
 def fills_rates_alone(used: bridge.AttributeMap, *, to_ros: bool) -> bool:
@@ -39,16 +48,23 @@ def is_rate(unit: Unit) -> bool:
 
 
 def _units(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[Unit | None]:
-    """Yields the unit of each number that is filled: that of the target, else of its source."""
+    """Yields the unit of each number that is filled: that of the target, else of its source.
+
+    Of lists, and of wholes of numbers such as an orientation, it is none.
+    """
     scope = outer_scope(used, to_ros=to_ros)
     for each in used.toRos if to_ros else used.toJaus:
+        if isinstance(each, bridge.ListAssignment):
+            yield None
         if not isinstance(each, bridge.FieldAssignment):
             continue
         sources = [scope.find_source(path) for path in source_paths(each)]
         known = next(filter(None, (_unit(_attribute(place)) for place in sources)), None)
         for path in target_paths(each):
             found = _attribute(scope.find_target(path))
-            if found is not None and found.kind in _NUMERIC:
+            if found is None or found.kind not in (*_NUMERIC, *_WITHOUT_NUMBERS):
+                yield None
+            elif found.kind in _NUMERIC:
                 yield _unit(found) or known
 
 

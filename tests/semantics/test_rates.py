@@ -29,3 +29,29 @@ def test_of_ready_maps(tmp_path: Path, name: str, expected: bool) -> None:
     model = read_models([path], notations=NOTATIONS).model
     used = next(each for each in model.instances(bridge.AttributeMap) if each.name == name)
     assert fills_rates_alone(used, to_ros=True) is expected
+
+
+@pytest.mark.parametrize(
+    ("more", "expected"),
+    [
+        ("", True),
+        ("TimeStamp -> header.stamp : timestamp_to_time", True),
+        ("Roll, Pitch, Yaw -> pose.pose.orientation : frd_angles_to_flu_quaternion", False),
+        ("X -> pose.pose.position.x", False),
+        ("Rates -> twist.covariance { . -> . }", False),
+    ],
+)
+def test_a_speed_beside_other_numbers_is_not_alone(
+    tmp_path: Path, more: str, expected: bool
+) -> None:
+    """A quaternion of zeros is no orientation, and an attitude of zeros no standstill."""
+    path = tmp_path / "m.ros2jaus"
+    path.write_text(
+        "import jaus.mobility\n"
+        "own {\n  JAUS ReportLocalPose\n  ROS nav_msgs/Odometry\n  JAUS->ROS (\n"
+        f"    X -> twist.twist.linear.x\n    {more}\n  )\n}}\n",
+        encoding="utf-8",
+    )
+    model = read_models([path], notations=NOTATIONS).model
+    [used] = [each for each in model.instances(bridge.AttributeMap) if each.name == "own"]
+    assert fills_rates_alone(used, to_ros=True) is expected
