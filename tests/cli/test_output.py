@@ -60,18 +60,27 @@ def test_a_reader_that_has_gone_is_no_problem_of_the_models(words):
     assert (result.returncode, result.stderr) == (141, b"")
 
 
-def test_an_interrupt_ends_as_shells_expect(folder):
+def test_an_interrupt_ends_as_shells_expect():
     """A loop of a shell ends with a program that died of the signal, and goes on otherwise."""
-    command = [sys.executable, "-m", "jausml", "validate", "good.xmi", "pipe.xmi"]
-    os.mkfifo(folder / "pipe.xmi")  # is read until the signal comes
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [sys.executable, "-m", "jausml", "decode", "-"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
     try:
-        with (folder / "pipe.xmi").open("w"):
-            process.send_signal(signal.SIGINT)
-            output, errors = process.communicate(timeout=100)
+        process.stdin.write("02400000000000\n")
+        process.stdin.flush()
+        assert "ReportStatus" in process.stdout.readline()
+        process.send_signal(signal.SIGINT)  # it waits for the next line
+        process.wait(timeout=100)
+        output, errors = process.stdout.read(), process.stderr.read()
     finally:
         process.kill()
         process.wait()
+        for each in (process.stdin, process.stdout, process.stderr):
+            each.close()
     assert (process.returncode, output, errors) == (-signal.SIGINT, "", "\n")
 
 
