@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.transports.packets.duplicates import DuplicateWindow
+from jausml.runtime.transports.packets.duplicates import DuplicateWindow, pair_of
 from jausml.runtime.transports.packets.packet import AckNak, Packet
 
 A, B, OWN = JausAddress(1, 1, 1), JausAddress(2, 1, 1), JausAddress(9, 1, 1)
@@ -30,7 +30,7 @@ def test_a_number_with_other_content_is_no_duplicate() -> None:
     for each in (packet(A, 5), other, elsewhere, packet(A, 5)):
         assert not window.is_duplicate(each, 0.1)
     assert window.is_duplicate(packet(A, 5)._replace(acknowledge=AckNak.REQUESTED), 0.2)
-    assert len(window) == 1
+    assert len(window) == 2  # one of each destination
 
 
 def test_a_number_may_come_back_after_the_window() -> None:
@@ -42,18 +42,20 @@ def test_a_number_may_come_back_after_the_window() -> None:
 
 def test_a_number_that_came_back_is_among_the_latest() -> None:
     window = DuplicateWindow(seconds=3.0, history=2)
-    for number, now in ((1, 0.0), (2, 1.0), (1, 3.0), (3, 3.0)):
+    for number, now in ((1, 0.0), (2, 1.0), (1, 3.0), (3, 3.0), (4, 3.0)):
         assert not window.is_duplicate(packet(A, number), now)
-    assert window.is_duplicate(packet(A, 1), 3.1)
+    assert window.is_duplicate(packet(A, 3), 3.1)
     assert not window.is_duplicate(packet(A, 2), 3.1)
 
 
-def test_only_the_latest_numbers_of_a_source_are_remembered() -> None:
-    window = DuplicateWindow(history=3)
-    for number in range(4):
+def test_the_latest_numbers_of_a_source_are_remembered_and_few_others() -> None:
+    window = DuplicateWindow(history=4)
+    for number in range(100):
         window.is_duplicate(packet(A, number), 0.0)
-    assert window.is_duplicate(packet(A, 1), 0.0)
-    assert not window.is_duplicate(packet(A, 0), 0.0)
+        assert len(window) <= window.capacity == 6
+    for number in range(96, 100):
+        assert window.is_duplicate(packet(A, number), 0.0)
+    assert not window.is_duplicate(packet(A, 90), 0.0)
 
 
 def test_the_source_silent_longest_is_forgotten_first() -> None:
@@ -73,13 +75,13 @@ def test_memory_is_bounded_and_repetitions_are_found(arrivals: list[tuple[int, i
         source = JausAddress(subsystem, 1, 1)
         window.is_duplicate(packet(source, number), 1.0)
         assert window.is_duplicate(packet(source, number), 1.0)
-        assert len(window) <= 8 * 4
+        assert len(window) <= window.capacity * 4
 
 
 @given(
     st.lists(
         st.tuples(
-            st.integers(0, 3),
+            st.integers(0, 5),
             st.sampled_from([b"\x02\x40", bytes(2000), bytes(1999) + b"\x01", bytes(2_000_000)]),
             st.sampled_from([0.0, 0.4, 1.6]),
         ),
@@ -97,8 +99,9 @@ def test_a_large_payload_is_remembered_as_well_as_a_small_one(
         assert window.is_duplicate(packet(A, number, payload), now) is expected
         if not expected:
             model.pop(number, None)
-            if len(model) == 3:
-                del model[next(iter(model))]
+            if len(model) == window.capacity:
+                for oldest in list(model)[:2]:
+                    del model[oldest]
             model[number] = now, payload
 
 
@@ -107,7 +110,11 @@ def test_few_large_payloads_are_kept() -> None:
     payloads = [bytes([number]) * 1_000_000 for number in range(12)]
     for number, payload in enumerate(payloads):
         assert not window.is_duplicate(packet(A, number, payload), 0.0)
-    kept = [content for _, content in window.seen[A].values() if not isinstance(content, int)]
+    kept = [
+        content
+        for _, content in window.seen[pair_of(A, OWN)].values()
+        if not isinstance(content, int)
+    ]
     assert sum(len(payload) for _, payload in kept) == 4_000_000
     for number, payload in enumerate(payloads):
         assert window.is_duplicate(packet(A, number, payload), 0.1)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import socket
+import sys
 import time
 from contextlib import ExitStack, suppress
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -90,11 +92,11 @@ STEPS = st.lists(
 class Host:
     """A transport on a clock of its own, two sockets that send to it, and what happened."""
 
-    def __init__(self, stack: ExitStack, *, by_packets: bool) -> None:
+    def __init__(self, stack: ExitStack, *, by_packets: bool, history: int = 3) -> None:
         self.time = 1000.0
         self.loop = stack.enter_context(Loop(clock=lambda: self.time))
         self.peers = [stack.enter_context(_socket()) for _ in range(2)]
-        settings = TransportSettings(port=free_port(), duplicate_history=3)
+        settings = TransportSettings(port=free_port(), duplicate_history=history)
         self.transport = JudpTransport(settings, self.loop)
         self.transport.open()
         stack.callback(self.transport.close)
@@ -182,6 +184,28 @@ def test_datagrams_have_the_same_effects_on_bytes_and_as_packets(steps: list[Any
             for host in (on_bytes, as_packets):
                 host.step(*step)
         assert on_bytes.effects() == as_packets.effects()
+
+
+def test_the_account_costs_a_message_nothing() -> None:
+    with ExitStack() as stack:
+        host = Host(stack, by_packets=False, history=512)
+        host.step(0, Packet(FIRST, PEERS[0], b"\x02\x40", 0).encode())
+        called = set()
+
+        def note(frame: Any, event: str, _argument: object) -> None:
+            if event == "call":
+                called.add(Path(frame.f_code.co_filename).name)
+
+        sys.setprofile(note)
+        try:
+            for number in range(1, 300):  # there is room for more
+                host.step(0, Packet(FIRST, PEERS[0], b"\x02\x40", 2 * number).encode())
+        finally:
+            sys.setprofile(None)
+        assert "reading.py" in called
+        assert called.isdisjoint({"account.py", "duplicates.py"})
+        ((_, _, account),) = host.transport.inbox.duplicates.accounts()
+        assert (account.came, account.lost) == (300, 299)
 
 
 class TestUsual:

@@ -1,11 +1,17 @@
-"""Duplicate detection by source, sequence number and content."""
+"""Duplicate detection by source, destination, sequence number and content."""
 
 from __future__ import annotations
 
 from collections import OrderedDict, deque
+from itertools import islice
 from typing import TYPE_CHECKING
 
+from .account import Account
+
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from ...base.address import JausAddress
     from .packet import Packet
 
     Content = int | tuple[int, bytes]
@@ -17,23 +23,30 @@ SMALL = 1024
 _KEPT_BYTES = 4 << 20
 
 
+def pair_of(source: int, destination: int) -> int:
+    """Returns a key for the packets from one component to another."""
+    return source << 32 | destination
+
+
 class DuplicateWindow:
-    """Remembers the latest packets of each source (AS5669A, sequence numbers).
+    """Remembers the latest packets of each pair of components (AS5669A, sequence numbers).
 
     A packet is a duplicate when its number came within ``seconds`` with the same content and is
-    among the latest ``history`` of its source. The number alone does not tell: that of a component
+    among the latest ``history`` of its pair. The number alone does not tell: that of a component
     which restarts may begin anew, at 1 in each process of Junior, and what was acknowledged
-    and then dropped is lost for good. At most ``sources`` sources are remembered; the one
-    silent longest goes first.
+    and then dropped is lost for good. At most ``sources`` pairs are remembered; the one
+    silent longest goes first. Packets to wildcards are remembered apart from those to components,
+    since they may be numbered apart.
 
     Large payloads are kept at first: a hash would cost as much as all else that is done about them.
     They are replaced by their hash when there is time, and the oldest when they exceed 4 MiB.
 
     Attributes:
         seconds: How long a number is remembered.
-        history: How many are remembered of each source.
-        seen: By source, the one silent longest first: its numbers, the oldest first, with time and
-            content. That of a small payload is its hash and the destination. Those of a source
+        history: How many are remembered of each pair at least.
+        capacity: How many are remembered at most; the oldest go together then, by ``make_room``.
+        seen: By pair, the one silent longest first: its numbers, the oldest first, with time and
+            content. That of a small payload is its hash and the destination. Those of a pair
             that is forgotten are empty.
     """
 
@@ -41,9 +54,11 @@ class DuplicateWindow:
         """Start with no packets seen."""
         self.seconds = seconds
         self.history = history
+        self.capacity = history + max(1, history // 2)
         self.seen: OrderedDict[int, Numbers] = OrderedDict()
+        self._accounts: dict[int, tuple[JausAddress, JausAddress, Account]] = {}
         self._sources = sources
-        self._kept: deque[tuple[float, Numbers, int, tuple[int, bytes]]] = deque()
+        self._kept: deque[tuple[float, int, int, tuple[int, bytes]]] = deque()
         self._kept_size = 0
 
     def __len__(self) -> int:
@@ -54,72 +69,101 @@ class DuplicateWindow:
         """Return whether the packet was seen before, and remember it.
 
         Args:
-            packet: The packet; numbers count per source, not per destination. Its flags may differ
-                in a repetition.
+            packet: The packet; its flags may differ in a repetition.
             now: Time in seconds.
         """
-        numbers = self.seen.get(packet.source)
+        source, destination = packet.source, packet.destination
+        # A sender may number what goes to a wildcard by a count of its own.
+        pair = pair_of(source, 0 if destination.is_wildcard else destination)
+        numbers = self.seen.get(pair)
         if numbers is None:
-            if len(self.seen) >= self._sources:
-                self.seen.popitem(last=False)[1].clear()
-            numbers = self.seen[packet.source] = OrderedDict()
+            numbers = self._begin(pair)
+            if not destination.is_wildcard:
+                self._accounts[pair] = source, destination, Account()
         else:
-            self.seen.move_to_end(packet.source)
-        return self.is_known(numbers, packet.sequence, packet.destination, packet.payload, now)
+            self.seen.move_to_end(pair)
+        return self._is_known(pair, numbers, packet, now)
 
-    def is_known(
-        self, numbers: Numbers, sequence: int, destination: int, payload: bytes, now: float
-    ) -> bool:
-        """Return whether a source has sent a packet before, and remember it.
+    def accounts(self) -> Iterator[tuple[JausAddress, JausAddress, Account]]:
+        """Yield who sent to which component, and the account of it up to now.
 
-        Args:
-            numbers: Those of the source, one of ``seen``.
-            sequence: Number of the packet.
-            destination: Where it goes.
-            payload: What it carries.
-            now: Time in seconds.
+        The account of a pair ends when the pair is forgotten.
         """
-        before = numbers.get(sequence)
+        for pair, (source, destination, account) in self._accounts.items():
+            account.look(self.seen[pair])
+            yield source, destination, account
+
+    def _begin(self, pair: int) -> Numbers:
+        if len(self.seen) >= self._sources:
+            forgotten, numbers = self.seen.popitem(last=False)
+            numbers.clear()
+            self._accounts.pop(forgotten, None)
+        self.seen[pair] = OrderedDict()
+        return self.seen[pair]
+
+    def _is_known(self, pair: int, numbers: Numbers, packet: Packet, now: float) -> bool:
+        before = numbers.get(packet.sequence)
         if before is not None:
             since, known = before
-            if now - since < self.seconds and known == _content(known, destination, payload):
+            is_same = known == _content(known, packet.destination, packet.payload)
+            if now - since < self.seconds and is_same:
                 return True
-            del numbers[sequence]
-        self.remember(numbers, sequence, destination, payload, now)
+            self._forget(pair, numbers, [packet.sequence])
+        self.remember(pair, numbers, packet.sequence, packet.destination, packet.payload, now)
         return False
 
     def remember(
-        self, numbers: Numbers, sequence: int, destination: int, payload: bytes, now: float
+        self,
+        pair: int,
+        numbers: Numbers,
+        sequence: int,
+        destination: int,
+        payload: bytes,
+        now: float,
     ) -> None:
         """Remember a packet that is new, whose number is none of ``numbers``."""
-        if len(numbers) >= self.history:
-            numbers.popitem(last=False)
+        if len(numbers) >= self.capacity:
+            self.make_room(pair, numbers)
         if len(payload) < SMALL:
             numbers[sequence] = now, hash(payload) ^ destination
         else:
             large = destination, payload
             numbers[sequence] = now, large
-            self._keep(now, numbers, sequence, large)
+            self._keep(now, pair, sequence, large)
+
+    def make_room(self, pair: int, numbers: Numbers) -> None:
+        """Forget the oldest numbers of a pair, of which there are as many as can be."""
+        self._forget(pair, numbers, list(islice(numbers, len(numbers) - self.history + 1)))
 
     def settle(self) -> None:
         """Let go of the payloads that are kept; to be called when there is time."""
         while self._kept:
             self._let_go()
 
-    def _keep(self, now: float, numbers: Numbers, sequence: int, large: tuple[int, bytes]) -> None:
+    def _forget(self, pair: int, numbers: Numbers, sequences: list[int]) -> None:
+        """Forget numbers when they are counted."""
+        entry = self._accounts.get(pair)
+        if entry is not None:
+            entry[2].look(numbers)
+            entry[2].forget(len(sequences))
+        for each in sequences:
+            del numbers[each]
+
+    def _keep(self, now: float, pair: int, sequence: int, large: tuple[int, bytes]) -> None:
         """Keep a large payload, and let go of the oldest ones when there are too many."""
-        self._kept.append((now, numbers, sequence, large))
+        self._kept.append((now, pair, sequence, large))
         self._kept_size += len(large[1])
         while self._kept_size > _KEPT_BYTES:
             self._let_go()
 
     def _let_go(self) -> None:
         """Replace the oldest payload that is kept by its hash, which suffices."""
-        since, numbers, sequence, large = self._kept.popleft()
+        since, pair, sequence, large = self._kept.popleft()
         destination, payload = large
         self._kept_size -= len(payload)
-        entry = numbers.get(sequence)
-        if entry is not None and entry[1] is large:
+        numbers = self.seen.get(pair)
+        entry = None if numbers is None else numbers.get(sequence)
+        if numbers is not None and entry is not None and entry[1] is large:
             numbers[sequence] = since, hash(payload) ^ destination
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from ...base.address import address_of
 from ..delivery import MESSAGE_CODE_SIZE
+from ..packets.duplicates import pair_of
 from ..packets.packet import EMPTY_MESSAGE_SIZE, JUDP_VERSION
 
 if TYPE_CHECKING:
@@ -43,13 +44,14 @@ _MAX_WAYS = 1024
 class _Way:
     """What is known of the datagrams with the same flags, destination and source."""
 
-    __slots__ = ("answers", "destination", "entry", "numbers", "place", "source", "take")
+    __slots__ = ("answers", "destination", "entry", "numbers", "pair", "place", "source", "take")
 
     def __init__(
         self, destination: int, source: int, flags: int, entry: Entry, numbers: Numbers, take: Take
     ) -> None:
         self.destination = address_of(destination)
         self.source = address_of(source)
+        self.pair = pair_of(source, destination)
         self.entry = entry
         self.numbers = numbers
         self.take = take
@@ -93,7 +95,7 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
     clock, counters = loop.now, loop.counters
     received = counters.tally("judp.received")
     learnt, window, usual = book.learnt, inbox.duplicates, inbox.usual
-    seen, history = window.seen, window.history
+    seen, capacity = window.seen, window.capacity
     pack_answer, put = _ANSWER.pack, inbox.reassembly.put
     arrival = inbox.arrival
     burst, latest, limit = 1, clock(), standstill.limit
@@ -103,7 +105,7 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
         if len(data) <= EMPTY_MESSAGE_SIZE:
             return
         start, stated, flags, destination, source = _HEADER.unpack_from(data)
-        entry, numbers = learnt.get(source), seen.get(source)
+        entry, numbers = learnt.get(source), seen.get(pair_of(source, destination))
         take = inbox.takers.get(destination)
         if (
             start == JUDP_VERSION  # of a message type other than 0 as well
@@ -164,7 +166,7 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
                     otherwise(data, origin)
                     prepare(data, origin)
                 continue
-            sequence, numbers = data[-2] | data[-1] << 8, way.numbers
+            sequence, numbers, pair = data[-2] | data[-1] << 8, way.numbers, way.pair
             if sequence in numbers or not numbers:
                 otherwise(data, origin)
                 prepare(data, origin)
@@ -180,8 +182,8 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
                 found = put(source, way.destination, data[4], sequence, payload, now)
                 if found is None:
                     learnt.move_to_end(source)
-                    seen.move_to_end(source)
-                    window.remember(numbers, sequence, way.destination, payload, now)
+                    seen.move_to_end(pair)
+                    window.remember(pair, numbers, sequence, way.destination, payload, now)
                     if inbox.expiry is None:
                         inbox.plan_expiry()
                     enough = max(enough, count + 2)  # the next one is on its way
@@ -194,9 +196,9 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
                 inbox.count_failure(way.destination, error)
             finally:
                 learnt.move_to_end(source)
-                seen.move_to_end(source)
-                if len(numbers) >= history:
-                    numbers.popitem(last=False)
+                seen.move_to_end(pair)
+                if len(numbers) >= capacity:
+                    window.make_room(pair, numbers)
                 numbers[sequence] = now, hash(payload) ^ way.destination
                 if way.place:
                     window.settle()

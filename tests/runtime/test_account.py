@@ -1,0 +1,159 @@
+"""What is said of lost messages, against what was lost."""
+
+from __future__ import annotations
+
+import random
+from typing import TYPE_CHECKING, NamedTuple
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.transports.packets.account import SPAN, Account
+from jausml.runtime.transports.packets.duplicates import DuplicateWindow
+from jausml.runtime.transports.packets.packet import Packet
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+SENDER, OTHER, HERE = JausAddress(2, 1, 1), JausAddress(3, 1, 1), JausAddress(9, 1, 1)
+
+
+def packet(number: int, payload: bytes = b"\x02\x40", source: JausAddress = SENDER) -> Packet:
+    return Packet(HERE, source, payload, number & 0xFFFF)
+
+
+def account_of(window: DuplicateWindow, sender: JausAddress = SENDER) -> Account:
+    (found,) = [each for source, _, each in window.accounts() if source == sender]
+    return found
+
+
+class Truth(NamedTuple):
+    """What a network did.
+
+    Attributes:
+        arrivals: Numbers as they arrive, those that come twice twice.
+        sent: How many numbers were sent up to the last that came.
+        came: How many of them arrived at least once.
+    """
+
+    arrivals: list[int]
+    sent: int
+    came: int
+
+
+def network(
+    rng: random.Random, count: int, first: int, *, drop: float, repeat: float, jitter: int
+) -> Truth:
+    """Sends `count` packets, each delayed by up to `jitter` places; the first and last arrive."""
+    due: list[tuple[float, int]] = []
+    came = 0
+    for place in range(count):
+        is_end = place in (0, count - 1)
+        if not is_end and rng.random() < drop:
+            continue
+        came += 1
+        delay = 0 if is_end else rng.randint(0, jitter)
+        due.append((place + delay, place))
+        if rng.random() < repeat:
+            due.append((place + delay + 0.5, place))
+    return Truth([first + place for _, place in sorted(due)], count, came)
+
+
+def play(window: DuplicateWindow, arrivals: Iterable[int], every: int = 100) -> None:
+    """Lets numbers arrive, and looks now and then."""
+    for index, number in enumerate(arrivals):
+        window.is_duplicate(packet(number), index / 1000)
+        if index % every == 0:
+            list(window.accounts())
+
+
+@given(
+    st.integers(0, 2**32),
+    st.integers(2, 3000),
+    st.integers(0, 0xFFFF),
+    st.sampled_from([0.0, 0.1, 0.3, 0.9]),
+    st.sampled_from([0.0, 0.3]),
+    st.sampled_from([0, 1, 5, 40]),
+    st.sampled_from([1, 100, 10_000]),
+)
+def test_what_was_lost_repeated_reordered_and_wrapped_adds_up(
+    seed: int, count: int, first: int, drop: float, repeat: float, jitter: int, every: int
+) -> None:
+    truth = network(random.Random(seed), count, first, drop=drop, repeat=repeat, jitter=jitter)
+    window = DuplicateWindow(history=64)
+    play(window, truth.arrivals, every)
+    account = account_of(window)
+    assert (account.came, account.lost) == (truth.came, truth.sent - truth.came)
+    assert account.sent == truth.sent
+    assert account.restarts == 0
+    assert (account.late > 0) <= (jitter > 0)
+
+
+@given(st.integers(0, 0xFFFF), st.integers(SPAN + 1, 0x10000 - 2 * SPAN), st.integers(0, 2**32))
+def test_a_sender_that_begins_anew_is_counted_on(first: int, jump: int, seed: int) -> None:
+    rng = random.Random(seed)
+    fates = {"drop": 0.2, "repeat": 0.1, "jitter": 0}
+    before = network(rng, 300, first, **fates)
+    after = network(rng, 300, first + 300 + jump, **fates)
+    window = DuplicateWindow(history=64)
+    play(window, [*before.arrivals, *after.arrivals])
+    account = account_of(window)
+    assert account.restarts == 1
+    assert (account.came, account.sent) == (before.came + after.came, 600)
+
+
+def test_a_sender_whose_numbers_always_begin_at_one() -> None:
+    """As those of each process of Junior do."""
+    window = DuplicateWindow()
+    for life in range(3):
+        for number in range(1, 201):
+            text = f"\x02\x40{life}".encode()
+            assert not window.is_duplicate(packet(number, text), float(life))
+    account = account_of(window)
+    assert (account.came, account.lost, account.restarts) == (600, 0, 2)
+
+
+def test_what_comes_again_after_it_was_forgotten_is_no_new_life() -> None:
+    window = DuplicateWindow(seconds=1.5)
+    for number in range(100):
+        window.is_duplicate(packet(number), 0.0)
+    for number in (95, 96):
+        assert not window.is_duplicate(packet(number), 2.0)
+    window.is_duplicate(packet(100), 2.0)
+    account = account_of(window)
+    assert (account.came, account.lost, account.repeated, account.restarts) == (101, 0, 2, 0)
+
+
+def test_a_late_one_is_lost_no_more() -> None:
+    window = DuplicateWindow()
+    for number in (0, 2, 3):
+        window.is_duplicate(packet(number), 0.0)
+    assert account_of(window).lost == 1
+    window.is_duplicate(packet(1), 0.0)
+    account = account_of(window)
+    assert (account.came, account.lost, account.late) == (4, 0, 1)
+
+
+def test_a_flood_between_two_looks_is_counted() -> None:
+    """The memory is smaller than what comes between two looks."""
+    window = DuplicateWindow()
+    play(window, (number for number in range(20_001) if number % 10 == 0), every=10**9)
+    account = account_of(window)
+    assert (account.came, account.lost) == (2001, 18_000)
+
+
+def test_a_sender_that_is_forgotten_begins_anew() -> None:
+    window = DuplicateWindow(sources=1)
+    window.is_duplicate(packet(1), 0.0)
+    window.is_duplicate(packet(1, source=OTHER), 0.0)
+    window.is_duplicate(packet(9), 0.0)
+    assert [(source, each.sent) for source, _, each in window.accounts()] == [(SENDER, 1)]
+
+
+def test_a_packet_to_everybody_is_no_gap() -> None:
+    window = DuplicateWindow()
+    for number in range(3):
+        window.is_duplicate(packet(number), 0.0)
+        window.is_duplicate(Packet(BROADCAST, SENDER, b"\x02\x40", number + 50), 0.0)
+    assert account_of(window).sent == 3
