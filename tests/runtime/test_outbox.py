@@ -52,12 +52,12 @@ class Recording(Carrier[str]):
 class Line:
     """A messenger, what it put on the network, and the results that it reported."""
 
-    def __init__(self, clock) -> None:
+    def __init__(self, clock, draw=None) -> None:
         self.clock = clock
         self.loop = Loop(clock, Counters(clock))
         self.carrier = Recording()
         settings = TransportSettings(fragment_size=PACKET)
-        self.messenger = Messenger(settings, self.loop, self.carrier)
+        self.messenger = Messenger(settings, self.loop, self.carrier, draw)
         self.results: dict[str, bool] = {}
 
     def send(
@@ -125,6 +125,24 @@ def test_few_messages_are_under_way_at_once_unless_they_are_urgent(line):
     assert line.out() == "a" * 2  # the urgent one had taken a place
     line.acknowledge(*first[3:])
     assert line.out() == "a" * 6
+
+
+def test_equal_numbers_to_several_destinations_are_acknowledged_apart(clock):
+    """Each destination is numbered by itself."""
+    line = Line(clock, draw=lambda _limit: 7)
+    everybody = JausAddress(300, 255, 255)
+    for name, to in (("a", PEER), ("b", OTHER), ("c", everybody)):
+        line.send(name, to=to)
+    assert {each.sequence for each in line.carrier.packets} == {7}
+    at_peer, at_other, at_all = line.carrier.packets
+    line.acknowledge(at_other)
+    assert line.results == {"b": True}
+    line.acknowledge(at_peer)
+    line.messenger._outbox.acknowledged(OWN, at_all.sequence, JausAddress(300, 1, 3))
+    line.pass_time(0)
+    assert line.results == {"a": True, "b": True, "c": True}
+    line.messenger.close()
+    line.loop.stop()
 
 
 def test_a_message_of_few_packets_needs_no_acknowledgement(line):

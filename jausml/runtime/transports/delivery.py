@@ -40,7 +40,7 @@ class Arrival:
 
     Attributes:
         number: Its sequence number, by which later ones of its source can be told from earlier
-            ones; None where the transport keeps the order.
+            ones; None where the transport keeps the order, and for what goes to a wildcard.
         is_sure: Whether it asks for acknowledgement; its repetition rightly comes late.
     """
 

@@ -157,6 +157,7 @@ class Inbox(Generic[Origin]):
         if packet.acknowledge >= AckNak.NAK:
             self._on_acknowledgement(packet, receivers, origin, now)
         elif len(packet.payload) < MESSAGE_CODE_SIZE and packet.data_flags <= DataFlags.FIRST:
+            self.duplicates.is_duplicate(packet, now)  # it is not lost, and has a number
             self._counters.count("transport.no_message_code", f"{packet.source} at {origin}")
         else:
             if packet.acknowledge:
@@ -181,7 +182,9 @@ class Inbox(Generic[Origin]):
     def deliver(self, packet: Packet, receivers: Receivers) -> None:
         """Hand a whole message to components."""
         message = None
-        self.arrival.number, self.arrival.is_sure = packet.sequence, bool(packet.acknowledge)
+        # What goes to a wildcard may be numbered apart from the rest.
+        self.arrival.number = None if packet.destination.is_wildcard else packet.sequence
+        self.arrival.is_sure = bool(packet.acknowledge)
         for address, receive in receivers:
             take = self.takers.get(address)
             try:

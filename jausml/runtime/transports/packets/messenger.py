@@ -108,7 +108,7 @@ class Messenger(Generic[Origin]):
             report(self._loop, on_result, success=False)
             return
         if destination in self.inbox.receivers:
-            number = self.packetizer.reserve(source, 1)
+            number = self.packetizer.reserve(source, destination, 1)
             self._send_here(Packet(destination, source, payload, number, priority), on_result)
             return
         count = self.packetizer.count(destination, len(payload))
@@ -155,7 +155,7 @@ class Messenger(Generic[Origin]):
         on_result: OnResult | None,
     ) -> None:
         """Send what most messages are: one packet to one component of another process."""
-        number = next(self.packetizer.numbers(source)) & 0xFFFF
+        number = next(self.packetizer.numbers(source, destination)) & 0xFFFF
         wanted = AckNak.REQUESTED if asks else AckNak.NONE
         packet = Packet(
             destination, source, payload, number, priority, Broadcast.NONE, wanted, DataFlags.SINGLE

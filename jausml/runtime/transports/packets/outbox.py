@@ -28,6 +28,15 @@ PATIENCE = 4
 packet in three frames is lost often where one frame in five is."""
 
 
+_Key = tuple[int, int, int]
+"""Who sends a packet, to whom (0 is any wildcard: they are numbered together), and its number."""
+
+
+def _key(packet: Packet) -> _Key:
+    destination = packet.destination
+    return packet.source, 0 if destination.is_wildcard else destination, packet.sequence
+
+
 class _Flight:
     """A packet under way."""
 
@@ -36,7 +45,7 @@ class _Flight:
     def __init__(self, message: Message, packet: Packet, since: float, due: float) -> None:
         self.message = message
         self.packet = packet
-        self.key: tuple[int, int] = packet.source, packet.sequence
+        self.key = _key(packet)
         self.since = since
         self.due = due
         self.repetitions = 0
@@ -73,7 +82,7 @@ class Outbox:
         self._carrier = carrier
         self._lock = threading.Lock()
         self._lanes: dict[JausAddress, Lane] = {}
-        self._flights: dict[tuple[int, int], _Flight] = {}  # in the order in which they are due
+        self._flights: dict[_Key, _Flight] = {}  # in the order in which they are due
         self._timer: Timer | None = None
         self._messages: dict[Message, None] = {}  # in the order of sending
         self._size = 0
@@ -120,7 +129,8 @@ class Outbox:
             by: Who acknowledges it.
         """
         with self._lock:
-            flight = self._flights.get((component, sequence))
+            flights = self._flights
+            flight = flights.get((component, by, sequence)) or flights.get((component, 0, sequence))
             if flight is None:
                 return False
             message, destination = flight.message, flight.packet.destination
@@ -260,7 +270,7 @@ class Outbox:
         message = flight.message
         lane = self._lanes[flight.packet.destination]
         for packet in message.packets[: message.sent]:
-            other = self._flights.get((packet.source, packet.sequence))
+            other = self._flights.get(_key(packet))
             if other is not None and other.message is message:
                 self._land(other)
         self._forget(message, lane)

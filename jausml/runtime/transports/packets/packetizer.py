@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import random
 from itertools import count, islice
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
+from ...base.address import address_of
 from ...base.settings import MAX_FRAGMENT_SIZE
 from .packet import Broadcast, DataFlags, Packet
 
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from .packet import AckNak, Priority
 
 _MAX_FRAGMENTS = 32768
+_MOST_PAIRS = 4096
 _PLACES = tuple(DataFlags)
 _FIRST, _MIDDLE, _LAST = (place << 6 for place in _PLACES[1:])
 MOST_SMALL_FRAGMENTS = 40
@@ -23,7 +25,11 @@ MOST_SMALL_FRAGMENTS = 40
 
 
 class Packetizer:
-    """Numbers the packets of each source and cuts large messages; callable from any thread.
+    """Numbers packets and cuts large messages; callable from any thread.
+
+    Each destination gets consecutive numbers of each source, whatever is sent to others, so that
+    it can tell what was lost on the way to it. All wildcards together are one destination, and so
+    are those that come when there are 4,096 others: strangers must not fill the memory.
 
     Packets are larger than wished for where a message would take more than 40 of them, since
     Junior and the JAUS Tool Set hold no more than 50 of an unfinished message.
@@ -39,7 +45,7 @@ class Packetizer:
         """
         self._draw = random.randrange if draw is None else draw
         self._fragment_size = fragment_size
-        self._numbers: dict[JausAddress, count[int]] = {}
+        self._numbers: dict[tuple[int, int], _Numbers] = {}
 
     def refusal(self, destination: JausAddress, size: int) -> str:
         """Return the counter of what forbids to send so many bytes, if anything does."""
@@ -69,7 +75,7 @@ class Packetizer:
         """Return the packets of a message with their sequence numbers."""
         none = Broadcast.NONE
         if len(payload) <= self._step(destination, len(payload)):
-            number = self.reserve(source, 1)
+            number = self.reserve(source, destination, 1)
             return [Packet(destination, source, payload, number, priority, none, acknowledge)]
         return [
             Packet(
@@ -89,7 +95,7 @@ class Packetizer:
         size = len(payload)
         step = self._step(destination, size)
         count = -(-size // step)
-        first = self.reserve(source, count)
+        first = self.reserve(source, destination, count)
         parts = [
             (payload[start : start + step], _MIDDLE, first + index & 0xFFFF)
             for index, start in enumerate(range(0, size, step))
@@ -106,21 +112,55 @@ class Packetizer:
         needed = -(-size // MOST_SMALL_FRAGMENTS)
         return max(self._fragment_size, min(MAX_FRAGMENT_SIZE, needed))
 
-    def reserve(self, source: JausAddress, amount: int) -> int:
-        """Take consecutive sequence numbers of a source and return the first."""
-        numbers = self.numbers(source)
+    def reserve(self, source: JausAddress, destination: JausAddress, amount: int) -> int:
+        """Take consecutive sequence numbers of a pair and return the first."""
+        numbers = self.numbers(source, destination)
         while True:
             taken = list(islice(numbers, amount))
             if taken[-1] - taken[0] == amount - 1:  # no other thread took one between
                 return taken[0] & 0xFFFF
 
-    def numbers(self, source: JausAddress) -> Iterator[int]:
-        """Return the sequence numbers of a source, to be taken modulo 65536 one by one.
+    def numbers(self, source: JausAddress, destination: JausAddress) -> Iterator[int]:
+        """Return the sequence numbers of a pair, to be taken modulo 65536 one by one.
 
         Each is taken in one step of the interpreter, which needs no lock.
         """
-        known = self._numbers.get(source)
+        pair = source, 0 if destination.is_wildcard else destination
+        known = self._numbers.get(pair)
+        if known is None and len(self._numbers) >= _MOST_PAIRS:
+            pair = source, 0
+            known = self._numbers.get(pair)
         if known is None:
             # A restarted sender must not repeat numbers that peers remember as seen.
-            known = self._numbers.setdefault(source, count(self._draw(0x10000)))
-        return known
+            first = self._draw(0x10000)
+            known = self._numbers.setdefault(pair, _Numbers(first, count(first)))
+        return known.following
+
+    def sent(self, source: JausAddress) -> dict[JausAddress, int]:
+        """Return how many packets a component was given numbers for, by destination.
+
+        Args:
+            source: A component of this process. What it sends to wildcards is left out.
+        """
+        return {
+            address_of(destination): numbers.used
+            for (sender, destination), numbers in list(self._numbers.items())
+            if sender == source and destination
+        }
+
+
+class _Numbers(NamedTuple):
+    """The sequence numbers of a pair.
+
+    Attributes:
+        first: The first of them.
+        following: Those that are not taken yet.
+    """
+
+    first: int
+    following: count[int]
+
+    @property
+    def used(self) -> int:
+        """How many are taken. A count tells where it is by its representation alone."""
+        return int(repr(self.following)[len("count(") : -1]) - self.first

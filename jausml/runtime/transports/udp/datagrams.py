@@ -112,7 +112,7 @@ class DatagramTransport(Transport):
             source,
             destination,
             priority,
-            messenger.packetizer.numbers(source),
+            messenger.packetizer.numbers(source, destination),
             self._settings.fragment_size,
             self._inbox,
             partial(messenger.cut, source, destination),

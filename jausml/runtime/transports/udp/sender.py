@@ -149,7 +149,7 @@ class Sender(Carrier[Endpoint]):
             source: Component that sends.
             destination: Component, not a wildcard.
             priority: Priority of the messages.
-            numbers: Sequence numbers of the source.
+            numbers: Sequence numbers from the one to the other.
             longest: Bytes of payload that one packet carries.
             inbox: Components of this process, which are not sent to.
             cut: Yields the parts of a payload of several packets, each with its place and its
