@@ -16,7 +16,15 @@ _LEVELS = (Level.OK, Level.WARNING, Level.ERROR, Level.STALE)
 _DECLARED = "declared rate (Hz)"
 _OF_A_BRIDGE = ("jaus id", "jaus socket", "jaus state", "jaus traffic", "simulated time")
 _LATENCY = re.compile(r"((?:source to bridge|in the bridge) (?:p50|p99|max)) \(us\)")
-_LOSSES = ("lost in queue", "lost on the way", "missed", "out of order", "too old")
+_OF_A_PEER = "account of "
+_LOSSES = (
+    "lost in queue",
+    "lost on the way",
+    "lost on the way, at most",
+    "missed",
+    "out of order",
+    "too old",
+)
 _JAUS_ID = re.compile(r"\d{1,5}\.\d{1,3}\.\d{1,3}")
 _COUNT = re.compile(r"\d{1,18}")
 _PEERS = ("peer", "search")
@@ -60,7 +68,7 @@ def connection_of(status: Status, now: float) -> ConnectionState | None:
     bridge, colon, name = status.name.rpartition(": ")
     values = tuple((cut(key), cut(value)) for key, value in status.values[:MOST_VALUES])
     told = dict(values)
-    concerns_bridge = name in _OF_A_BRIDGE
+    concerns_bridge = name in _OF_A_BRIDGE or name.startswith(_OF_A_PEER)
     peers = {key: value for key, value in values if key.partition(" ")[0] in _PEERS}
     is_known = colon and (concerns_bridge or peers or not _OF_A_CONNECTION.isdisjoint(told))
     if not is_known or not _JAUS_ID.fullmatch(status.hardware_id):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol
 
+from .accounting import Accounting
 from .diagnostic_array import DiagnosticArray
 from .diagnostics import double_status, socket_status, state_status, traffic_status
 from .ends import Ends
@@ -56,6 +57,7 @@ class Diagnosing:
         self._waiting: Sequence[Carried] = ()
         self._kernel_drops = 0
         self._dropped: Mapping[str, int] = {}
+        self._accounting = Accounting(bridge.component)
         self._timer: Timer | None = None
 
     def start(self) -> None:
@@ -117,4 +119,4 @@ class Diagnosing:
         if drops:
             is_new, self._kernel_drops = drops > self._kernel_drops, drops
             found.append(socket_status(drops, own, is_new=is_new))
-        return found
+        return [*found, *self._accounting.statuses(self._loop.now())]

@@ -22,6 +22,7 @@ from ..transports.delivery import MESSAGE_CODE_SIZE
 from ..transports.packets.packet import Priority
 from ..wire.message import DecodeError, EncodeError, Message
 from ..wire.selection import asked_for, asked_for_in
+from .accounts import log_accounts
 from .hooks import ComponentHooks
 
 if TYPE_CHECKING:
@@ -314,6 +315,7 @@ class ComponentBase(ComponentHooks):
                 self._jaus_core.events.stop()
                 self._jaus_core.liveness.stop()
                 self._jaus_running = False
+                log_accounts(self)
                 self.transport.detach(self.address)
 
     def fail(self, reason: str) -> None:
@@ -471,6 +473,18 @@ class ComponentBase(ComponentHooks):
     def attempt(self, function: Callable[..., Any], *arguments: object) -> tuple[bool, Any]:
         """Call user code; tell whether it raised no error, and what it returned."""
         return self._jaus_router.attempt(function, *arguments)
+
+    def drops_of(self, sender: JausAddress) -> dict[str, int]:
+        """Return how many messages of a sender were dropped before they were acted on, by reason.
+
+        Those that came out of order, were refused, could not be read or are not known, each with
+        the name of the message. With the lock of the loop, as it changes while messages come.
+        """
+        return {
+            f"{reason} {message}": count
+            for (each, reason, message), count in self._jaus_router.drops.items()
+            if each == sender
+        }
 
     def permissions_changed(self) -> None:
         """End the commands under way that are not allowed any more; called by the services."""

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from ..base.counters import Clock, Counters
     from .ordering import Ordering
 
+_MOST_DROPS = 1024
+
 LONGEST_CALL = 0.5
 """Seconds after which the log tells that user code blocks."""
 
@@ -102,6 +104,8 @@ class Router:
             what takes a message may add others.
         unwanted: By message code what takes the payloads that nothing else takes.
         unknown: Takes the payloads of all other messages.
+        drops: How many messages were dropped, by sender, reason and message; strangers do not
+            fill it beyond 1,024.
     """
 
     def __init__(
@@ -128,6 +132,7 @@ class Router:
         self.takers: dict[int, tuple[Take, ...]] = {}
         self.unwanted: dict[int, Take] = {}
         self.unknown: tuple[Take, ...] = (self._take_unknown,)
+        self.drops: dict[tuple[JausAddress, str, str], int] = {}
 
     # ---- routes -----------------------------------------------------------------------------
 
@@ -250,10 +255,11 @@ class Router:
 
     def _in_order(self, message_class: type[Message], take: Take) -> Take:
         """Return what takes messages but those that newer ones of their sender came before."""
-        is_late, counters = self._ordering().is_late, self._counters
+        is_late, counters, note = self._ordering().is_late, self._counters, self._note_drop
 
         def take_newer(payload: bytes, sender: JausAddress) -> None:
             if is_late(sender):
+                note(sender, "out of order", message_class.NAME)
                 counters.count("component.out_of_order", f"{message_class.NAME} of {sender}")
             else:
                 take(payload, sender)
@@ -350,15 +356,24 @@ class Router:
     def _take_unknown(self, payload: bytes, sender: JausAddress) -> None:
         self.unwanted.get(payload[0] | payload[1] << 8, self._count_unknown)(payload, sender)
 
-    def _count_unknown(self, _payload: bytes, _sender: JausAddress) -> None:
+    def _note_drop(self, sender: JausAddress, reason: str, message: str) -> None:
+        key = sender, reason, message
+        count = self.drops.get(key, 0)
+        if count or len(self.drops) < _MOST_DROPS:
+            self.drops[key] = count + 1
+
+    def _count_unknown(self, payload: bytes, sender: JausAddress) -> None:
+        self._note_drop(sender, "unknown", f"{payload[0] | payload[1] << 8:04X}h")
         self._counters.add("component.unknown_message")
 
     def _count_bad(
         self, message_class: type[Message], sender: JausAddress, error: DecodeError
     ) -> None:
+        self._note_drop(sender, "unreadable", message_class.NAME)
         self._counters.count("component.bad_message", f"{message_class.NAME} of {sender}: {error}")
 
     def _count_refused(self, handler: Handler, guard: Guard, sender: JausAddress) -> None:
+        self._note_drop(sender, "refused", handler.message_class.NAME)
         self._counters.count(
             "component.command_refused",
             f"{handler.message_class.NAME} of {sender} needs {guard.value}",

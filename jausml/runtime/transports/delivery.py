@@ -52,6 +52,38 @@ class Arrival:
         self.is_sure = False
 
 
+class PeerTraffic(NamedTuple):
+    """What a component of this process and another one have exchanged so far.
+
+    A message is one packet or, if it is large, several; acknowledgements are not counted. What the
+    numbers of the peer tell (``Account``) is exact if it numbers what it sends by destination, as
+    components of jausml do, or talks to this component alone. Else ``lost`` is an upper bound.
+
+    Attributes:
+        own: The component of this process.
+        peer: The other one.
+        sent: Packets to the peer.
+        acknowledged: Messages to the peer that were acknowledged.
+        unacknowledged: Messages that were not in time, though they may have arrived.
+        came: Packets of the peer that arrived.
+        lost: Packets of the peer that were lost on the way.
+        late: Those that arrived after newer ones.
+        repeated: Packets that came again, too late to be known as duplicates.
+        restarts: How often the peer began anew.
+    """
+
+    own: JausAddress
+    peer: JausAddress
+    sent: int = 0
+    acknowledged: int = 0
+    unacknowledged: int = 0
+    came: int = 0
+    lost: int = 0
+    late: int = 0
+    repeated: int = 0
+    restarts: int = 0
+
+
 class Double(NamedTuple):
     """Another component that was heard with the address of one of this process.
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..base.counters import Counters
     from ..base.loop import Loop
     from ..base.settings import TransportSettings
-    from .delivery import Double, OnResult, Receive, Take
+    from .delivery import Double, OnResult, PeerTraffic, Receive, Take
     from .packets.messenger import Messenger
 
 
@@ -86,6 +86,17 @@ class Transport(ABC):
         with self.loop.lock:
             messenger = self._messenger_of(address)
             return None if messenger is None else messenger.inbox.double_of(address)
+
+    def traffic(self, address: JausAddress) -> list[PeerTraffic]:
+        """Return what a component has exchanged with each other one, in packets.
+
+        Args:
+            address: A component of this process.
+        """
+        with self.loop.lock:
+            messenger = self._messenger_of(address)
+            known = [] if messenger is None else messenger.traffic()
+            return [each for each in known if each.own == address]
 
     def is_unheard(self, address: JausAddress) -> bool:
         """Return whether a component would have been heard by now if messages reached it.

@@ -11,7 +11,7 @@ from jausml.runtime import ComponentSettings, JausComponent, ServiceIdentity
 from jausml.runtime import messages as core_messages
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.loop import Loop
-from jausml.runtime.transports.delivery import Arrival, ReceivedMessage
+from jausml.runtime.transports.delivery import Arrival, PeerTraffic, ReceivedMessage
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import DecodeError, Message
 
@@ -62,6 +62,7 @@ class World:
         self.kept: dict[JausAddress, JausAddress | None] = {}
         self.proof_listeners: list[Callable[[JausAddress], None]] = []
         self.heard: dict[JausAddress, float] = {}
+        self.exchanged: list[PeerTraffic] = []
 
     @property
     def counters(self) -> Counters:
@@ -73,6 +74,10 @@ class World:
 
     def detach(self, address: JausAddress) -> None:
         self._receivers.pop(address, None)
+
+    def traffic(self, address: JausAddress) -> list[PeerTraffic]:
+        """What the test says."""
+        return [each for each in self.exchanged if each.own == address]
 
     def is_unheard(self, address: JausAddress) -> bool:
         """Messages are lost on their way to nobody."""

@@ -9,12 +9,15 @@ from functools import partial
 import pytest
 
 from jausml.runtime import Guard, Status
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.bridge.accounting import LATELY
 from jausml.runtime.bridge.bridge import Bridge
 from jausml.runtime.bridge.diagnosing import SLICE
 from jausml.runtime.bridge.latency import WINDOW, Latency
 from jausml.runtime.bridge.settings import BridgeSettings
 from jausml.runtime.bridge.to_ros import QueryToTopics
 from jausml.runtime.bridge.topics import Topic
+from jausml.runtime.component.accounts import MOST_PEERS
 from jausml.runtime.conversions import Time, time_to_timestamp
 from jausml.runtime.messages import (
     ConfirmEventRequest,
@@ -28,6 +31,7 @@ from jausml.runtime.messages import (
     Resume,
     SetTime,
 )
+from jausml.runtime.transports.delivery import PeerTraffic
 
 from .bridge_support import (
     CORE,
@@ -410,3 +414,37 @@ def test_percentiles_are_of_the_latest_messages():
         ("in the bridge p99 (us)", f"{2 * WINDOW + (WINDOW - 1) * 99 // 100}.0"),
         ("in the bridge max (us)", f"{3 * WINDOW - 1}.0"),
     ]
+
+
+def test_each_peer_has_an_account(world, setting):
+    setting.open(event())
+    world.exchanged = [PeerTraffic(OWN, PEER, 40, acknowledged=3, came=70, lost=30)]
+    world.run(1.1)
+    status = setting.ros.statuses[-1]["account of 1.1.1"]
+    assert (status.level, status.message) == (
+        "ok",
+        "30.0 % were lost on the way lately, at most",
+    )
+    assert values(status)["sent by it"] == "100"
+    assert values(status)["lost on the way, at most"] == "30"
+    assert values(status)["acknowledged"] == "3"
+    world.exchanged = [PeerTraffic(OWN, PEER, 40, came=90, lost=30)]
+    world.run(LATELY + 1.1)
+    world.exchanged = [PeerTraffic(OWN, PEER, 40, came=100, lost=30)]
+    world.run(1.1)
+    status = setting.ros.statuses[-1]["account of 1.1.1"]
+    assert status.message == "nothing was lost lately"
+    world.run(LATELY + 1.1)
+    assert setting.ros.statuses[-1]["account of 1.1.1"].message == "nothing came lately"
+
+
+def test_few_peers_are_told_of_and_those_with_a_place_first(world, setting):
+    setting.open(event())
+    strangers = [PeerTraffic(OWN, JausAddress(7, 1, 1 + each), came=1) for each in range(50)]
+    world.keep_place(OWN, OTHER)
+    world.exchanged = [PeerTraffic(OWN, OTHER, came=1), *strangers]
+    world.run(1.1)
+    told = [each for each in setting.ros.statuses[-1] if each.startswith("account of ")]
+    assert len(told) == MOST_PEERS
+    assert told[0] == f"account of {OTHER}"
+    assert told[-1] == "account of 7.1.50"

@@ -87,11 +87,14 @@ class DuplicateWindow:
     def accounts(self) -> Iterator[tuple[JausAddress, JausAddress, Account]]:
         """Yield who sent to which component, and the account of it up to now.
 
+        The one silent longest is first.
         The account of a pair ends when the pair is forgotten.
         """
-        for pair, (source, destination, account) in self._accounts.items():
-            account.look(self.seen[pair])
-            yield source, destination, account
+        for pair, numbers in self.seen.items():
+            entry = self._accounts.get(pair)
+            if entry is not None:
+                entry[2].look(numbers)
+                yield entry
 
     def _begin(self, pair: int) -> Numbers:
         if len(self.seen) >= self._sources:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Generic
 
+from ...base.address import address_of
 from ...base.counters import LOGGER
 from ...base.settings import MAX_FRAGMENT_SIZE
-from ..delivery import MESSAGE_CODE_SIZE, report
+from ..delivery import MESSAGE_CODE_SIZE, PeerTraffic, report
 from .bursts import Bursts
 from .carrier import Carrier, Origin, ReliableCarrier
 from .inbox import Inbox
@@ -124,6 +125,34 @@ class Messenger(Generic[Origin]):
             self._send_all(packets, on_result)
         if count > HELD_BY_PEERS:
             self._warn_of_size(packets[0], count)
+
+    def traffic(self) -> list[PeerTraffic]:
+        """Return what components of this process and others have exchanged, by pair.
+
+        Those whose other one was heard last are last.
+        To be called with the lock of the loop.
+        """
+        found: dict[tuple[JausAddress, JausAddress], PeerTraffic] = {}
+        for own in self.inbox.receivers:
+            for peer, sent in self.packetizer.sent(own).items():
+                if peer not in self.inbox.receivers:
+                    found[own, peer] = PeerTraffic(own, peer, sent)
+        for (source, destination), outcome in list(self._outbox.outcomes.items()):
+            pair = address_of(source), address_of(destination)
+            if pair in found:
+                found[pair] = found[pair]._replace(
+                    acknowledged=outcome.acknowledged, unacknowledged=outcome.unacknowledged
+                )
+        for peer, own, account in self.inbox.duplicates.accounts():
+            known = found.pop((own, peer), None) or PeerTraffic(own, peer)
+            found[own, peer] = known._replace(
+                came=account.came,
+                lost=account.lost,
+                late=account.late,
+                repeated=account.repeated,
+                restarts=account.restarts,
+            )
+        return list(found.values())
 
     def cut(
         self, source: JausAddress, destination: JausAddress, payload: bytes

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 _MAX_MESSAGES = 4096
 _MAX_BYTES = 16 << 20
 _MAX_IDLE_LANES = 256
+_MOST_OUTCOMES = 4096
 _BEST_EFFORT_WINDOW = 8
 _BEST_EFFORT_PATIENCE_S = 1.0
 
@@ -51,6 +52,16 @@ class _Flight:
         self.repetitions = 0
 
 
+class Outcome:
+    """How many messages from one component to another were acknowledged in time, and were not."""
+
+    __slots__ = ("acknowledged", "unacknowledged")
+
+    def __init__(self) -> None:
+        self.acknowledged = 0
+        self.unacknowledged = 0
+
+
 class Outbox:
     """Repeats packets until they are acknowledged (AS5669A, acknowledge and retry).
 
@@ -60,6 +71,9 @@ class Outbox:
     With it goes all that waits for a destination of which nothing was heard meanwhile. The lane
     of each destination says which packets are under way at once. Callable from any thread;
     results are reported on the loop's thread.
+
+    Attributes:
+        outcomes: What became of messages, by source and destination, of 4,096 pairs at most.
     """
 
     def __init__(
@@ -80,6 +94,7 @@ class Outbox:
         self._retries = settings.acknowledge_retries
         self._loop = loop
         self._carrier = carrier
+        self.outcomes: dict[tuple[int, int], Outcome] = {}
         self._lock = threading.Lock()
         self._lanes: dict[JausAddress, Lane] = {}
         self._flights: dict[_Key, _Flight] = {}  # in the order in which they are due
@@ -143,6 +158,7 @@ class Outbox:
             is_done = message.is_done
             if is_done:
                 self._forget(message, lane)
+                self._outcome_of(message).acknowledged += 1
             ready = self._take_off(lane, destination) if lane.waits else ()
         if is_done and message.on_result is not None:
             self._report(message, acknowledged=True)
@@ -256,6 +272,7 @@ class Outbox:
             self._carrier.suspect(packet.destination, flight.since)
         for message in given_up:
             self._loop.counters.count("transport.unacknowledged", f"{packet.destination}")
+            self._outcome_of(message).unacknowledged += 1
             self._report(message, acknowledged=False)
         self._transmit(ready)
 
@@ -279,6 +296,16 @@ class Outbox:
         for each in waiting:
             self._drop(each)
         return [message, *waiting]
+
+    def _outcome_of(self, message: Message) -> Outcome:
+        packet = message.packets[0]
+        pair = packet.source, packet.destination
+        known = self.outcomes.get(pair)
+        if known is None:
+            known = Outcome()
+            if len(self.outcomes) < _MOST_OUTCOMES:
+                self.outcomes[pair] = known
+        return known
 
     def _transmit(self, packets: list[Packet]) -> None:
         """Put packets on the network; without the lock, since the loop may be waiting for it."""

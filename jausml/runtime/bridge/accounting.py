@@ -1,0 +1,70 @@
+"""The account of every peer in `/diagnostics`: what it sent, and what became of that."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import TYPE_CHECKING
+
+from ..component.accounts import accounts_of
+from .diagnostics import ConnectionStatus
+
+if TYPE_CHECKING:
+    from ..base.address import JausAddress
+    from ..component.accounts import Accountable
+    from ..transports.delivery import PeerTraffic
+
+LATELY = 10.0
+"""Seconds over which the share of lost packets is told."""
+
+
+class Accounting:
+    """Makes the statuses of peers. All of it runs on the loop.
+
+    It reads what the transport and the component count anyway, when a status is wanted. The level
+    is always OK: of peers that number for all whom they talk to, what they sent to others looks
+    lost, and nobody can tell them by what they send. What surely was lost, the connections warn of.
+    """
+
+    def __init__(self, component: Accountable) -> None:
+        """Has told nothing yet.
+
+        Args:
+            component: The JAUS side of the bridge.
+        """
+        self._component = component
+        self._told: dict[JausAddress, deque[tuple[float, int, int]]] = {}
+
+    def statuses(self, now: float) -> list[ConnectionStatus]:
+        """Returns a status for each peer that something came from, or was sent to.
+
+        Args:
+            now: Time of the loop.
+        """
+        own = str(self._component.address)
+        accounts = accounts_of(self._component)
+        peers = [each.traffic.peer for each in accounts]
+        self._told = {each: self._told.get(each, deque()) for each in peers}
+        return [
+            ConnectionStatus(
+                f"account of {each.traffic.peer}",
+                "ok",
+                self._lately(each.traffic, now),
+                own,
+                tuple((name, str(count)) for name, count in each.counts().items()),
+            )
+            for each in accounts
+        ]
+
+    def _lately(self, traffic: PeerTraffic, now: float) -> str:
+        """Returns which share of what a peer sent lately was lost."""
+        told = self._told[traffic.peer]
+        while len(told) > 1 and told[1][0] <= now - LATELY:
+            told.popleft()
+        came, lost = told[0][1:] if told else (0, 0)
+        told.append((now, traffic.came, traffic.lost))
+        came, lost = traffic.came - came, traffic.lost - lost
+        if came <= 0:
+            return "nothing came lately"
+        if lost <= 0:
+            return "nothing was lost lately"
+        return f"{100 * lost / (came + lost):.1f} % were lost on the way lately, at most"
