@@ -114,11 +114,23 @@ def test_a_sender_whose_numbers_always_begin_at_one() -> None:
     assert (account.came, account.lost, account.restarts) == (600, 0, 2)
 
 
-def test_what_comes_again_after_it_was_forgotten_is_no_new_life() -> None:
+def test_what_is_repeated_for_long_is_no_new_life() -> None:
+    """As by a sender that hears no acknowledgement."""
     window = DuplicateWindow(seconds=1.5)
     for number in range(100):
         window.is_duplicate(packet(number), 0.0)
-    for number in (95, 96):
+    for number in range(90, 96):
+        assert not window.is_duplicate(packet(number), 2.0)
+    window.is_duplicate(packet(100), 2.0)
+    account = account_of(window)
+    assert (account.came, account.lost, account.repeated, account.restarts) == (101, 0, 6, 0)
+
+
+def test_few_that_come_again_after_they_were_forgotten_are_no_new_life() -> None:
+    window = DuplicateWindow(history=10)
+    for number in range(100):
+        window.is_duplicate(packet(number), 0.0)
+    for number in (50, 51):
         assert not window.is_duplicate(packet(number), 2.0)
     window.is_duplicate(packet(100), 2.0)
     account = account_of(window)

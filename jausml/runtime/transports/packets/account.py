@@ -33,7 +33,7 @@ class Account:
     Attributes:
         came: Packets that arrived, each counted once.
         late: Those of them that came after newer ones.
-        repeated: Packets that came again after the memory had forgotten them.
+        repeated: Packets that came again, too late to be known as duplicates.
         restarts: How often the sender began anew.
     """
 
@@ -83,6 +83,14 @@ class Account:
         for number in reversed(fresh):
             self._take(number)
         self._counted += len(fresh)
+
+    def note_repetition(self) -> None:
+        """Learn that the newest of the numbers that are remembered is one that was counted before.
+
+        A sender repeats for longer than duplicates are known while it hears no acknowledgement.
+        """
+        self._counted += 1
+        self.repeated += 1
 
     def forget(self, amount: int) -> None:
         """Learn that so many of the numbers that were counted are remembered no more."""

@@ -106,6 +106,7 @@ class DuplicateWindow:
 
     def _is_known(self, pair: int, numbers: Numbers, packet: Packet, now: float) -> bool:
         before = numbers.get(packet.sequence)
+        is_same = False
         if before is not None:
             since, known = before
             is_same = known == _content(known, packet.destination, packet.payload)
@@ -113,6 +114,8 @@ class DuplicateWindow:
                 return True
             self._forget(pair, numbers, [packet.sequence])
         self.remember(pair, numbers, packet.sequence, packet.destination, packet.payload, now)
+        if is_same and pair in self._accounts:
+            self._accounts[pair][2].note_repetition()
         return False
 
     def remember(
