@@ -22,6 +22,7 @@ from jausml.runtime.messages import ClearEmergency, SetEmergency
 from jausml.runtime.transports.packets.packet import Packet
 from tests.live.bridge_support import wait_for
 
+from .accounts import adds_up, books
 from .rover_system import COMMANDS, STALE, System
 
 if TYPE_CHECKING:
@@ -40,6 +41,8 @@ class Fault:
         seconds: How long, once all stops stand.
         stops: Connections on whose other side a stop stands meanwhile.
         flows: Whether all connections go on meanwhile.
+        unread: The role that threw away what it had not read, once it was no longer halted.
+        is_forged: Whether others use the ids of peers, so that the account of these means nothing.
     """
 
     name: str
@@ -47,6 +50,8 @@ class Fault:
     seconds: float = 1.0
     stops: tuple[str, ...] = ()
     flows: bool = False
+    unread: str = ""
+    is_forged: bool = False
     marks: tuple[object, ...] = field(default=())
 
 
@@ -139,6 +144,8 @@ def nonsense(system):
 def suffer(system, fault):
     """Lets a fault happen; returns seconds until stop and recovery by connection."""
     system.flows(time.monotonic())
+    before = None if fault.is_forged else books(system)
+    system.flows(time.monotonic())
     began = time.monotonic()
     with fault.during(system):
         lasts = time.monotonic() + fault.seconds
@@ -152,7 +159,10 @@ def suffer(system, fault):
     recovered = system.flows(ended_at)
     stale = {each: system.oldest(each, began) for each in COMMANDS}
     assert max(stale.values()) < STALE, stale
+    after = None if before is None else books(system)
+    packets = {} if before is None or after is None else adds_up(before, after, fault.unread)
     return {
+        "packets": packets,
         "oldest": {each: round(system.oldest(each, began), 2) for each in COMMANDS},
         "stopped": {each: round(seconds, 2) for each, seconds in stopped.items()},
         "recovered": {each: round(seconds, 2) for each, seconds in recovered.items()},

@@ -78,6 +78,11 @@ class Udp(Network):
             self._know(role, "bridge", seen_by_role)
         self._proxy("proxy.py", [str(SEED), *routes])
 
+    def truths(self) -> dict[str, dict[str, int]]:
+        """Returns what became of the packets of each pair until `fare`."""
+        assert self._process is not None
+        return self._process.of_kind("counts")[-1]["pairs"]
+
 
 class OnePort(Network):
     """JUDP at one port, as the programs of one host have it; the vehicle owns it."""

@@ -11,7 +11,7 @@ import time
 from jausml_runtime import ControlState, JausAddress, JausComponent
 from loop_bridge.messages import QueryLocalPose, ReportLocalPose, SetVelocityCommand
 from roles import core, run
-from stamps import say, stamp
+from stamps import say, say_accounts, stamp
 
 BRIDGE = JausAddress(10, 1, 9)
 SERVICES = core("Transport", "Events")
@@ -29,6 +29,7 @@ class Operator(JausComponent):
         self.wild_until = 0.0
         signal.signal(signal.SIGUSR1, self.go_wild)
         self.when_started(self.tick)
+        self.when_started(lambda: say_accounts(self))
 
     def go_wild(self, *_):
         self.wild_until = time.monotonic() + WILD_SECONDS

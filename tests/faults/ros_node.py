@@ -10,13 +10,14 @@ import sys
 import threading
 
 import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
 from nav_msgs.msg import Odometry
 from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
-from stamps import say, stamp
+from stamps import say, say_counts, stamp
 
 PERIOD = 0.05
 SCALE = 10.0
@@ -33,6 +34,7 @@ class Peer(Node):
         self.create_subscription(Odometry, "odometry_copy", self.on_odometry, 10)
         self.create_subscription(PoseStamped, "pose", self.on_pose, 10)
         self.create_subscription(TwistStamped, "cruise", self.on_cruise, 10)
+        self.create_subscription(DiagnosticArray, "/diagnostics", self.on_diagnostics, 10)
         self.offset = Duration(seconds=float(sys.argv[1] if sys.argv[1:] else 0))
         self.create_timer(PERIOD, self.tick)
 
@@ -43,6 +45,13 @@ class Peer(Node):
         estimate.header.stamp = (self.get_clock().now() + self.offset).to_msg()
         estimate.pose.pose.position.x = stamp()
         self.estimates.publish(estimate)
+
+    def on_diagnostics(self, message):
+        for status in message.status:
+            _, _, peer = status.name.partition(": account of ")
+            if peer:
+                counts = {each.key: int(each.value) for each in status.values}
+                say_counts(peer, status.hardware_id, counts)
 
     def on_odometry(self, message):
         is_stop = message.child_frame_id == "lost"

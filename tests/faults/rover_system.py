@@ -84,6 +84,8 @@ class System:
             line = [str(FOLDER / _PROGRAMS[role]), *arguments]
         if role != "ros":
             line += self.network.options(role)
+        if role == "bridge":
+            line += ["--ros-args", "-p", "diagnostics_frequency:=10.0"]
         self.running[role] = Process(line, self.path, self.logs / f"{role}-{number}.log")
         self._all[role].append(self.running[role])
 
@@ -106,6 +108,20 @@ class System:
             for process in self._all[CONNECTIONS[connection]]
             for fact in process.of_kind(connection)
         ]
+
+    def starts(self) -> dict[str, int]:
+        """Returns how often each role was started."""
+        return {role: len(processes) for role, processes in self._all.items()}
+
+    def accounts(self) -> list[dict[str, Any]]:
+        """Returns what receivers have said of what came from each peer, the oldest first."""
+        told = [
+            fact
+            for role in ("ros", "vehicle", "operator")
+            for process in self._all[role]
+            for fact in process.of_kind("account")
+        ]
+        return sorted(told, key=lambda fact: fact["at"])
 
     def fresh(self, connection: str, since: float) -> float | None:
         """Returns when the first message arrived that was sent since a time; None before."""

@@ -10,6 +10,13 @@ import json
 import sys
 import threading
 import time
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from jausml_runtime import JausComponent
+
+ACCOUNT_PERIOD = 0.1
+"""Seconds from one account to the next."""
 
 FOLD = 90.0
 """Seconds after which values come again."""
@@ -34,6 +41,22 @@ def age(value: float, at: float) -> float:
         at: When it arrived, by the monotonic clock.
     """
     return (at - (value - 1.0) + _EARLY) % FOLD - _EARLY
+
+
+def say_counts(peer: object, own: object, counts: dict[str, int]) -> None:
+    """Tells the test what a component says of what came from a peer."""
+    with _OUTPUT:
+        fact = {"kind": "account", "pair": f"{peer} to {own}", "at": time.monotonic(), **counts}
+        sys.stdout.write(json.dumps(fact) + "\n")
+
+
+def say_accounts(component: JausComponent) -> None:
+    """Tells the test again and again what a component says of what came from its peers."""
+    from jausml_runtime.component.accounts import accounts_of  # ROS nodes have no runtime
+
+    component.loop.call_later(ACCOUNT_PERIOD, lambda: say_accounts(component))
+    for each in accounts_of(component):
+        say_counts(each.traffic.peer, component.address, each.counts())
 
 
 def say(kind: str, value: float, **more: object) -> None:

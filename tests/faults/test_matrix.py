@@ -2,7 +2,8 @@
 
 Each fault begins while data flows, lasts, and ends. Afterwards what was sent since then arrives
 by all connections, without anybody touching the bridge; while it lasts, a stop stands where a
-source is lost; and no command was obeyed late.
+source is lost; and no command was obeyed late. Of what was sent by way of the network, receivers
+know how much came and how much was lost, exactly.
 """
 
 from __future__ import annotations
@@ -56,10 +57,20 @@ FAULTS = [
         for r in ROLES
     ],
     *[
-        Fault(f"{r} halted for 10 s", partial(halted, role=r), 10, ROLE_STOPS[r], marks=(LONG,))
+        Fault(
+            f"{r} halted for 10 s",
+            partial(halted, role=r),
+            10,
+            ROLE_STOPS[r],
+            unread=r,
+            marks=(LONG,),
+        )
         for r in ROLES
     ],
-    *[Fault(f"{r} halted for 1.5 s", partial(halted, role=r), 1.5) for r in ("bridge", "vehicle")],
+    *[
+        Fault(f"{r} halted for 1.5 s", partial(halted, role=r), 1.5, unread=r)
+        for r in ("bridge", "vehicle")
+    ],
     Fault(
         "network cut for 10 s",
         partial(network, drop=1.0),
@@ -76,7 +87,7 @@ FAULTS = [
     Fault("vehicle taken over", partial(preempted, peer=VEHICLE), 0.5, ("drive",)),
     Fault("emergency of the bridge", partial(emergency, peer=BRIDGE), 0.5, ("drive", "cruise")),
     Fault("emergency of the vehicle", partial(emergency, peer=VEHICLE), 0.5, ("drive",)),
-    Fault("a peer that talks nonsense", nonsense, 0.2, flows=True),
+    Fault("a peer that talks nonsense", nonsense, 0.2, flows=True, is_forged=True),
 ]
 
 

@@ -17,7 +17,7 @@ from loop_bridge.messages import (
     SetWrenchEffort,
 )
 from roles import CONTROLLED, core, run
-from stamps import say, stamp
+from stamps import say, say_accounts, stamp
 
 OFFSET = timedelta(0)
 SERVICES = core(*CONTROLLED)
@@ -31,6 +31,7 @@ class Vehicle(JausComponent):
         self.provide(QueryVelocityState, ReportVelocityState, self.velocity)
         self.provide(QueryLocalPose, ReportLocalPose, self.pose)
         self.handle(SetWrenchEffort, self.on_effort, when=Guard.READY)
+        self.when_started(lambda: say_accounts(self))
 
     def velocity(self, _query, _sender):
         now = datetime.now(timezone.utc) + OFFSET
