@@ -116,7 +116,10 @@ class JausEnd:
 
     Attributes:
         sock: The socket.
+        numbers: How many sequence numbers it takes by turns.
     """
+
+    numbers = _HALF
 
     def __init__(self, address: Numbers, port: int, sock: socket.socket | None = None) -> None:
         """Opens the socket.
@@ -144,7 +147,7 @@ class JausEnd:
     def send(self, parts: Sequence[bytes]) -> None:
         """Sends a message."""
         for part in parts:
-            self._sequence = (self._sequence + 1) % _HALF
+            self._sequence = (self._sequence + 1) % self.numbers
             self.sock.sendto(part + _SEQUENCE.pack(self._first + self._sequence), self._target)
 
     def receive(self, code: bytes, flags: int = 0) -> bool:

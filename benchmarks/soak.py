@@ -55,6 +55,7 @@ WARM = 0.25
 _LOSSES = ("missed", "too old")
 """What a bridge counts of a topic; those lost in the queue are among the missed."""
 
+_ACCOUNT = ": account of "
 _DROPPED = "dropped: "
 _OF_THE_KERNEL = "dropped by the kernel"
 _LAST_REPORT = 3.0
@@ -62,15 +63,23 @@ _DROPS_COLUMN = -1
 
 
 class _End(JausEnd):
-    """A socket that counts the messages of one code.
+    """A socket that counts the messages of one code, and all packets.
 
     Attributes:
         code: The first two bytes of the messages.
         count: How many came.
+        sent: How many packets were sent, of all codes.
     """
 
+    numbers = 1 << 16  # it speaks for its component alone
     code = b""
     count = 0
+    sent = 0
+
+    def send(self, parts: Sequence[bytes]) -> None:
+        """Sends a message, and counts its packets."""
+        super().send(parts)
+        self.sent += len(parts)
 
     def heard(self, data: bytes) -> None:
         """Acknowledges a datagram that asks for it, and counts it."""
@@ -98,7 +107,7 @@ class _Soaked(Loop):
 
     def reset(self) -> None:
         """Begins to count."""
-        self.end.count = 0
+        self.end.count = self.end.sent = 0
         self.sent = dict.fromkeys(WAYS, 0)
         self.received = dict.fromkeys(WAYS, 0)
 
@@ -129,20 +138,34 @@ class _Losses:
         self._inode = os.fstat(ends.end.sock.fileno()).st_ino
         self._latest: dict[str, int] = {}
         self._before: dict[str, int] = {}
+        self._account: dict[str, int] = {}
+        self._account_before: dict[str, int] = {}
 
     def reset(self) -> None:
         """Begins to count."""
         self._before = self._read()
+        self._account_before = self._account
 
     def now(self) -> dict[str, int]:
         """Returns how much was lost by way."""
         found = self._read()
         return {way: found[way] - self._before[way] for way in WAYS}
 
+    def account(self) -> dict[str, int]:
+        """Returns what came from the JAUS end and what was lost of it, as the bridge says."""
+        self._read()
+        names = {"came": "came", "lost": "lost on the way, at most"}
+        return {
+            each: self._account[name] - self._account_before[name] for each, name in names.items()
+        }
+
     def _read(self) -> dict[str, int]:
         while (data := self._subscription.take(0.0)) is not None:
             lost: dict[str, int] = {}
             for status in deserialize_message(data, DiagnosticArray).status:
+                if _ACCOUNT in status.name:
+                    self._account = {each.key: int(each.value) for each in status.values}
+                    continue
                 way = "down" if status.name.endswith("_down") else "up"
                 lost[way] = lost.get(way, 0) + sum(
                     int(each.value) for each in status.values if _is_loss(each.key)
@@ -213,6 +236,10 @@ def faults(found: Mapping[str, Any]) -> list[str]:
         unseen = each["sent"] - each["received"] - each["lost"]
         if unseen:
             told.append(f"{way}: {unseen} of {each['sent']} messages are missing unseen")
+    account = found["account"]
+    known = account["came"] + account["lost"]
+    if account["sent"] != known:
+        told.append(f"{account['sent']} packets were sent, the bridge knows of {known}")
     if found["exit_code"] != 0:
         told.append(f"the bridge ended with {found['exit_code']}")
     return told
@@ -228,7 +255,9 @@ def measure(minutes: float, rate: float, folder: Path) -> dict[str, Any]:
 
     Returns:
         `minutes`, `rate`, `looks`, `grown_mib`, `ways` with what was sent, received and counted as
-        lost, `processor` (share of one), `exit_code` of the bridge, and `machine`.
+        lost, `processor` (share of one), `exit_code` of the bridge, `account` of the packets
+        to the bridge (what the JAUS end sent; what came and was lost, as the bridge says), and
+        `machine`.
     """
     system = generate(folder, {BRIDGE: Measured(("point",))})
     with (
@@ -253,7 +282,7 @@ def measure(minutes: float, rate: float, folder: Path) -> dict[str, Any]:
                 print(f"  {looks[-1]} {losses.now()}", flush=True)
         share = (child.processor_time() - used) / (time.monotonic() - started)
         _rest(loop)
-        lost = losses.now()
+        lost, account, sent = losses.now(), losses.account(), loop.end.sent
         child.end()
     return {
         "minutes": round(looks[-1]["seconds"] / 60, 1),
@@ -266,6 +295,7 @@ def measure(minutes: float, rate: float, folder: Path) -> dict[str, Any]:
             way: {"sent": loop.sent[way], "received": loop.received[way], "lost": lost[way]}
             for way in WAYS
         },
+        "account": {"sent": sent, **account},
         "machine": machine(),
     }
 

@@ -138,6 +138,7 @@ def looks(step, **last):
 def soaked(soak, seen, **more):
     ways = {"up": {"sent": 9, "received": 8, "lost": 1}}
     found = {"looks": seen, "grown_mib": soak.grown(seen), "ways": ways, "exit_code": 0}
+    found["account"] = {"sent": 9, "came": 8, "lost": 1}
     return {**found, **more}
 
 
@@ -148,11 +149,13 @@ def test_a_soak_that_stays_as_it_was_is_good(soak):
 def test_a_soak_tells_what_grows_and_what_is_missing(soak):
     ways = {"up": {"sent": 9, "received": 7, "lost": 1}}
     seen = looks(0.1, descriptors=21, threads=18)
-    assert soak.faults(soaked(soak, seen, ways=ways, exit_code=1)) == [
+    account = {"sent": 9, "came": 7, "lost": 1}
+    assert soak.faults(soaked(soak, seen, ways=ways, account=account, exit_code=1)) == [
         f"the memory has grown by {soak.grown(seen):g} MiB",
         "descriptors have grown from 20 to 21",
         "threads have grown from 17 to 18",
         "up: 1 of 9 messages are missing unseen",
+        "9 packets were sent, the bridge knows of 8",
         "the bridge ended with 1",
     ]
 
