@@ -286,7 +286,7 @@ class TestAcknowledge:
         assert len(set(packets)) == 1
         assert packets[0].acknowledge is AckNak.REQUESTED
         assert peer.is_quiet()
-        assert here.counter("transport.unacknowledged") == 1
+        wait_until(lambda: here.counter("transport.unacknowledged") == 1)
 
     def test_a_late_acknowledgement_ends_the_repetition(self, station, peer, wait_until):
         here = station(acknowledge_timeout=0.02, acknowledge_retries=50).attach(DRIVER)

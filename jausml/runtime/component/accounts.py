@@ -56,7 +56,8 @@ class PeerAccount(NamedTuple):
             **{f"dropped: {reason}": count for reason, count in sorted(self.drops.items())},
             "sent to it": traffic.sent,
             "acknowledged": traffic.acknowledged,
-            "not acknowledged in time": traffic.unacknowledged,
+            "acknowledged late": traffic.acknowledged_late,
+            "not acknowledged": traffic.unacknowledged,
         }
 
     def __str__(self) -> str:

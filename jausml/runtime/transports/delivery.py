@@ -63,8 +63,9 @@ class PeerTraffic(NamedTuple):
         own: The component of this process.
         peer: The other one.
         sent: Packets to the peer.
-        acknowledged: Messages to the peer that were acknowledged.
-        unacknowledged: Messages that were not in time, though they may have arrived.
+        acknowledged: Messages to the peer that were acknowledged in time.
+        acknowledged_late: Messages that were acknowledged when they had been given up.
+        unacknowledged: Messages that never were, though they may have arrived.
         came: Packets of the peer that arrived.
         lost: Packets of the peer that were lost on the way.
         late: Those that arrived after newer ones.
@@ -76,6 +77,7 @@ class PeerTraffic(NamedTuple):
     peer: JausAddress
     sent: int = 0
     acknowledged: int = 0
+    acknowledged_late: int = 0
     unacknowledged: int = 0
     came: int = 0
     lost: int = 0

@@ -12,7 +12,6 @@ from jausml.runtime.virtual import Link
 from .test_network import EVERYBODY, FIRST, SECOND, THIRD, component
 
 PLAIN = Link()
-FAR = Link(delay=0.3, jitter=0.1)
 
 
 def between(transport, own, peer):
@@ -108,6 +107,33 @@ def test_what_is_acknowledged_is_counted_where_it_was_sent(world):
     world.run_for(10.0)
     traffic = between(sender, FIRST, SECOND)
     assert (traffic.sent, traffic.acknowledged, traffic.unacknowledged) == (4, 3, 1)
+
+
+def test_what_is_acknowledged_over_a_long_way_is_late_and_not_lost(world):
+    """A warning of each message that arrived hid those that did not."""
+    way = Link(delay=0.3, jitter=0.1)
+    sender, receiver = world.transport(way), world.transport(way)
+    for transport, each in ((sender, FIRST), (receiver, SECOND)):
+        transport.attach(each, lambda _message: None)
+    receiver.send(SECOND, FIRST, b"\x00\x00")
+    world.run_for(1.0)
+    results = []
+    for _ in range(100):
+        receiver.send(SECOND, FIRST, b"\x00\x00")
+        sender.send(FIRST, SECOND, b"\x02\x40", acknowledge=True, on_result=results.append)
+        world.run_for(0.05)
+    receiver.cut()
+    sender.send(FIRST, SECOND, b"\x02\x40", acknowledge=True)
+    world.run_for(10.0)
+    traffic = between(sender, FIRST, SECOND)
+    assert (traffic.acknowledged, traffic.acknowledged_late) == (
+        0,
+        100 - traffic.unacknowledged + 1,
+    )
+    # The last one, and those whose acknowledgements were under way when the way was cut.
+    assert 1 <= traffic.unacknowledged < 20
+    assert results == [False] * 100
+    assert world.counters.drops()["transport.unacknowledged"] == traffic.unacknowledged
 
 
 def test_an_account_names_what_was_refused_and_not_known(world):

@@ -141,7 +141,9 @@ class Messenger(Generic[Origin]):
             pair = address_of(source), address_of(destination)
             if pair in found:
                 found[pair] = found[pair]._replace(
-                    acknowledged=outcome.acknowledged, unacknowledged=outcome.unacknowledged
+                    acknowledged=outcome.acknowledged,
+                    acknowledged_late=outcome.late,
+                    unacknowledged=outcome.unacknowledged,
                 )
         for peer, own, account in self.inbox.duplicates.accounts():
             known = found.pop((own, peer), None) or PeerTraffic(own, peer)

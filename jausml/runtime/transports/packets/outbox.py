@@ -53,12 +53,16 @@ class _Flight:
 
 
 class Outcome:
-    """How many messages from one component to another were acknowledged in time, and were not."""
+    """How many messages from one component to another were acknowledged, late, or never.
 
-    __slots__ = ("acknowledged", "unacknowledged")
+    Those that are never acknowledged may have arrived all the same.
+    """
+
+    __slots__ = ("acknowledged", "late", "unacknowledged")
 
     def __init__(self) -> None:
         self.acknowledged = 0
+        self.late = 0
         self.unacknowledged = 0
 
 
@@ -69,7 +73,9 @@ class Outbox:
     after ``acknowledge_retries`` repetitions, of which the last one also searches by multicast;
     one of several packets of a message is given more of them while its destination lives.
     With it goes all that waits for a destination of which nothing was heard meanwhile. The lane
-    of each destination says which packets are under way at once. Callable from any thread;
+    of each destination says which packets are under way at once. What is given up though its
+    destination lives is watched for a while: over a long way the acknowledgement is late, and the
+    message is not lost. Callable from any thread;
     results are reported on the loop's thread.
 
     Attributes:
@@ -92,6 +98,7 @@ class Outbox:
         """
         self._timeout = settings.acknowledge_timeout
         self._retries = settings.acknowledge_retries
+        self._patience = PATIENCE * (self._retries + 1) * self._timeout
         self._loop = loop
         self._carrier = carrier
         self.outcomes: dict[tuple[int, int], Outcome] = {}
@@ -99,6 +106,8 @@ class Outbox:
         self._lanes: dict[JausAddress, Lane] = {}
         self._flights: dict[_Key, _Flight] = {}  # in the order in which they are due
         self._timer: Timer | None = None
+        self._overdue: dict[_Key, tuple[float, Message]] = {}  # in the order of their ends
+        self._overdue_timer: Timer | None = None
         self._messages: dict[Message, None] = {}  # in the order of sending
         self._size = 0
 
@@ -147,7 +156,7 @@ class Outbox:
             flights = self._flights
             flight = flights.get((component, by, sequence)) or flights.get((component, 0, sequence))
             if flight is None:
-                return False
+                return self._is_late((component, by, sequence), (component, 0, sequence))
             message, destination = flight.message, flight.packet.destination
             if destination != by and not destination.matches(address_of(by)):
                 return False
@@ -174,9 +183,16 @@ class Outbox:
             if self._timer is not None:
                 self._timer.cancel()
                 self._timer = None
+            if self._overdue_timer is not None:
+                self._overdue_timer.cancel()
+                self._overdue_timer = None
+            overdue = [message for _, message in self._overdue.values()]
+            self._overdue.clear()
             self._messages.clear()
             self._lanes.clear()
             self._size = 0
+        for message in overdue:
+            self._count_unacknowledged(message)
         for message in abandoned:
             self._report(message, acknowledged=False)
 
@@ -271,16 +287,53 @@ class Outbox:
         if flight.repetitions == self._retries and not is_patient:
             self._carrier.suspect(packet.destination, flight.since)
         for message in given_up:
-            self._loop.counters.count("transport.unacknowledged", f"{packet.destination}")
-            self._outcome_of(message).unacknowledged += 1
+            if not self._watch(message, flight, now):
+                self._count_unacknowledged(message)
             self._report(message, acknowledged=False)
         self._transmit(ready)
+
+    def _count_unacknowledged(self, message: Message) -> None:
+        self._loop.counters.count("transport.unacknowledged", f"{message.packets[0].destination}")
+        self._outcome_of(message).unacknowledged += 1
+
+    def _watch(self, message: Message, flight: _Flight, now: float) -> bool:
+        """Wait on for the acknowledgement of a message that was given up, if it may come."""
+        with self._lock:
+            if message.is_large or message is not flight.message or not self._is_alive(flight, now):
+                return False
+            if len(self._overdue) >= _MAX_MESSAGES:
+                return False
+            self._overdue[flight.key] = now + self._patience, message
+            if self._overdue_timer is None:
+                self._overdue_timer = self._loop.call_later(self._patience, self._end_overdue)
+            return True
+
+    def _is_late(self, *keys: _Key) -> bool:
+        """Whether an acknowledgement is of a message that was given up and is watched."""
+        for key in keys:
+            if key in self._overdue:
+                self._outcome_of(self._overdue.pop(key)[1]).late += 1
+                self._loop.counters.add("transport.acknowledged_late")
+                return True
+        return False
+
+    def _end_overdue(self) -> None:
+        now = self._loop.now()
+        with self._lock:
+            ended = [key for key, (end, _) in self._overdue.items() if end <= now]
+            messages = [self._overdue.pop(key)[1] for key in ended]
+            self._overdue_timer = None
+            if self._overdue:
+                end, _ = next(iter(self._overdue.values()))
+                self._overdue_timer = self._loop.call_at(end, self._end_overdue)
+        for message in messages:
+            self._count_unacknowledged(message)
 
     def _is_alive(self, flight: _Flight, now: float) -> bool:
         """Return whether the destination was heard in the time that a packet may take."""
         destination = flight.packet.destination
         heard = max(self._lanes[destination].heard, self._carrier.heard(destination))
-        return heard >= now - PATIENCE * (self._retries + 1) * self._timeout
+        return heard >= now - self._patience
 
     def _give_up(self, flight: _Flight) -> list[Message]:
         """Forget a message, and what waits behind it if its destination is silent."""
