@@ -40,15 +40,18 @@ EXACT = Policy()
 """Everything counts."""
 
 ON_THE_WIRE = Policy(
-    ignored=frozenset({"documentation", "frame", "jaus.Service.events", "jaus.Service.machines"}),
+    ignored=frozenset(
+        {"documentation", "frame", "moves", "jaus.Service.events", "jaus.Service.machines"}
+    ),
     matched_by={"services": "name", "inputs": "name", "outputs": "name"},
     optional=frozenset({"units"}),
     closeness=1e-12,
 )
 """What two descriptions of the same services must agree on to understand each other.
 
-Documentation, axes, internal events and protocol behaviour do not count, nor the order of messages,
-nor units where one side states none; limits count up to the digits with which they are written.
+Documentation, axes, whether a command moves anything, internal events and protocol behaviour do not
+count, nor the order of messages, nor units where one side states none; limits count up to the
+digits with which they are written.
 """
 
 

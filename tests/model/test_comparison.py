@@ -92,6 +92,9 @@ def test_what_nobody_sends_does_not_count_on_the_wire(differences):
     close = TEXT.replace('upper="1.0"', 'upper="1.00000000000001"')
     assert differences(close, ON_THE_WIRE) == []
     assert len(differences(close)) == 1
+    still = TEXT.replace('isCommand="true"', 'isCommand="true" moves="false"')
+    assert differences(still, ON_THE_WIRE) == []
+    assert len(differences(still)) == 1
     axes = TEXT.replace('name="B"', 'name="B" frame="northEastDown"')
     assert differences(axes, ON_THE_WIRE) == []
     assert len(differences(axes)) == 1
