@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from jausml.runtime.base.counters import Counters
-    from jausml.runtime.transports.delivery import OnResult, Receive, Take
+    from jausml.runtime.transports.delivery import OnResult, PeerTraffic, Receive, Take
 
 OWN = JausAddress(100, 1, 1)
 PEERS = (JausAddress(100, 1, 2), JausAddress(200, 1, 1), JausAddress(200, 1, 2))
@@ -119,6 +119,10 @@ class Network:
 
     def when_proved(self, _listener: Callable[[JausAddress], None]) -> None:
         """Nobody needs a proof."""
+
+    def traffic(self, _address: JausAddress) -> list[PeerTraffic]:
+        """Nothing is counted: what is sent ends nowhere."""
+        return []
 
     def silence_of(self, _address: JausAddress) -> float:
         """Whoever is asked about has just spoken."""

@@ -82,10 +82,10 @@ class _Splitter:
         made.name = self._free_name()
         made.address = self._free_address()
         made.documentation = f"Carries a part of what {origin.name} carried."
-        for feature in _COPIED:
-            value = getattr(origin, feature)
-            if value != getattr(made, feature):
-                setattr(made, feature, value)
+        for name in _COPIED:
+            # What is stated says that somebody has decided it, be it the default.
+            if origin.eIsSet(name):
+                setattr(made, name, getattr(origin, name))
         for allowed in origin.allowedHosts:
             _changed(made.allowedHosts).append(allowed)
         _changed(self._whole.bridges).append(made)

@@ -189,7 +189,8 @@ class _Bridge:
             yield from self._feature("priority", ("low", "standard", "high", "safetyCritical"))
             yield from self._feature("acknowledge", ("true", "false"))
             hold = way in ready.undecided or self.choose((True, False, False, False))
-            yield from ["    onSilence: hold", '    holdReason: "}\' it stands"'] if hold else ()
+            reason = "}' its wheels stop when nothing comes"
+            yield from ["    onSilence: hold", f'    holdReason: "{reason}"'] if hold else ()
         else:
             yield from self._feature("rate", ("0.1", "10", "1000"))
         if way == "rosToJaus":

@@ -46,7 +46,7 @@ def test_components_are_shown_without_ros(jausml, component, network, catalogue)
     (line,) = [line for line in table.splitlines() if " 100.1.1 " in line]
     assert "target" in line
     assert "STANDBY" in line
-    assert "65000.1.1 (authority 200)" in line
+    assert "65000.1.1 (authority 200, lapses after" in line
     assert "no ROS here" in table
 
 
