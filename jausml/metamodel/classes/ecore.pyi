@@ -37,6 +37,9 @@ class EObject:
 
     eClass: EClass
 
+    def eIsSet(self, feature: str) -> bool:
+        """Whether a feature was given a value, be it the default."""
+
     def eContainer(self) -> EObject | None:
         """Returns the element that owns this one."""
 
