@@ -46,6 +46,14 @@ VARIANTS = {
     "no multicast": TWO_HOSTS.replace("transport: judp", "multicastTtl: 0"),
     "one computer": MAPS + VEHICLE + watcher() + "host computer {}\n",
     "stranger": MAPS + VEHICLE + watcher() + 'host computer { interface: "10.0.0.9" }\n',
+    "stated": MAPS
+    + VEHICLE.replace("external", 'endpoint: "10.0.3.7:4000"  external')
+    + watcher()
+    + 'host computer { interface: "10.0.0.9" }\n',
+    "named": MAPS
+    + VEHICLE.replace("external", 'endpoint: "rover.local"  external')
+    + watcher()
+    + 'host computer { interface: "10.0.0.9" }\n',
     "allowed": MAPS
     + VEHICLE
     + watcher('    allowedHosts: "10.0.0.0/24", "10.0.0.7", "10.0.1.7"\n')
@@ -374,6 +382,7 @@ def test_peers_are_named_where_multicast_does_not_pass(files_of):
     ("variant", "question"),
     [
         ("stranger", "Where is `vehicle` (100.1.1)?"),
+        ("named", "Where is `vehicle` (100.1.1)?"),
         ("manager", "Which node manager has this host"),
         ("multicast", "Who maintains the packages?"),
         ("multicast", "Who administers this computer?"),
@@ -385,6 +394,7 @@ def test_what_the_model_does_not_say_is_asked(variant, question, files_of):
 
 def test_what_the_model_says_is_not_asked(files_of):
     assert "Where is" not in files_of("allowed")["README.md"]
+    assert "Where is" not in files_of("stated")["README.md"]
     assert "Where " not in files_of("multicast")["README.md"]
 
 

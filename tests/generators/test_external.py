@@ -91,6 +91,54 @@ def test_where_an_external_component_is_follows_from_its_placement_alone(model_o
     assert '"100.1.1=127.0.0.1:3794"' in base
 
 
+JUDGE = """
+component judge { address: 42.1.1 type: ocu external: true endpoint: "192.168.1.42" greet: true }
+component arm { address: 42.1.2 external: true endpoint: "arm.local:4000" }
+"""
+
+
+def settings_of(base):
+    """The settings of a bridge or component, by the name of their class."""
+    calls = [each for each in ast.walk(ast.parse(base)) if isinstance(each, ast.Call)]
+    return {ast.unparse(each.func): ast.unparse(each) for each in calls}
+
+
+@pytest.mark.parametrize(
+    "host", ["", "host here {}", 'host here { transport: jtcp interface: "10.0.0.9" }']
+)
+def test_a_process_knows_where_stated_peers_are_and_whom_to_greet(model_of, host):
+    files = files_of(model_of(FRONT + VEHICLE + WATCHER + JUDGE + host))
+    for path in ("front/front/front_base.py", "watcher/watcher/watcher_base.py"):
+        settings = settings_of(files[path])
+        book = "peers('42.1.1=192.168.1.42:3794', '42.1.2=arm.local:4000')"
+        assert f"address_book={book}" in settings["TransportSettings"]
+        greeted = "greeted={JausAddress(42, 1, 1): Scope.SUBSYSTEM}"
+        assert greeted in settings["ComponentSettings"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "scope"),
+    [
+        ("vehicle", "SUBSYSTEM"),
+        ("other", "SUBSYSTEM"),
+        ("node", "NODE"),
+        ("payload", "COMPONENT"),
+        ("component", "COMPONENT"),
+    ],
+)
+def test_a_peer_is_asked_for_what_it_is(model_of, kind, scope):
+    base = files_of(model_of(FRONT + VEHICLE + JUDGE.replace("type: ocu", f"type: {kind}")))
+    settings = settings_of(base["front/front/front_base.py"])
+    assert f"JausAddress(42, 1, 1): Scope.{scope}" in settings["ComponentSettings"]
+
+
+def test_behind_a_node_manager_nobody_is_told_of_places(model_of):
+    model = model_of(FRONT + VEHICLE + JUDGE + "host here { transport: nodeManager }")
+    settings = settings_of(files_of(model)["front/front/front_base.py"])
+    assert "address_book" not in settings["TransportSettings"]
+    assert "greeted=" in settings["ComponentSettings"]
+
+
 def test_reports_of_whatever_is_found(model_of):
     base = files_of(model_of(WATCHER))["watcher/watcher/watcher_base.py"]
     calls = [

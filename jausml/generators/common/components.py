@@ -8,7 +8,7 @@ from jausml.generation.literals import python_string
 from jausml.generators.python.statements import call
 from jausml.metamodel.classes import bridge, jaus
 from jausml.semantics.core_services import CORE
-from jausml.semantics.hosts import host_of
+from jausml.semantics.hosts import endpoint_of, host_of
 from jausml.semantics.services import query_name
 from jausml.semantics.standard_services import answers_for_subsystem, with_standard
 
@@ -117,8 +117,15 @@ def component_settings(system: System, component: jaus.Component) -> str:
         f"event_timeout={int(component.eventTimeout)}",
     ]
     arguments += _stated(component, _EVENT_BUDGETS)
-    if answers_for_subsystem(component, [*system.components, *system.bridges]):
+    if answers_for_subsystem(component, _elements(system)):
         arguments.append("discovery_scope=Scope.SUBSYSTEM")
+    greeted = [
+        f"{address_call(each)}: Scope.{_SCOPES.get(each.type.name, 'COMPONENT')}"
+        for each in _elements(system)
+        if each.greet and each.external
+    ]
+    if greeted:
+        arguments.append(f"greeted={{{', '.join(greeted)}}}")
     return call("ComponentSettings", *arguments)
 
 
@@ -154,6 +161,7 @@ def search_call(search: jaus.PeerSearch) -> str:
 TRANSPORTS = {"judp": "judp", "jtcp": "jtcp", "nodeManager": "node-manager"}
 """Values of the option `--jaus-transport` of a process, by literal of Transport."""
 
+_SCOPES = {"vehicle": "SUBSYSTEM", "ocu": "SUBSYSTEM", "other": "SUBSYSTEM", "node": "NODE"}
 _FRAGMENT_SIZE = 4079
 _EVENT_BUDGETS = {"maxEvents": "max_events", "eventRateBudget": "event_rate_budget"}
 _TRANSPORT_BUDGETS = {
@@ -166,7 +174,7 @@ _TRANSPORT_KINDS = {"jtcp": "JTCP", "nodeManager": "NODE_MANAGER"}
 
 
 def transport_settings(system: System, component: jaus.Component) -> str:
-    """Returns the transport settings of the host that a component runs on.
+    """Returns the transport settings of a component: of its host, of its peers, and its own.
 
     Args:
         system: The system.
@@ -177,10 +185,16 @@ def transport_settings(system: System, component: jaus.Component) -> str:
 
 
 def _host_arguments(system: System, component: jaus.Component) -> list[str]:
-    """Returns what is not as the runtime has it by itself because of the host."""
+    """Returns what is not as the runtime has it by itself because of the host and the peers."""
     host = host_of(system, component)
-    if host is None:
-        return []
+    arguments = [] if host is None else _network_arguments(host)
+    book = _address_book(system, host)
+    if book:
+        arguments.append(f"address_book={call('peers', *map(python_string, book))}")
+    return arguments
+
+
+def _network_arguments(host: Host) -> list[str]:
     arguments = [
         f"interface={python_string(host.interface)}",
         f"port={int(host.port)}",
@@ -191,9 +205,6 @@ def _host_arguments(system: System, component: jaus.Component) -> list[str]:
         arguments.append(f"fragment_size={int(host.fragmentSize)}")
     if host.transport.name in _TRANSPORT_KINDS:
         arguments.append(f"transport=TransportKind.{_TRANSPORT_KINDS[host.transport.name]}")
-    others = _peers_elsewhere(system, host)
-    if others:
-        arguments.append(f"address_book={call('peers', *map(python_string, others))}")
     return arguments
 
 
@@ -223,17 +234,27 @@ def _stated(component: jaus.Component, budgets: Mapping[str, str]) -> list[str]:
     ]
 
 
-def _peers_elsewhere(system: System, host: Host) -> list[str]:
-    """Returns the components on other hosts, which TCP cannot find by itself."""
-    if host.transport.name != "jtcp":
+def _address_book(system: System, host: Host | None) -> list[str]:
+    """Returns the components that are not found from a host without being told where they are.
+
+    Those are external components with a place of their own, and for TCP all on other hosts. Behind
+    a node manager it is the node manager that knows.
+    """
+    transport = "judp" if host is None else host.transport.name
+    if transport == "nodeManager":
         return []
-    elements = [*system.components, *system.bridges]
-    placed = [(each, host_of(system, each)) for each in elements]
-    return [
-        f"{element.address}={where.interface}:{where.port}"
-        for element, where in placed
-        if where is not None and where is not host
-    ]
+    found = []
+    for each in _elements(system):
+        where = host_of(system, each)
+        place = endpoint_of(system, each)
+        is_told = each.external if where is None else transport == "jtcp" and where is not host
+        if is_told and place is not None:
+            found.append(f"{each.address}={place[0]}:{place[1]}")
+    return found
+
+
+def _elements(system: System) -> list[jaus.Component]:
+    return [*system.components, *system.bridges]
 
 
 def query_for(report: jaus.MessageDef, services: Iterable[jaus.Service]) -> jaus.MessageDef | None:

@@ -10,7 +10,7 @@ from jausml.generation.errors import GenerationError
 from jausml.generation.system import system_of
 from jausml.generators.deployment.ports import jaus_ports
 from jausml.generators.deployment.questions import bridges_on, questions
-from jausml.semantics.hosts import host_of
+from jausml.semantics.hosts import endpoint_of, host_of, is_ipv4
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -148,6 +148,7 @@ def _deployed(system: System, host: Host, by_host: dict[Host, tuple[ProcessView,
         if (where := host_of(system, each)) is not None and where is not host
     ]
     allowed = [text for each in bridges_on(system, host) for text in each.allowedHosts]
+    allowed += _stated_addresses(system)
     speaks_jaus = any(each.speaks_jaus for each in by_host[host])
     speaks_ros = any(each.speaks_ros for each in by_host[host])
     return Deployed(
@@ -167,6 +168,16 @@ def _deployed(system: System, host: Host, by_host: dict[Host, tuple[ProcessView,
         ),
         questions=tuple(questions(system, host, by_host[host])),
     )
+
+
+def _stated_addresses(system: System) -> list[str]:
+    """Returns the IPv4 addresses that are stated of components on no host of the system."""
+    places = (
+        endpoint_of(system, each)
+        for each in (*system.components, *system.bridges)
+        if host_of(system, each) is None
+    )
+    return [place[0] for place in places if place is not None and is_ipv4(place[0])]
 
 
 def _key(component: jaus.Component) -> tuple[int, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generators.deployment.ports import HIGHEST_SHARED_PORT
-from jausml.semantics.hosts import host_of
+from jausml.semantics.hosts import endpoint_of, host_of, is_ipv4
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -66,7 +66,8 @@ def _of_strangers(system: System, host: Host) -> Iterator[str]:
     if any(each.allowedHosts for each in bridges_on(system, host)):
         return
     for each in (*system.components, *system.bridges):
-        if each.external and host_of(system, each) is None:
+        place = endpoint_of(system, each)
+        if each.external and (place is None or not is_ipv4(place[0])):
             yield (
                 f"Where is `{each.name}` ({each.address})? Place it on a host, or name its network"
                 " in `allowedHosts` of a bridge: until then the firewall keeps it out."

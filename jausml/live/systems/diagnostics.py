@@ -14,7 +14,14 @@ if TYPE_CHECKING:
 
 _LEVELS = (Level.OK, Level.WARNING, Level.ERROR, Level.STALE)
 _DECLARED = "declared rate (Hz)"
-_OF_A_BRIDGE = ("jaus id", "jaus socket", "jaus state", "jaus traffic", "simulated time")
+_OF_A_BRIDGE = (
+    "jaus greetings",
+    "jaus id",
+    "jaus socket",
+    "jaus state",
+    "jaus traffic",
+    "simulated time",
+)
 _LATENCY = re.compile(r"((?:source to bridge|in the bridge) (?:p50|p99|max)) \(us\)")
 _OF_A_PEER = "account of "
 _LOSSES = (

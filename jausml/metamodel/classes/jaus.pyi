@@ -631,6 +631,22 @@ class Component(NamedElement):
     else: nothing is generated or started for it, and rules know its address and what it
     provides."""
 
+    endpoint: str | None
+    """Where an external component is reached, for networks on which multicast does not find it.
+
+    Processes send to it there from the start; the option --jaus-peer overrides it. Without a port
+    it is 3794.
+    """
+
+    greet: bool
+    """True for an external component that says nothing before it is spoken to.
+
+    Each component and bridge of the system asks it for its identification (AS5710,
+    QueryIdentification) every five seconds until it says anything, and again when it was silent for
+    a minute. The scope of the question follows from its type: subsystem of a vehicle, ocu or other,
+    node of a node, component otherwise.
+    """
+
     coreServices: CoreServices
     """Whether the component provides core services that the model does not name.
 

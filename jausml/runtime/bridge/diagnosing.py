@@ -6,7 +6,13 @@ from typing import TYPE_CHECKING, Protocol
 
 from .accounting import Accounting
 from .diagnostic_array import DiagnosticArray
-from .diagnostics import double_status, socket_status, state_status, traffic_status
+from .diagnostics import (
+    double_status,
+    greeting_status,
+    socket_status,
+    state_status,
+    traffic_status,
+)
 from .ends import Ends
 
 if TYPE_CHECKING:
@@ -100,6 +106,9 @@ class Diagnosing:
         double = bridge.component.transport.double_of(bridge.settings.address)
         if double is not None:
             found.append(double_status(double, self._loop.now()))
+        unanswered = bridge.component.unanswered_greetings
+        if unanswered:
+            found.append(greeting_status(unanswered, own))
         if bridge.simulation is not None:
             found.append(bridge.simulation.status(own))
         counters = bridge.component.counters

@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from ..clients.greeter import PATIENCE
 from ..services.definitions import Status
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from ..base.address import JausAddress
     from ..transports.delivery import Double
     from .stops import Standing, StopReason
 
@@ -119,6 +121,20 @@ def double_status(double: Double, now: float) -> ConnectionStatus:
     values = (("place", double.place), ("age (s)", f"{age:.3f}"))
     level = "error" if age < DOUBLE_LIFETIME else "warning"
     return ConnectionStatus("jaus id", level, str(double), str(double.address), values)
+
+
+def greeting_status(unanswered: Mapping[JausAddress, int], hardware_id: str) -> ConnectionStatus:
+    """Returns the status of a bridge that greets peers.
+
+    Args:
+        unanswered: How often each of them was greeted since it spoke last.
+        hardware_id: JAUS address of the bridge.
+    """
+    silent = [str(peer) for peer, tries in unanswered.items() if tries >= PATIENCE]
+    message = f"no answer of {', '.join(silent)}" if silent else "running"
+    values = tuple((f"greetings to {peer}", str(tries)) for peer, tries in unanswered.items())
+    level = "warning" if silent else "ok"
+    return ConnectionStatus("jaus greetings", level, message, hardware_id, values)
 
 
 def traffic_status(

@@ -8,6 +8,7 @@ from .command_client import CommandClient
 from .control_session import ControlClient
 from .discovery_client import DiscoveryClient
 from .event_client import EventClient
+from .greeter import Greeter
 from .list_client import ListClient
 from .peer_client import PeerClient
 from .presence import Presence
@@ -26,6 +27,7 @@ class Clients:
         control: Sessions that control others.
         queries: Questions that wait for an answer.
         discovery: The search for others.
+        greeter: Speaks to those that say nothing first.
         peers: Others that are found by their services, and kept while they live.
         commands: Commands whose end is awaited.
         lists: Lists of others that are edited and read.
@@ -42,9 +44,15 @@ class Clients:
         self.events = EventClient(host, self.presence, self.queries)
         self.control = ControlClient(host, self.presence, self.events)
         self.discovery = DiscoveryClient(host)
+        self.greeter = Greeter(host, self.presence)
         self.peers = PeerClient(host, self.discovery)
         self.commands = CommandClient(host)
         self.lists = ListClient(host, self.queries)
+
+    def start(self) -> None:
+        """Look around for others, and speak to those that wait for it."""
+        self.discovery.start()
+        self.greeter.start()
 
     def stop(self) -> None:
         """Wait for nothing any more, release control and cancel subscriptions."""
@@ -52,6 +60,7 @@ class Clients:
         self.commands.stop()
         self.lists.stop()
         self.peers.stop()
+        self.greeter.stop()
         self.discovery.stop()
         self.control.stop()
         self.events.stop()

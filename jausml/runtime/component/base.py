@@ -300,7 +300,7 @@ class ComponentBase(ComponentHooks):
                 starter()
             self._jaus_core.liveness.start()
             if self._jaus_running:
-                self._jaus_clients.discovery.start()
+                self._jaus_clients.start()
 
     def stop(self) -> None:
         """Leave in good order; no effect when the component does not run.
@@ -473,6 +473,11 @@ class ComponentBase(ComponentHooks):
     def attempt(self, function: Callable[..., Any], *arguments: object) -> tuple[bool, Any]:
         """Call user code; tell whether it raised no error, and what it returned."""
         return self._jaus_router.attempt(function, *arguments)
+
+    @property
+    def unanswered_greetings(self) -> dict[JausAddress, int]:
+        """How often each peer that is to be greeted was so since it spoke last."""
+        return self._jaus_clients.greeter.unanswered
 
     def drops_of(self, sender: JausAddress) -> dict[str, int]:
         """Return how many messages of a sender were dropped before they were acted on, by reason.

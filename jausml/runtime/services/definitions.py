@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum, IntEnum
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from ..base.address import JausAddress
 
 CORE = "urn:jaus:jss:core:"
 """Prefix of the identifiers of the core services (AS5710)."""
@@ -94,6 +100,8 @@ class ComponentSettings:
             service of its subsystem.
         discovery_timeout: Seconds without an answer of that Discovery service after which it is
             taken for lost, and looked for.
+        greeted: Components that say nothing before they are asked for their identification, and
+            the scope that they are asked for.
         retry_min: Seconds before an unanswered request is sent again for the first time.
         retry_max: Longest time in seconds between two requests to a component that is silent.
         refused_retry: Seconds between two requests after a refusal.
@@ -122,6 +130,7 @@ class ComponentSettings:
     registration_lifetime: float = 300.0
     register_services: bool = True
     discovery_timeout: float = 60.0
+    greeted: Mapping[JausAddress, Scope] = field(default_factory=dict)
     retry_min: float = 0.1
     retry_max: float = 5.0
     refused_retry: float = 5.0
@@ -147,6 +156,9 @@ class ComponentSettings:
         _check("refused_retry", self.refused_retry, 0.05, 600)
         _check("watch_interval", self.watch_interval, 0.05, 600)
         _check("check_interval", self.check_interval, 0.05, 600)
+        for address in self.greeted:
+            if not address.is_concrete:
+                raise ValueError(f"{address} names no single component to greet")
 
 
 def _check(name: str, value: float, low: float, high: float) -> None:
