@@ -1,5 +1,6 @@
 // Keys for what is chosen, the same in the diagram and in the table.
 
+import { flushSync } from "react-dom";
 import {
   arrange,
   beginRename,
@@ -59,10 +60,8 @@ function leave(): void {
 
 /** To the first field of the form. */
 function openForm(): void {
-  update({ right: "form" });
-  requestAnimationFrame(() => {
-    const form = document.querySelector(".right [role='tabpanel']");
-    const field = form?.querySelector<HTMLElement>("input, select, textarea, button");
-    field?.focus();
-  });
+  // The very next key is for the field.
+  flushSync(() => update({ right: "form" }));
+  const form = document.querySelector(".right [role='tabpanel']");
+  form?.querySelector<HTMLElement>("input, select, textarea, button")?.focus();
 }

@@ -1,5 +1,6 @@
 // Keys of the whole page.
 
+import { flushSync } from "react-dom";
 import { redo, undo } from "../actions";
 import { update } from "../store";
 import { FILL_EVENT } from "../views/filling";
@@ -30,9 +31,9 @@ const SHORTCUTS: Record<string, () => void> = {
 };
 
 function findByName(): void {
-  update({ middle: "diagram" });
-  // The field comes with the diagram.
-  requestAnimationFrame(() => document.getElementById("filter")?.focus());
+  // The field comes with the diagram, and takes the very next key.
+  flushSync(() => update({ middle: "diagram" }));
+  document.getElementById("filter")?.focus();
 }
 
 const PARTS = [
