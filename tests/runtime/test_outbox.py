@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.counters import Counters
 from jausml.runtime.base.loop import Loop
+from jausml.runtime.base.quirks import Quirk, Quirks
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.transports.packets.bursts import Bursts
 from jausml.runtime.transports.packets.carrier import Carrier
@@ -57,7 +58,8 @@ class Line:
         self.loop = Loop(clock, Counters(clock))
         self.carrier = Recording()
         settings = TransportSettings(fragment_size=PACKET)
-        self.messenger = Messenger(settings, self.loop, self.carrier, draw)
+        self.quirks = Quirks()
+        self.messenger = Messenger(settings, self.loop, self.carrier, self.quirks, draw)
         self.results: dict[str, bool] = {}
 
     def send(
@@ -345,3 +347,61 @@ def test_what_waits_for_a_silent_destination_is_given_up_with_the_first(line):
         line.pass_time(0.05)
     assert line.results == {"a": False, "b": False, "c": False}
     assert len(line.carrier.packets) < 20
+
+
+def answer(line, name=""):
+    line.messenger.answered(OWN, PEER, STATUS + name.encode())
+
+
+def test_what_is_answered_is_not_repeated(line):
+    line.send("a")
+    line.send("b")
+    line.send("c", to=OTHER)
+    answer(line, "a")
+    assert line.results == {}  # the acknowledgement may be on its way
+    line.pass_time(0.11)
+    assert line.results == {"a": True}
+    assert line.out() == "abcbc"
+
+
+def test_an_acknowledgement_that_comes_behind_the_answer_counts_as_ever(line):
+    line.send("a")
+    (packet,) = line.carrier.packets
+    answer(line)
+    line.acknowledge(packet)
+    assert line.results == {"a": True}
+    line.pass_time(0.11)
+    assert line.quirks.of(PEER) == ()
+    (traffic,) = traffic_to(line, PEER)
+    assert (traffic.acknowledged, traffic.answered) == (1, 0)
+
+
+def test_an_answer_ends_no_large_message_and_nothing_of_others(line):
+    line.send("a", packets=2)
+    line.send("b", own=NEIGHBOUR)
+    answer(line)
+    line.pass_time(0.11)
+    assert line.results == {}
+    assert line.out() == "abab"
+
+
+@pytest.mark.parametrize("acknowledged", [False, True])
+def test_who_answers_and_never_acknowledges_is_known_for_it(line, acknowledged):
+    line.send("a")
+    if acknowledged:
+        line.acknowledge(*line.carrier.packets)
+    else:
+        answer(line)
+    for name in "bc":
+        line.pass_time(0.11)
+        assert not line.quirks.has(PEER, Quirk.NO_ACKNOWLEDGEMENTS)
+        line.send(name)
+        answer(line)
+    line.pass_time(0.11)
+    assert line.results == {"a": True, "b": True, "c": True}
+    assert line.quirks.has(PEER, Quirk.NO_ACKNOWLEDGEMENTS) is not acknowledged
+
+
+def traffic_to(line, peer):
+    line.messenger.inbox.attach(OWN, lambda _message: None)
+    return [each for each in line.messenger.traffic() if each.peer == peer]

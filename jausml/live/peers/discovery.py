@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from jausml.live.peers.services import services_of
 from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.clients.asking_by_id import AskingById
 from jausml.runtime.messages import (
     QueryControl,
     QueryIdentification,
@@ -18,7 +19,7 @@ from jausml.runtime.messages import (
     ReportStatus,
 )
 from jausml.runtime.services.definitions import Scope
-from jausml.runtime.services.discovery_messages import query_all_services, query_services_of
+from jausml.runtime.services.discovery_messages import query_all_services
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -93,7 +94,7 @@ class Survey:
         self._component = component
         self._peers = tuple(peers)
         self._subsystems: dict[int, KnownSubsystem] = {}
-        self._asked_by_name: set[JausAddress] = set()
+        self._asking_by_id = AskingById(component)
         component.on_message(ReportIdentification, self._identified)
         component.on_message(ReportServices, self._services)
         component.on_message(ReportStatus, self._answered)
@@ -154,11 +155,7 @@ class Survey:
             component.is_silent = False
 
     def _services(self, report: ReportServices, sender: JausAddress) -> None:
-        is_empty = not any(node.component_list for node in report.node_list)
-        if is_empty and sender not in self._asked_by_name:
-            # There are stacks that know no wildcards, and report nothing then.
-            self._asked_by_name.add(sender)
-            self._component.send(query_services_of(sender), sender)
+        self._asking_by_id.take(report, sender)
         for address, services in services_of(report, sender.subsystem).items():
             if address != self._component.address and address.is_concrete:
                 component = self._at(address)

@@ -50,7 +50,7 @@ class Accounting:
                 "ok",
                 self._lately(each.traffic, now),
                 own,
-                tuple((name, str(count)) for name, count in each.counts().items()),
+                tuple(each.told()),
             )
             for each in accounts
         ]

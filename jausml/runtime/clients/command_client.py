@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 MAX_DURATION = 0xFFFFFFFF
 """Longest MaximumAllowedDuration in seconds."""
 
+_CREATE = CreateCommandEvent.CODE.to_bytes(2, "little")
+
 
 class PendingCommand:
     """A command whose end is awaited; made by ``JausComponent.command``.
@@ -180,6 +182,7 @@ class CommandClient:
     def _confirmed(self, message: ConfirmEventRequest, sender: JausAddress) -> None:
         pending = self._pending.get((sender, message.request_id))
         if pending is not None and pending.event_id is None:
+            self._take_answer(pending)
             pending.confirmed(message.event_id, self.component.settings.retry_max)
             result = self._early.pop((sender, message.event_id), None)
             if result is not None:
@@ -188,7 +191,13 @@ class CommandClient:
     def _rejected(self, message: RejectEventRequest, sender: JausAddress) -> None:
         pending = self._pending.get((sender, message.request_id))
         if pending is not None and pending.event_id is None:
+            self._take_answer(pending)
             pending.refused(message.response_code, message.error_message or "")
+
+    def _take_answer(self, pending: PendingCommand) -> None:
+        """Let the answer to CreateCommandEvent end its repetition."""
+        start = _CREATE + bytes([pending.request_id])
+        self.component.transport.answered(self.component.address, pending.target, start)
 
     def _ended(self, message: CommandEvent, sender: JausAddress) -> None:
         waiting = [each for each in self._pending.values() if each.target == sender]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..base.address import JausAddress
+from ..base.quirks import Quirk
 from ..messages import (
     ConfirmControl,
     QueryControl,
@@ -38,6 +39,7 @@ so many is confirmed, control is taken for lost."""
 
 _ACCEPTED = ConfirmControl.ResponseCode.CONTROL_ACCEPTED
 _NOT_AVAILABLE = ConfirmControl.ResponseCode.NOT_AVAILABLE
+_REQUEST = RequestControl.CODE.to_bytes(2, "little")
 _LONG_AGO = float("-inf")
 _STATES = frozenset(Status)
 _NOBODY = (0, 0, 0)  # what a component without a controller reports
@@ -101,6 +103,7 @@ class ControlledTarget:
         self._confirmed_at = _LONG_AGO
         self._resumed_at = _LONG_AGO
         self._resumes = 0
+        self._requests = self._answers = 0
         self._awaits_answer = False
         self._timer: Timer | None = None
         presence.watch(target, self._returned)
@@ -178,6 +181,7 @@ class ControlledTarget:
     def confirmed(self, code: int) -> None:
         """Take the answer to a request."""
         self._awaits_answer = False
+        self._take_answer()
         if not self._is_permitted:
             self._release()  # the request was on its way when the permission ended
             return
@@ -199,6 +203,15 @@ class ControlledTarget:
             self._questions.ask(QueryTimeout())
             self._questions.ask(QueryStatus())
             self._check_in(self._settings.retry_min)
+
+    def _take_answer(self) -> None:
+        """Let the answer end the repetition of the request; learn of a peer that answers more."""
+        transport = self.component.transport
+        transport.answered(self.component.address, self.target, _REQUEST)
+        self._answers += 1
+        if self._answers > self._requests:
+            how = f"answers {self._answers}, requests {self._requests}"
+            transport.quirks.learn(self.target, Quirk.NO_DUPLICATE_FILTER, how)
 
     def rejected(self) -> None:
         """Take the word that control has ended, and ask again at once."""
@@ -386,6 +399,7 @@ class ControlledTarget:
         if self._releases.are_under_way(self.target):
             return  # ``released`` comes back to it
         self._awaits_answer = True
+        self._requests += 1
         self._requested_at = self._loop.now()
         self._questions.ask(RequestControl(authority_code=self.authority))
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -17,11 +16,11 @@ from ..services.definitions import CORE, Scope
 from ..services.discovery_messages import (
     query_all_service_lists,
     query_all_services,
-    query_services_of,
     register_services,
     reported_service_list,
     reported_services,
 )
+from .asking_by_id import AskingById
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -82,7 +81,7 @@ class DiscoveryClient:
         self._component = component
         self._searches: list[_Search] = []
         self._watchers: list[Callable[[FoundComponent], None]] = []
-        self._asked_by_name: dict[JausAddress, float] = {}
+        self._asking_by_id = AskingById(component)
         self._timer: Timer | None = None
         self._tries = 0
         self.server: JausAddress | None = None
@@ -163,24 +162,9 @@ class DiscoveryClient:
             self._component.send(register_services(self._component.services), sender)
 
     def _services_reported(self, report: ReportServices, sender: JausAddress) -> None:
-        is_empty = not any(node.component_list for node in report.node_list)
-        if is_empty and (self._searches or self._watchers):
-            self._ask_by_name(sender)
+        if self._searches or self._watchers:
+            self._asking_by_id.take(report, sender)
         self._take(reported_services(report, sender.subsystem))
-
-    def _ask_by_name(self, sender: JausAddress) -> None:
-        """Ask who reports no component for its own services, once in a while.
-
-        There are stacks, JAUS++ among them, that know no wildcards and report nothing then.
-        """
-        now = self._component.loop.now()
-        if now < self._asked_by_name.get(sender, -math.inf) + EAGER_INTERVAL:
-            return
-        if len(self._asked_by_name) >= MAX_FOUND:
-            self._asked_by_name.clear()
-        self._asked_by_name[sender] = now
-        self._component.counters.count("discovery_client.knows_no_wildcards", str(sender))
-        self._component.send(query_services_of(sender), sender)
 
     def _service_list_reported(self, report: ReportServiceList, _sender: JausAddress) -> None:
         self._take(reported_service_list(report))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from ..base.quirks import Quirk
 from ..messages import (
     CancelEvent,
     ConfirmEventRequest,
@@ -192,7 +193,13 @@ class EventClient:
         self._component.counters.add("event_client.unknown_event")
         expected = False
         for stream in self._streams.values():
-            if stream.provider == sender and not stream.active:
+            if stream.provider != sender:
+                continue
+            if stream.former_id == event_id:
+                # Its reports go on beside those of the event that took its place.
+                how = f"event {event_id} went on beside event {stream.event_id}"
+                self._component.transport.quirks.learn(sender, Quirk.DOUBLED_EVENTS, how)
+            if not stream.active:
                 expected = True
                 stream.hurry()
         now = self._component.loop.now()

@@ -6,6 +6,7 @@ from enum import Enum
 from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
+from ..base.quirks import Quirk
 from ..messages import CancelEvent, CreateEvent
 from ..services.events import EVERY_CHANGE, PERIODIC, UNKNOWN_EVENT
 from ..wire.message import DecodeError, Message
@@ -37,6 +38,8 @@ SETTLING = 1.0
 
 HALF_SEQUENCE = 128
 """Sequence numbers from here on are older than the last one."""
+
+_CREATE = CreateEvent.CODE.to_bytes(2, "little")
 
 
 class _State(Enum):
@@ -80,6 +83,7 @@ class EventStream:
         payload: The encoded query.
         request_id: Marks our requests in the provider's answers.
         event_id: The provider's id of the event, once confirmed.
+        former_id: The id that it had before, if the provider gave it another one.
         missing: Reports that did not arrive, by the gaps between their numbers.
         late: Reports that arrived after newer ones.
         refusal: Why the provider gives no such event, in its words; empty when it has not refused.
@@ -99,6 +103,7 @@ class EventStream:
         self.payload = payload
         self.request_id = 0
         self.event_id: int | None = None
+        self.former_id: int | None = None
         self.missing = 0
         self.late = 0
         self.refusal = ""
@@ -214,6 +219,7 @@ class EventStream:
 
     def confirmed(self, event_id: int, rate: float) -> None:
         """Take the provider's confirmation of our last request."""
+        self._take_answer()
         if self._state is _State.IDLE or not self._groups:
             return
         if self._state is _State.ACTIVE and not self._renewals:
@@ -226,7 +232,9 @@ class EventStream:
         is_new = self._state is _State.CREATING
         if not is_new and event_id != self.event_id:
             is_new = True
-            self._reborn()
+            self.former_id = self.event_id
+            if not self.component.transport.quirks.has(self.provider, Quirk.DOUBLED_EVENTS):
+                self._reborn()
         changed, self._confirmed_rate = rate != self._confirmed_rate, rate
         self._is_renewed = not is_new and not changed
         self._listener.bind(self, event_id)
@@ -248,6 +256,7 @@ class EventStream:
 
     def rejected(self, code: int | None, text: str) -> None:
         """Take the provider's refusal of our last request."""
+        self._take_answer()
         if self._state is _State.ACTIVE:
             if self._renewals:
                 self.lost()
@@ -258,6 +267,11 @@ class EventStream:
             self.refusal = f"{text} (code {code})" if text else f"code {code}"
             self._counters.count("event_client.refused", f"{self.provider}: {self.refusal}")
             self._set_timer(self._settings.refused_retry, self._create)
+
+    def _take_answer(self) -> None:
+        """Let the answer to CreateEvent end its repetition."""
+        start = _CREATE + bytes([self.request_id])
+        self.component.transport.answered(self.component.address, self.provider, start)
 
     def lost(self) -> None:
         """Create the event again: the provider does not know it any more."""

@@ -221,6 +221,10 @@ class Exchanges:
         for each in self._known.get(sender, ()):
             if each.owed and code in each.codes:
                 each.owed -= 1
+                if not each.is_query:
+                    self._component.transport.answered(
+                        self._component.address, sender, each.payload
+                    )
                 if each.is_over:
                     self._note_late(sender, each)
                 else:

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 from ..base.counters import LOGGER
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from ..base.address import JausAddress
+    from ..base.quirks import Learnt
     from ..transports.delivery import PeerTraffic
     from ..transports.transport import Transport
 
@@ -38,10 +39,12 @@ class PeerAccount(NamedTuple):
     Attributes:
         traffic: Packets of both directions.
         drops: Messages of the peer that were dropped, by reason.
+        quirks: What was learnt of the peer.
     """
 
     traffic: PeerTraffic
     drops: Mapping[str, int]
+    quirks: Sequence[Learnt]
 
     def counts(self) -> dict[str, int]:
         """Returns the counts by the names that people see."""
@@ -57,12 +60,20 @@ class PeerAccount(NamedTuple):
             "sent to it": traffic.sent,
             "acknowledged": traffic.acknowledged,
             "acknowledged late": traffic.acknowledged_late,
+            "answered, not acknowledged": traffic.answered,
             "not acknowledged": traffic.unacknowledged,
         }
 
+    def told(self) -> list[tuple[str, str]]:
+        """Returns the counts, and what the peer does otherwise than others, as `/diagnostics`."""
+        counts = [(name, str(count)) for name, count in self.counts().items()]
+        quirks = [(each.quirk.does, f"{each.how}: {each.quirk.instead}") for each in self.quirks]
+        return [*counts, *quirks]
+
     def __str__(self) -> str:
-        """Return the counts that are not 0, for a line of the log."""
-        told = "; ".join(f"{name} {count}" for name, count in self.counts().items() if count)
+        """Return the counts that are not 0 and the quirks, for a line of the log."""
+        counts = [f"{name} {count}" for name, count in self.counts().items() if count]
+        told = "; ".join([*counts, *map(str, self.quirks)])
         return f"account of {self.traffic.peer}: {told or 'nothing'}"
 
 
@@ -78,7 +89,10 @@ def accounts_of(component: Accountable) -> list[PeerAccount]:
         transport.traffic(component.address), key=lambda each: transport.is_kept(each.peer)
     )
     told = sorted(found[-MOST_PEERS:], key=lambda each: each.peer)
-    return [PeerAccount(each, component.drops_of(each.peer)) for each in told]
+    return [
+        PeerAccount(each, component.drops_of(each.peer), transport.quirks.of(each.peer))
+        for each in told
+    ]
 
 
 def log_accounts(component: Accountable) -> None:

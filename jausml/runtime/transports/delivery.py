@@ -65,6 +65,7 @@ class PeerTraffic(NamedTuple):
         sent: Packets to the peer.
         acknowledged: Messages to the peer that were acknowledged in time.
         acknowledged_late: Messages that were acknowledged when they had been given up.
+        answered: Messages whose answer came, and no acknowledgement.
         unacknowledged: Messages that never were, though they may have arrived.
         came: Packets of the peer that arrived.
         lost: Packets of the peer that were lost on the way.
@@ -78,6 +79,7 @@ class PeerTraffic(NamedTuple):
     sent: int = 0
     acknowledged: int = 0
     acknowledged_late: int = 0
+    answered: int = 0
     unacknowledged: int = 0
     came: int = 0
     lost: int = 0

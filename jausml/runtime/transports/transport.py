@@ -7,6 +7,7 @@ from abc import ABC, abstractmethod
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from ..base.quirks import Quirks
 from .delivery import Arrival, report
 from .packets.packet import Priority
 
@@ -31,6 +32,7 @@ class Transport(ABC):
         loop: The loop on which messages are received.
         counters: Where drops are counted.
         arrival: The message that is being handed over.
+        quirks: What was learnt of each peer.
     """
 
     def __init__(self, settings: TransportSettings, loop: Loop) -> None:
@@ -43,6 +45,7 @@ class Transport(ABC):
         self.loop = loop
         self.counters: Counters = loop.counters
         self.arrival = Arrival()
+        self.quirks = Quirks()
         self._settings = settings
 
     @abstractmethod
@@ -108,6 +111,19 @@ class Transport(ABC):
         """
         del address
         return False
+
+    def answered(self, address: JausAddress, peer: JausAddress, start: bytes) -> None:
+        """Take the answer to a message as good as its acknowledgement: it is repeated no more.
+
+        Args:
+            address: The component of this process that has asked.
+            peer: The component that answers.
+            start: What the payload of the message begins with: its code at least.
+        """
+        with self.loop.lock:
+            messenger = self._messenger_of(address)
+            if messenger is not None:
+                messenger.answered(address, peer, start)
 
     # ---- strangers --------------------------------------------------------------------------
 

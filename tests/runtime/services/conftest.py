@@ -11,6 +11,7 @@ from jausml.runtime import ComponentSettings, JausComponent, ServiceIdentity
 from jausml.runtime import messages as core_messages
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.loop import Loop
+from jausml.runtime.base.quirks import Quirks
 from jausml.runtime.transports.delivery import Arrival, PeerTraffic, ReceivedMessage
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import DecodeError, Message
@@ -49,6 +50,7 @@ class World:
         time: Present time in seconds.
         log: Every message sent: (source, destination, message code).
         lost: Tells whether a message is lost on its way.
+        answers: What was said to be answered: who had asked, who answers, start of the payload.
     """
 
     def __init__(self) -> None:
@@ -63,6 +65,8 @@ class World:
         self.proof_listeners: list[Callable[[JausAddress], None]] = []
         self.heard: dict[JausAddress, float] = {}
         self.exchanged: list[PeerTraffic] = []
+        self.quirks = Quirks()
+        self.answers: list[tuple[JausAddress, JausAddress, bytes]] = []
 
     @property
     def counters(self) -> Counters:
@@ -78,6 +82,9 @@ class World:
     def traffic(self, address: JausAddress) -> list[PeerTraffic]:
         """What the test says."""
         return [each for each in self.exchanged if each.own == address]
+
+    def answered(self, address: JausAddress, peer: JausAddress, start: bytes) -> None:
+        self.answers.append((address, peer, start))
 
     def is_unheard(self, address: JausAddress) -> bool:
         """Messages are lost on their way to nobody."""

@@ -10,6 +10,7 @@ import pytest
 
 from jausml.runtime import Guard, Status
 from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.quirks import Quirk
 from jausml.runtime.bridge.accounting import LATELY
 from jausml.runtime.bridge.bridge import Bridge
 from jausml.runtime.bridge.diagnosing import SLICE
@@ -436,6 +437,16 @@ def test_each_peer_has_an_account(world, setting):
     assert status.message == "nothing was lost lately"
     world.run(LATELY + 1.1)
     assert setting.ros.statuses[-1]["account of 1.1.1"].message == "nothing came lately"
+
+
+def test_what_a_peer_does_otherwise_is_told_with_its_account(world, setting):
+    setting.open(event())
+    world.exchanged = [PeerTraffic(OWN, PEER, 40, answered=3)]
+    world.quirks.learn(PEER, Quirk.NO_ACKNOWLEDGEMENTS, "3 answers")
+    world.run(1.1)
+    told = values(setting.ros.statuses[-1]["account of 1.1.1"])
+    assert told["answered, not acknowledged"] == "3"
+    assert told["answers, and acknowledges nothing"] == "3 answers: an answer ends the repetition"
 
 
 def test_few_peers_are_told_of_and_those_with_a_place_first(world, setting):

@@ -8,6 +8,7 @@ import pytest
 
 from jausml.runtime import ControlState, JausComponent, ServiceIdentity, Status
 from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.quirks import Quirk
 from jausml.runtime.messages import (
     ClearEmergency,
     ConfirmControl,
@@ -671,3 +672,25 @@ def test_whatever_happens_control_comes_back_and_nobody_is_flooded(world, seed):
     counts = world.counters.snapshot()
     assert "component.handler_failed" not in counts
     assert "loop.callback_failed" not in counts
+
+
+def test_an_answer_is_as_good_as_an_acknowledgement(world, client):
+    target(world)
+    client.control(TARGET, authority=127)
+    world.run(60.0)
+    start = RequestControl.CODE.to_bytes(2, "little")
+    assert (client.address, TARGET, start) in world.answers
+    assert world.quirks.of(TARGET) == ()
+
+
+def test_who_acts_on_repetitions_too_is_known_for_it(world, client):
+    probe = world.probe(str(TARGET))
+    client.control(TARGET, authority=127)
+    world.run(0.1)
+    requests = [each for each in probe.take() if isinstance(each, RequestControl)]
+    for _ in range(len(requests) + 1):
+        assert world.quirks.of(TARGET) == ()
+        probe.send(ConfirmControl(response_code=0), client)
+        world.settle()
+    (quirk,) = world.quirks.of(TARGET)
+    assert quirk == (Quirk.NO_DUPLICATE_FILTER, "answers 2, requests 1")

@@ -6,6 +6,7 @@ import pytest
 
 from jausml.runtime import Scope, ServiceIdentity
 from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.base.quirks import Quirk
 from jausml.runtime.clients.discovery_client import MAX_FOUND
 from jausml.runtime.messages import (
     QueryConfiguration,
@@ -372,7 +373,8 @@ def test_who_knows_no_wildcards_is_asked_by_name(world):
     other.send(report_services(named, catalog, 152), searcher)
     world.settle()
     assert [each.address for each in hits] == [JausAddress(152, 1, 1)]
-    assert world.counters.snapshot()["discovery_client.knows_no_wildcards"] == 1
+    (quirk,) = searcher.transport.quirks.of(JausAddress(152, 1, 1))
+    assert quirk.quirk is Quirk.NO_WILDCARDS
 
 
 def test_search_asks_everyone(world):

@@ -7,6 +7,7 @@ from itertools import pairwise
 import pytest
 
 from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.quirks import Quirk
 from jausml.runtime.messages import (
     CancelEvent,
     ConfirmEventRequest,
@@ -708,3 +709,54 @@ def test_subscription_that_follows_a_cancelled_one_is_confirmed_at_once(world, c
     assert len(heard) == 1
     assert world.count(UpdateEvent.CODE) == 0
     assert world.count(RejectEventRequest.CODE) == 0
+
+
+class Doubling:
+    """A provider that makes another event of each CreateEvent, and reports in all it has."""
+
+    def __init__(self, world):
+        self.world, self.probe, self.events = world, world.probe(str(PROVIDER)), {}
+        self.made = 0
+
+    def serve(self, client, seconds):
+        """Answers, and reports ten times a second, for some time."""
+        for _ in range(round(10 * seconds)):
+            for message in self.probe.take():
+                if isinstance(message, CreateEvent):
+                    self.events[self.made] = 0
+                    confirmation = ConfirmEventRequest(message.request_id, self.made, 0.0)
+                    self.probe.send(confirmation, client)
+                    self.made += 1
+                elif isinstance(message, CancelEvent):
+                    self.events.pop(message.event_id, None)
+            for event_id, number in self.events.items():
+                report = ReportStatus(status=1).encode()
+                self.probe.send(Event(event_id, number, report), client)
+                self.events[event_id] = number + 1 & 0xFF
+            self.world.run(0.1)
+
+
+def test_who_makes_another_event_of_each_request_is_not_taken_for_restarted(world):
+    client = world.component("2.1.1", services=(), retry_min=0.5, check_interval=3.0)
+    client.start()
+    provider = Doubling(world)
+    inbox = Inbox()
+    statuses(client, inbox)
+    provider.serve(client, 5.0)
+    (quirk,) = world.quirks.of(PROVIDER)
+    assert quirk == (Quirk.DOUBLED_EVENTS, "event 0 went on beside event 1")
+    lost = world.counters.snapshot()["event_client.lost"]
+    provider.serve(client, 20.0)
+    assert provider.made >= 6  # it is renewed, in case that it is restarted
+    assert len(provider.events) == 1  # and what is too much is cancelled
+    assert world.counters.snapshot()["event_client.lost"] == lost
+    assert len(inbox) > 200
+
+
+def test_a_confirmation_is_as_good_as_an_acknowledgement(world, client):
+    provider(world)
+    subscription = statuses(client, Inbox())
+    world.settle()
+    assert subscription.active
+    start = CreateEvent.CODE.to_bytes(2, "little") + b"\0"
+    assert (client.address, PROVIDER, start) in world.answers

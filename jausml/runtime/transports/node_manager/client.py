@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from ...base.address import JausAddress
     from ...base.loop import Loop, Timer
+    from ...base.quirks import Quirks
     from ...base.settings import TransportSettings
 
 _LARGEST_DATAGRAM = 65535
@@ -60,6 +61,7 @@ class NodeManagerClient(Carrier[str]):
         folder: Path,
         manager: str,
         address: JausAddress,
+        quirks: Quirks,
     ) -> None:
         """Prepare a client; ``open`` attaches it.
 
@@ -69,6 +71,7 @@ class NodeManagerClient(Carrier[str]):
             folder: Folder of the local sockets.
             manager: Name of the manager's socket.
             address: The component.
+            quirks: What was learnt of each peer.
         """
         self.address = address
         self._loop = loop
@@ -85,7 +88,7 @@ class NodeManagerClient(Carrier[str]):
         self._pause = _FIRST_PAUSE_S
         self._timer: Timer | None = None
         self._retry: Timer | None = None
-        self.messenger: Messenger[str] = Messenger(settings, loop, self)
+        self.messenger: Messenger[str] = Messenger(settings, loop, self, quirks)
 
     @property
     def is_attached(self) -> bool:

@@ -79,7 +79,9 @@ class NodeManagerTransport(Transport):
     def _attach(self, address: JausAddress, receive: Receive, take: Take | None) -> None:
         if address in self._clients:
             raise ValueError(f"{address} is attached already")
-        client = NodeManagerClient(self._settings, self.loop, self._folder, MANAGER, address)
+        client = NodeManagerClient(
+            self._settings, self.loop, self._folder, MANAGER, address, self.quirks
+        )
         client.messenger.inbox.attach(address, receive, take)
         if self._is_open:
             client.open()

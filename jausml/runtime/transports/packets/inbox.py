@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Generic
 
 from ...base.counters import LOGGER
 from ...base.host_clock import HostClock
+from ...base.quirks import Quirk
 from ..delivery import MESSAGE_CODE_SIZE, Arrival, Double, ReceivedMessage
 from .carrier import Origin
 from .duplicates import DuplicateWindow
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
     from ...base.address import JausAddress
     from ...base.loop import Loop, Timer
+    from ...base.quirks import Quirks
     from ...base.settings import TransportSettings
     from ..delivery import Receive, Take
     from .carrier import Carrier
@@ -39,6 +41,7 @@ class Inbox(Generic[Origin]):
         loop: Loop,
         acknowledged: Callable[[int, int, int], bool],
         carrier: Carrier[Origin],
+        quirks: Quirks,
     ) -> None:
         """Start with no components.
 
@@ -48,6 +51,7 @@ class Inbox(Generic[Origin]):
             acknowledged: Told of an acknowledgement to whom and for which sequence number it is,
                 and who sent it; returns whether a packet waited for it.
             carrier: Sends answers back.
+            quirks: What was learnt of each peer.
         """
         self._loop = loop
         self._counters = loop.counters
@@ -55,6 +59,7 @@ class Inbox(Generic[Origin]):
         self._acknowledged = acknowledged
         self._matched = loop.counters.tally("transport.acknowledgement")
         self._carrier = carrier
+        self._quirks = quirks
         self.arrival = Arrival()
         self.duplicates = DuplicateWindow(settings.duplicate_window, settings.duplicate_history)
         self.reassembly = Reassembly(
@@ -259,6 +264,7 @@ class Inbox(Generic[Origin]):
             "if it is Junior, it must send with a priority above 0",
         )
         if message is not None:
+            self._quirks.learn(packet.source, Quirk.FLAGLESS, "Junior does so with priority 0")
             self._accept(message, receivers, now)
 
     def plan_expiry(self) -> None:

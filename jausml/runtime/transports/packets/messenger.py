@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Generic
 
 from ...base.address import address_of
 from ...base.counters import LOGGER
+from ...base.quirks import Quirk
 from ...base.settings import MAX_FRAGMENT_SIZE
 from ..delivery import MESSAGE_CODE_SIZE, PeerTraffic, report
 from .bursts import Bursts
@@ -21,11 +22,16 @@ if TYPE_CHECKING:
 
     from ...base.address import JausAddress
     from ...base.loop import Loop
+    from ...base.quirks import Quirks
     from ...base.settings import TransportSettings
     from ..delivery import OnResult
 
 HELD_BY_PEERS = 50
 """Packets of an unfinished message that Junior and the JAUS Tool Set hold."""
+
+
+OFTEN_ANEW = 2
+"""How often a peer begins its numbers anew before that is told; a restart of it is no quirk."""
 
 
 class Messenger(Generic[Origin]):
@@ -43,6 +49,7 @@ class Messenger(Generic[Origin]):
         settings: TransportSettings,
         loop: Loop,
         carrier: Carrier[Origin],
+        quirks: Quirks,
         draw: Callable[[int], int] | None = None,
     ) -> None:
         """Start with no components and nothing to wait for.
@@ -52,6 +59,7 @@ class Messenger(Generic[Origin]):
             loop: Loop on which messages are received; its counters are used.
             carrier: Puts packets on the network. Messages are repeated until acknowledged unless
                 it is reliable by itself.
+            quirks: What was learnt of each peer.
             draw: Returns a random number from 0 to below its argument, for sequence numbers;
                 by default that of the process.
         """
@@ -60,13 +68,16 @@ class Messenger(Generic[Origin]):
         self.packetizer = Packetizer(settings.fragment_size, draw)
         self._longest = settings.fragment_size
         self._bursts = Bursts()
-        self._outbox = Outbox(settings, loop, carrier)
+        self._quirks = quirks
+        self._outbox = Outbox(settings, loop, carrier, quirks)
         self._has_warned = False
         self._is_reliable = isinstance(carrier, ReliableCarrier)
         self._send_all = (
             carrier.transmit_all if isinstance(carrier, ReliableCarrier) else self._send_in_one_go
         )
-        self.inbox: Inbox[Origin] = Inbox(settings, loop, self._outbox.acknowledged, carrier)
+        self.inbox: Inbox[Origin] = Inbox(
+            settings, loop, self._outbox.acknowledged, carrier, quirks
+        )
 
     def close(self) -> None:
         """Report what waits for acknowledgement as lost."""
@@ -126,6 +137,10 @@ class Messenger(Generic[Origin]):
         if count > HELD_BY_PEERS:
             self._warn_of_size(packets[0], count)
 
+    def answered(self, source: JausAddress, peer: JausAddress, start: bytes) -> None:
+        """Take an answer for an acknowledgement; see ``Transport.answered``."""
+        self._outbox.answered(source, peer, start)
+
     def traffic(self) -> list[PeerTraffic]:
         """Return what components of this process and others have exchanged, by pair.
 
@@ -143,9 +158,12 @@ class Messenger(Generic[Origin]):
                 found[pair] = found[pair]._replace(
                     acknowledged=outcome.acknowledged,
                     acknowledged_late=outcome.late,
+                    answered=outcome.answered,
                     unacknowledged=outcome.unacknowledged,
                 )
         for peer, own, account in self.inbox.duplicates.accounts():
+            if account.restarts >= OFTEN_ANEW:
+                self._quirks.learn(peer, Quirk.NUMBERS_ANEW, f"{account.restarts} times so far")
             known = found.pop((own, peer), None) or PeerTraffic(own, peer)
             found[own, peer] = known._replace(
                 came=account.came,

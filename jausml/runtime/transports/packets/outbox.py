@@ -7,11 +7,13 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ...base.address import address_of
+from ...base.quirks import Quirk
 from .lane import Lane, Message
 
 if TYPE_CHECKING:
     from ...base.address import JausAddress
     from ...base.loop import Loop, Timer
+    from ...base.quirks import Quirks
     from ...base.settings import TransportSettings
     from ..delivery import OnResult
     from .carrier import Carrier
@@ -28,6 +30,8 @@ PATIENCE = 4
 """How many times as often a packet of a large message is repeated while its destination lives: a
 packet in three frames is lost often where one frame in five is."""
 
+OFTEN_ANSWERED = 3
+"""Answers without any acknowledgement after which a peer is taken for one that sends none."""
 
 _Key = tuple[int, int, int]
 """Who sends a packet, to whom (0 is any wildcard: they are numbered together), and its number."""
@@ -41,7 +45,7 @@ def _key(packet: Packet) -> _Key:
 class _Flight:
     """A packet under way."""
 
-    __slots__ = ("due", "key", "message", "packet", "repetitions", "since")
+    __slots__ = ("due", "is_answered", "key", "message", "packet", "repetitions", "since")
 
     def __init__(self, message: Message, packet: Packet, since: float, due: float) -> None:
         self.message = message
@@ -50,18 +54,20 @@ class _Flight:
         self.since = since
         self.due = due
         self.repetitions = 0
+        self.is_answered = False
 
 
 class Outcome:
     """How many messages from one component to another were acknowledged, late, or never.
 
-    Those that are never acknowledged may have arrived all the same.
+    Those that are answered instead have arrived; those of which nothing came may have as well.
     """
 
-    __slots__ = ("acknowledged", "late", "unacknowledged")
+    __slots__ = ("acknowledged", "answered", "late", "unacknowledged")
 
     def __init__(self) -> None:
         self.acknowledged = 0
+        self.answered = 0
         self.late = 0
         self.unacknowledged = 0
 
@@ -78,6 +84,9 @@ class Outbox:
     message is not lost. Callable from any thread;
     results are reported on the loop's thread.
 
+    An answer is as good as an acknowledgement, which may be on its way as well: instead of being
+    repeated when its time has come, what was answered is done.
+
     Attributes:
         outcomes: What became of messages, by source and destination, of 4,096 pairs at most.
     """
@@ -87,6 +96,7 @@ class Outbox:
         settings: TransportSettings,
         loop: Loop,
         carrier: Carrier[Any],
+        quirks: Quirks,
     ) -> None:
         """Start with nothing to wait for.
 
@@ -95,12 +105,14 @@ class Outbox:
             loop: Runs the time-outs.
             carrier: Puts packets on the network; told the destination before the last repetition,
                 which may thus search for it.
+            quirks: What was learnt of each peer.
         """
         self._timeout = settings.acknowledge_timeout
         self._retries = settings.acknowledge_retries
         self._patience = PATIENCE * (self._retries + 1) * self._timeout
         self._loop = loop
         self._carrier = carrier
+        self._quirks = quirks
         self.outcomes: dict[tuple[int, int], Outcome] = {}
         self._lock = threading.Lock()
         self._lanes: dict[JausAddress, Lane] = {}
@@ -174,6 +186,24 @@ class Outbox:
         for packet in ready:
             self._carrier.transmit(packet)
         return True
+
+    def answered(self, source: JausAddress, peer: JausAddress, start: bytes) -> None:
+        """Learn that a message was answered; no effect when it does not wait.
+
+        Args:
+            source: Who sent the message.
+            peer: Who answers.
+            start: What its payload begins with.
+        """
+        with self._lock:
+            for flight in self._flights.values():
+                packet = flight.packet
+                if (
+                    (packet.source, packet.destination) == (source, peer)
+                    and not flight.message.is_large
+                    and packet.payload.startswith(start)
+                ):
+                    flight.is_answered = True
 
     def close(self) -> None:
         """Give up everything; the results are reported."""
@@ -275,7 +305,10 @@ class Outbox:
                 return
             is_patient = flight.message.is_large and self._is_alive(flight, now)
             patience = PATIENCE if is_patient else 1
-            if flight.repetitions < patience * self._retries:
+            if flight.is_answered:
+                self._end_answered(flight)
+                ready = self._take_off(self._lanes[packet.destination], packet.destination)
+            elif flight.repetitions < patience * self._retries:
                 flight.repetitions += 1
                 flight.due = now + self._timeout
                 self._flights[flight.key] = self._flights.pop(flight.key)
@@ -284,13 +317,25 @@ class Outbox:
             else:
                 given_up = self._give_up(flight)
                 ready = self._take_off(self._lanes[packet.destination], packet.destination)
-        if flight.repetitions == self._retries and not is_patient:
+        if flight.is_answered:
+            self._report(flight.message, acknowledged=True)
+        elif flight.repetitions == self._retries and not is_patient:
             self._carrier.suspect(packet.destination, flight.since)
         for message in given_up:
             if not self._watch(message, flight, now):
                 self._count_unacknowledged(message)
             self._report(message, acknowledged=False)
         self._transmit(ready)
+
+    def _end_answered(self, flight: _Flight) -> None:
+        """Be done with a message whose answer came, and no acknowledgement in its time."""
+        self._land(flight)
+        self._forget(flight.message, self._lanes[flight.packet.destination])
+        outcome = self._outcome_of(flight.message)
+        outcome.answered += 1
+        if outcome.answered >= OFTEN_ANSWERED and not outcome.acknowledged:
+            how = f"{outcome.answered} answers and no acknowledgement"
+            self._quirks.learn(flight.packet.destination, Quirk.NO_ACKNOWLEDGEMENTS, how)
 
     def _count_unacknowledged(self, message: Message) -> None:
         self._loop.counters.count("transport.unacknowledged", f"{message.packets[0].destination}")

@@ -157,7 +157,7 @@ def parse_datagram(data: bytes, counters: Counters) -> list[Packet]:
         if _is_acknowledgement(data):
             # JAUS-DEVIATION: JAUS++ states version 0 in front of its acknowledgements, which are
             # right otherwise. Only the number of a packet that waits for one makes use of it.
-            counters.count("judp.acknowledgement_of_other_version", data.hex())
+            counters.add("judp.acknowledgement_of_other_version")
             packet = parse_message(data, 1, EMPTY_MESSAGE_SIZE, counters)
             return [] if packet is None else [packet]
         _count_version(data, counters)

@@ -67,7 +67,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         """
         super().__init__(settings, loop)
         self._well_known: Endpoint = (settings.interface, settings.port)
-        self._messenger: Messenger[TcpConnection] = Messenger(settings, loop, self)
+        self._messenger: Messenger[TcpConnection] = Messenger(settings, loop, self, self.quirks)
         self._inbox = self._messenger.inbox
         self._relayed = DuplicateWindow(settings.duplicate_window, settings.duplicate_history)
         self._allowed = AllowedHosts(settings, self.counters)

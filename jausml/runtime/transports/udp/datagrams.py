@@ -66,7 +66,7 @@ class DatagramTransport(Transport):
             trusts=self._trusts,
         )
         self._sender = Sender(loop, port, self._book, settings.amplification_limit)
-        self._messenger = Messenger(settings, loop, self._sender, draw)
+        self._messenger = Messenger(settings, loop, self._sender, self.quirks, draw)
         self.arrival = self._messenger.inbox.arrival
         self._inbox = self._messenger.inbox
         self._inbox.proves = self._sender.prover.acknowledged

@@ -1,0 +1,38 @@
+"""What is remembered of the quirks of peers."""
+
+from __future__ import annotations
+
+import logging
+
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.quirks import MOST_PEERS, Quirk, Quirks
+
+PEER = JausAddress(152, 1, 1)
+
+
+def test_a_quirk_is_known_by_name_with_what_showed_it_and_what_is_done(caplog):
+    caplog.set_level(logging.INFO)
+    quirks = Quirks()
+    assert quirks.of(PEER) == ()
+    assert not quirks.has(PEER, Quirk.OTHER_VERSION)
+    quirks.learn(PEER, Quirk.NO_WILDCARDS, "nothing was reported")
+    quirks.learn(PEER, Quirk.OTHER_VERSION, "0 for 2")
+    quirks.learn(PEER, Quirk.OTHER_VERSION, "0 for 2")
+    assert [each.quirk for each in quirks.of(PEER)] == [Quirk.OTHER_VERSION, Quirk.NO_WILDCARDS]
+    told = (
+        "acknowledges with another version of JUDP (0 for 2): "
+        "an acknowledgement counts where a packet waits for it"
+    )
+    assert str(quirks.of(PEER)[0]) == told
+    assert [each.message for each in caplog.records].count(f"152.1.1 {told}") == 1
+
+
+def test_invented_peers_fill_neither_the_memory_nor_the_log(caplog):
+    caplog.set_level(logging.INFO)
+    quirks = Quirks()
+    strangers = [JausAddress(number, 1, 1) for number in range(1, 2 * MOST_PEERS)]
+    for each in strangers:
+        quirks.learn(each, Quirk.OTHER_VERSION, "0 for 2")
+    assert len(caplog.records) == MOST_PEERS
+    assert sum(bool(quirks.of(each)) for each in strangers) == MOST_PEERS
+    assert quirks.of(strangers[-1])
