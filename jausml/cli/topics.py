@@ -284,9 +284,9 @@ def tell_unanswered(chosen: Sequence[Crossing]) -> None:
     Args:
         chosen: All ways of the bridge.
     """
-    from jausml.proposals.topics import unanswered
+    from jausml.proposals.topics import unanswered_queries
 
-    for service, queries in unanswered(chosen).items():
+    for service, queries in unanswered_queries(chosen).items():
         remark(f"{service}: no connection answers {', '.join(queries)}")
 
 

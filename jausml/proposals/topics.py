@@ -9,9 +9,11 @@ from jausml.metamodel.classes import ros
 from jausml.model.names import name_of
 from jausml.model.words import words
 from jausml.proposals.bridging import is_served, offer_of, stop_in
+from jausml.semantics.answers import told_by_command
 from jausml.semantics.commands import is_command
 from jausml.semantics.ros_paths import ros_name
-from jausml.semantics.services import query_name
+from jausml.semantics.services import code
+from jausml.semantics.unanswered import unanswered
 from jausml.semantics.used_maps import used_maps
 from jausml.semantics.ways import EVENT, MESSAGE
 
@@ -179,7 +181,7 @@ def joins_of(crossing: Crossing, topics: Sequence[TopicEnd], taken: set[str]) ->
     return found
 
 
-def unanswered(chosen: Sequence[Crossing]) -> dict[str, list[str]]:
+def unanswered_queries(chosen: Sequence[Crossing]) -> dict[str, list[str]]:
     """Returns the queries of the services of a bridge that none of its ways answers.
 
     Args:
@@ -188,15 +190,16 @@ def unanswered(chosen: Sequence[Crossing]) -> dict[str, list[str]]:
     Returns:
         The names of queries by the names of the services that the bridge provides.
     """
-    carried = {name_of(each.offer.message) for each in chosen if not each.offer.to_ros}
-    found: dict[str, list[str]] = {}
-    for each in chosen:
-        service = each.offer.service
-        if each.offer.is_provided or name_of(service) in found:
-            continue
-        reports = [one for one in service.outputs if name_of(one) not in carried]
-        offered = (offer_of(one, to_ros=False) for one in reports)
-        found[name_of(service)] = [
-            query_name(one.message) for one in offered if one is not None and one.exchange == EVENT
-        ]
-    return {service: queries for service, queries in found.items() if queries}
+    sent = {code(each.offer.message) for each in chosen if not each.offer.to_ros}
+    services = list(
+        dict.fromkeys(each.offer.service for each in chosen if not each.offer.is_provided)
+    )
+    commands = [each.offer.message for each in chosen if each.offer.to_ros]
+    told = (told_by_command(each, services) for each in commands if commands.count(each) == 1)
+    sent.update(code(each.report) for each in told if each is not None)
+    found = {name_of(each): unanswered(each, sent) for each in services}
+    return {
+        service: [name_of(each) for each in queries]
+        for service, queries in found.items()
+        if queries
+    }

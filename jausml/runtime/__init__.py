@@ -24,6 +24,7 @@ from .bridge.actions import ListAction, Progress
 from .bridge.bridge import Bridge
 from .bridge.call_translation import CallTranslation
 from .bridge.carried import Carried
+from .bridge.command_answers import CommandAnswer
 from .bridge.connection import AnyConnection
 from .bridge.ends import RosSide
 from .bridge.errors import AbsentFieldError, OutOfRangeError, StaleJoinError
@@ -90,6 +91,7 @@ __all__ = [
     "Carried",
     "CdrLayouts",
     "CdrRows",
+    "CommandAnswer",
     "Completion",
     "ComponentProgram",
     "ComponentSettings",

@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from jausml.semantics.answers import Answer, answer_alike, answer_by, named
 from jausml.semantics.jaus_paths import JausPlace, message_place
-from jausml.semantics.layouts import signature
-from jausml.semantics.services import code, lineage, query_name
+from jausml.semantics.services import code, lineage
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from jausml.metamodel.classes import bridge, jaus
 
 EXECUTE, QUERY, REPORT = "ExecuteList", "QueryActiveElement", "ReportActiveElement"
@@ -53,25 +51,12 @@ def driver_messages(service: jaus.Service | None) -> DriverMessages | None:
     services = lineage(service)
     if not any(each.name == LIST_MANAGER for each in services):
         return None
-    execute = _named(EXECUTE, (m for each in services for m in each.inputs))
-    query = _named(QUERY, (m for each in services for m in each.inputs))
-    report = _named(REPORT, (m for each in services for m in each.outputs))
+    execute = named(EXECUTE, (m for each in services for m in each.inputs))
+    query = named(QUERY, (m for each in services for m in each.inputs))
+    report = named(REPORT, (m for each in services for m in each.outputs))
     if execute is None or query is None or report is None:
         return None
     return DriverMessages(execute, query, report)
-
-
-@dataclass(frozen=True)
-class Answer:
-    """A query that a list driver answers, and how.
-
-    Attributes:
-        query: Asks.
-        report: Answers.
-    """
-
-    query: jaus.MessageDef
-    report: jaus.MessageDef
 
 
 def speed_answer(driver: jaus.Service) -> Answer | None:
@@ -84,22 +69,7 @@ def speed_answer(driver: jaus.Service) -> Answer | None:
     if messages is None or not knows_speed(messages):
         return None
     outputs = (m for each in lineage(driver) for m in each.outputs)
-    return _answer(driver, _named(SPEED_REPORT, outputs))
-
-
-def element_answer(driver: jaus.Service, element: jaus.MessageDef) -> Answer | None:
-    """Returns how a driver tells what the active element holds; None when it is not asked.
-
-    The report is laid out as the element is, so that nothing has to be translated.
-
-    Args:
-        driver: The list driver.
-        element: The message of its elements.
-    """
-    wanted = f"Report{(element.name or '').removeprefix('Set')}"
-    report = _named(wanted, (m for each in lineage(driver) for m in each.outputs))
-    is_alike = report is not None and signature(report) == signature(element)
-    return _answer(driver, report) if is_alike else None
+    return answer_by(driver, named(SPEED_REPORT, outputs))
 
 
 def answers(action: bridge.RosActionConnection) -> list[Answer]:
@@ -110,7 +80,7 @@ def answers(action: bridge.RosActionConnection) -> list[Answer]:
     """
     if action.direction.name != "jausToRos":
         return []
-    found = (speed_answer(action.driver), element_answer(action.driver, action.element.message))
+    found = (speed_answer(action.driver), answer_alike(action.driver, action.element.message))
     return [each for each in found if each is not None]
 
 
@@ -132,14 +102,3 @@ def takes(service: jaus.Service, message: jaus.MessageDef) -> bool:
     """
     expected = ELEMENTS.get(str(service.urn))
     return expected is None or code(message) == expected
-
-
-def _answer(driver: jaus.Service, report: jaus.MessageDef | None) -> Answer | None:
-    if report is None:
-        return None
-    query = _named(query_name(report), (m for each in lineage(driver) for m in each.inputs))
-    return None if query is None else Answer(query, report)
-
-
-def _named(name: str, messages: Iterable[jaus.MessageDef]) -> jaus.MessageDef | None:
-    return next((each for each in messages if each.name == name), None)

@@ -145,6 +145,9 @@ def test_same_model_gives_the_same_bytes(loop_files):
 """,
         """
             when=lambda message: Guard.READY if message.command_type == 0 else Guard.CONTROLLED,
+            answer=CommandAnswer(
+                QueryVelocityCommand, ReportVelocityCommand, same=("command_type",)
+            ),
             is_command=True,
             silence_timeout=0.5,
             safe_value=self.safe_cruise,
@@ -185,8 +188,10 @@ def test_exactly_the_messages_used(loop_files):
     (exports,) = (node.value for node in tree.body if isinstance(node, ast.Assign))
     assert ast.literal_eval(exports) == [
         "QueryLocalPose",
+        "QueryVelocityCommand",
         "QueryVelocityState",
         "ReportLocalPose",
+        "ReportVelocityCommand",
         "ReportVelocityState",
         "SetVelocityCommand",
         "SetWrenchEffort",

@@ -18,10 +18,10 @@ from jausml.generators.common.components import address_call, search_call
 from jausml.generators.common.ros import ros_type
 from jausml.generators.python.statements import call, tuple_of
 from jausml.metamodel.classes import bridge
+from jausml.semantics.answers import answer_alike
 from jausml.semantics.list_drivers import (
     answers,
     driver_messages,
-    element_answer,
     knows_speed,
     speed_answer,
 )
@@ -30,7 +30,8 @@ from jausml.semantics.services import code
 if TYPE_CHECKING:
     from jausml.generators.python.codec.messages import MessageView
     from jausml.metamodel.classes import jaus
-    from jausml.semantics.list_drivers import Answer, DriverMessages
+    from jausml.semantics.answers import Answer
+    from jausml.semantics.list_drivers import DriverMessages
 
 
 def carried(owner: bridge.Bridge) -> list[bridge.Connection]:
@@ -175,7 +176,7 @@ class ActionView(ConnectionView):
         action = self.action
         found = {
             "speed": speed_answer(action.driver),
-            "element": element_answer(action.driver, action.element.message),
+            "element": answer_alike(action.driver, action.element.message),
         }
         free = answers_of_driver(action)
         told = [f"{name}={self._pair(each)}" for name, each in found.items() if each in free]

@@ -18,11 +18,13 @@ from jausml.generators.bridge.report_joins import ReportJoinView, query_of_join
 from jausml.generators.bridge.topics import JoinView, list_of, topic_call
 from jausml.generators.common.ros import RosType, ros_type
 from jausml.generators.python.guards import condition
-from jausml.generators.python.statements import call
+from jausml.generators.python.statements import call, tuple_of
 from jausml.metamodel.classes import bridge
 from jausml.semantics import stops
+from jausml.semantics.answers import chosen_fields
 from jausml.semantics.freshness import freshness_of
 from jausml.semantics.report_joins import joined_reports
+from jausml.semantics.unanswered import told_command
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -180,6 +182,8 @@ class ConnectionView:
             found.append(("rate", python_literal(self.rate)))
         if self._handler_guard != "ANY":
             found.append(("when", condition(self.message_element, self._handler_guard)))
+        if self.kind == "MessageToTopics":
+            found += self._telling()
         if self.is_capped and self.connection.rateCap > 0:
             found.append(("rate_cap", python_literal(float(self.connection.rateCap))))
         if self.kind == "TopicsToMessage":
@@ -224,6 +228,20 @@ class ConnectionView:
         if self.connection.acknowledge:
             found.append(("acknowledge", "True"))
         return found
+
+    def _telling(self) -> list[tuple[str, str]]:
+        """Returns how the command is told to whoever asks for it."""
+        answer = told_command(self.connection)
+        if answer is None:
+            return []
+        query, report = self.view_of(answer.query), self.view_of(answer.report)
+        arguments = [query.class_name, report.class_name]
+        chosen = [query.find(each)[0].attribute for each in chosen_fields(answer) or ()]
+        if chosen:
+            arguments.append(f"same={tuple_of(*map(python_string, chosen))}")
+        if all(member.is_optional for member in report.body.members):
+            arguments.append("has_empty=True")
+        return [("answer", call("CommandAnswer", *arguments))]
 
     def _reporting(self) -> list[tuple[str, str]]:
         found = []

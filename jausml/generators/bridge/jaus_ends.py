@@ -22,8 +22,7 @@ if TYPE_CHECKING:
 
     from jausml.generators.python.codec.messages import MessageView
     from jausml.metamodel.classes import bridge, jaus
-
-PRESENCE_VECTOR = "PresenceVector"
+from jausml.semantics.answers import PRESENCE_VECTOR
 
 
 def query_call(query: MessageView, report: MessageView | None, fields: Container[str]) -> str:

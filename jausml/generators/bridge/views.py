@@ -42,6 +42,7 @@ from jausml.generators.python.statements import long_string
 from jausml.semantics import calls
 from jausml.semantics.installed import package_of
 from jausml.semantics.requests import requested_fields
+from jausml.semantics.unanswered import told_command
 from jausml.semantics.used_maps import used_maps
 
 if TYPE_CHECKING:
@@ -199,7 +200,13 @@ class BridgeView:
             for each in answers_of_driver(action)
             for message in (each.query, each.report)
         )
-        found = (*elements, *of_calls, *of_drivers, *answered)
+        told = (
+            message
+            for connection in self.bridge.bridgeConnections
+            if (each := told_command(connection)) is not None
+            for message in (each.query, each.report)
+        )
+        found = (*elements, *of_calls, *of_drivers, *answered, *told)
         return build_message_map(each for each in found if each is not None)
 
     @functools.cached_property

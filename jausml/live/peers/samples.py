@@ -7,14 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.live.messages.containers import Record
 from jausml.live.messages.samples import sample
+from jausml.semantics.answers import PRESENCE_VECTOR
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from jausml.live.messages import MessageEntry
-
-PRESENCE_VECTOR = "PresenceVector"
-"""Field of a query that names the optional fields which the report shall hold (AS6009)."""
 
 _EVERYTHING = {"NodeRec": {"NodeID": 255}, "ComponentList": [{"ComponentID": 255}]}
 _TELLING_FIELDS: dict[str, dict[str, Any]] = {

@@ -10,6 +10,7 @@ from . import parameters
 from .ages import jaus_age
 from .asking import AskedEvents, AskedQueries
 from .by_sender import Taker
+from .command_answers import CommandMemory
 from .connection import FILTERED, Connection
 from .diagnostics import LOST_ON_THE_WAY, OUT_OF_ORDER, UNHEARD
 from .latency import age_of_stamp
@@ -28,12 +29,14 @@ if TYPE_CHECKING:
     from ..clients.peer_search import PeerSearch
     from ..wire.message import Message
     from .ages import Age
+    from .command_answers import CommandAnswer
     from .connection import Take
     from .ends import Ends, RosPublisher
     from .report_joins import ReportJoin
     from .stopping import Switch
     from .stops import Standing
     from .topics import Topic
+    from .transcoding import Transcode
 
 SourceT = TypeVar("SourceT", bound="Message")
 TargetT = TypeVar("TargetT")
@@ -390,6 +393,7 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         *,
         when: Guard | Callable[[SourceT], Guard] = Guard.ANY,
         rate_cap: float = 0.0,
+        answer: CommandAnswer | None = None,
         **options: Any,
     ) -> None:
         """Prepares the connection.
@@ -400,12 +404,14 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
             when: Whom to obey: commands pass only from the controller of the bridge. A function
                 tells it from the message.
             rate_cap: Messages each second that are taken of one source; 0 means all.
+            answer: How the last command that was passed on is told when somebody asks for it.
             options: The other parameters of `ToTopics`.
         """
         super().__init__(name, translate, **options)
         self._when = when
         self._standing: Standing | None = None
         self._rate_cap = rate_cap
+        self._memory = None if answer is None else CommandMemory(answer, self._stands)
 
     def open(self, ends: Ends) -> None:
         """Makes the publishers, then listens."""
@@ -416,6 +422,16 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         senders = None if self._peers.is_anybody else self._peers
         taker = Taker(self._take, senders, self._refuse_sender, self.is_command)
         ends.accept(self._message, taker, self._when)
+        if self._memory is not None:
+            self._memory.provide(ends.component)
+
+    def _made_transcode(self) -> Transcode:
+        transcode = super()._made_transcode()
+        return transcode if self._memory is None else self._memory.remembering(transcode)
+
+    def _stands(self) -> bool:
+        """Whether what was commanded last has not given way to a stop."""
+        return self.stopped is None or self._safe_value is None
 
     def follow(self, standing: Standing, lost: StopReason | None) -> bool:
         """Stops what whoever commanded has left behind, in Ready too."""

@@ -12,7 +12,8 @@ from jausml.live.messages import EncodeError, MessageError
 from jausml.live.messages.containers import PRESENCE
 from jausml.live.peers.conformance.check import Check
 from jausml.live.peers.conformance.verdicts import CheckFailed
-from jausml.live.peers.samples import PRESENCE_VECTOR, optional_bits, plain_query, presence_holder
+from jausml.live.peers.samples import optional_bits, plain_query, presence_holder
+from jausml.semantics.answers import PRESENCE_VECTOR
 
 if TYPE_CHECKING:
     from jausml.live.messages import MessageEntry, ServiceEntry

@@ -2,6 +2,7 @@
 
 from jausml.validation.rules.bridge import (
     actions,
+    answers,
     calls,
     connections,
     conversions,
@@ -29,6 +30,7 @@ from jausml.validation.rules.bridge import (
 
 MODULES = (
     actions,
+    answers,
     calls,
     connections,
     conversions,
