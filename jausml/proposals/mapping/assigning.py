@@ -16,11 +16,13 @@ from jausml.proposals.elements import AnswerError
 from jausml.proposals.mapping.assignments import filling
 from jausml.proposals.mapping.members import Member, leaves, member
 from jausml.proposals.mapping.statements import OF_AUTHORS, UNKNOWN, innermost, statement, steps
+from jausml.proposals.mapping.tabling import tabled
 from jausml.proposals.mapping.trial import Judged, judge
 from jausml.proposals.options import Option, Options
 from jausml.semantics.attributes import LIST, NUMBER, NUMBERS
 from jausml.semantics.conversions import CONVERSIONS, UnitEffect, conversions_between
 from jausml.semantics.frames import axis_of
+from jausml.semantics.named_values import compared
 from jausml.semantics.paths import is_many, outer_scope
 from jausml.semantics.units import attribute_measure
 
@@ -83,30 +85,67 @@ def assign(scope: Scope, used: bridge.AttributeMap, source: Member, target: Memb
         source: Where the value comes from.
         target: Where it goes.
     """
+    found = ways(scope, used, source, target)
+    if not found.ways:
+        return Options(refusal=found.refusal)
+    options = []
+    for index, each in enumerate(found.ways):
+        table = tabled(used, [each.assignment])
+        [made] = table.assignments
+        ends = found.source, found.target
+        option = Option(
+            label=_label(made),
+            why=_why(each, made, found.plain, *ends),
+            preview=statement(made),
+            commands=filling(scope, used, made, *ends, made.feature, table.tables),
+            is_best=index == 0 and not set(steps(made)) & set(OF_AUTHORS),
+        )
+        options.append(option)
+    return Options(tuple(options))
+
+
+@dataclass(frozen=True)
+class Ways:
+    """The ways to assign a member to one of the other side, or why there is none.
+
+    Attributes:
+        source: Where the value comes from: the member, or each element of it.
+        target: Where it goes.
+        plain: The assignment without any conversion.
+        ways: What can be done, the best first.
+        refusal: Why nothing can.
+    """
+
+    source: Member
+    target: Member
+    plain: Judged | None = None
+    ways: tuple[Judged, ...] = ()
+    refusal: str = ""
+
+
+def ways(scope: Scope, used: bridge.AttributeMap, source: Member, target: Member) -> Ways:
+    """Returns the ways to assign a member to one of the other side, before any table.
+
+    Args:
+        scope: The model.
+        used: The map.
+        source: Where the value comes from.
+        target: Where it goes.
+    """
     if source.is_jaus is target.is_jaus:
-        return Options(refusal="both are of one side; draw to a member of the other side")
+        refusal = "both are of one side; draw to a member of the other side"
+        return Ways(source, target, refusal=refusal)
     source, target = _in_elements(used, source, target), _in_elements(used, target, source)
     if bool(source.outer) is not bool(target.outer):
         inside, outside = (source, target) if source.outer else (target, source)
-        return Options(
-            refusal=f"'{inside.path}' is of each element of '{inside.outer}', '{outside.path}' is"
+        refusal = (
+            f"'{inside.path}' is of each element of '{inside.outer}', '{outside.path}' is"
             " there once; draw between members of elements, or name one element by its index"
         )
-    feature = _TO_ROS if source.is_jaus else _TO_JAUS
+        return Ways(source, target, refusal=refusal)
     found = _found(scope, used, source, target)
-    if not found.good:
-        return Options(refusal=found.plain.said or "no conversion leads from one to the other")
-    options = [
-        Option(
-            label=_label(each),
-            why=_why(each, found.plain, source, target),
-            preview=statement(each.assignment),
-            commands=filling(scope, used, each.assignment, source, target, feature),
-            is_best=index == 0 and not set(steps(each.assignment)) & set(OF_AUTHORS),
-        )
-        for index, each in enumerate(_distinct(found.good)[:_MOST])
-    ]
-    return Options(tuple(options))
+    refusal = found.plain.said or "no conversion leads from one to the other"
+    return Ways(source, target, found.plain, tuple(_distinct(found.good)[:_MOST]), refusal)
 
 
 @dataclass(frozen=True)
@@ -128,7 +167,7 @@ def _found(scope: Scope, used: bridge.AttributeMap, source: Member, target: Memb
     judged = _judged(scope, used, source, target, direct)
     plain, accepted = judged[0], [each for each in judged if each.is_accepted]
     if accepted:
-        if source.attribute.kind == NUMBER and not _axes_are_known(source, target):
+        if source.attribute.kind == NUMBER and _may_be_turned(source, target):
             turned = [_Draft(*own, (_SIGN.name,), tuple(each.items())) for each in _POLICIES]
             accepted += _judged(scope, used, source, target, turned)
         return _Found(plain, [each for each in accepted if each.is_accepted])
@@ -137,8 +176,11 @@ def _found(scope: Scope, used: bridge.AttributeMap, source: Member, target: Memb
     return _Found(plain, good or [each for each in judged if each.is_possible])
 
 
-def _axes_are_known(source: Member, target: Member) -> bool:
-    return axis_of(source.attribute) is not None and axis_of(target.attribute) is not None
+def _may_be_turned(source: Member, target: Member) -> bool:
+    """Tells whether a number may have the other sign there: its axes are unknown, not its names."""
+    are_named = compared(source.attribute, target.attribute) is not None
+    are_known = axis_of(source.attribute) is not None and axis_of(target.attribute) is not None
+    return not (are_named or are_known)
 
 
 def _in_elements(used: bridge.AttributeMap, one: Member, other: Member) -> Member:
@@ -260,13 +302,25 @@ def _effort(found: Judged) -> tuple[int, int]:
     return odd + 2 * sum(each in OF_AUTHORS for each in own), len(own)
 
 
-def _label(found: Judged) -> str:
-    return ", then ".join(steps(found.assignment)) or "as it is"
+def _label(made: Child) -> str:
+    return ", then ".join(steps(made)) or "as it is"
 
 
-def _why(found: Judged, plain: Judged, source: Member, target: Member) -> str:
-    names = steps(found.assignment)
-    reasons = [plain.said.partition("; ")[0]] if plain.said and found is not plain else []
+def _why(found: Judged, made: Child, plain: Judged | None, source: Member, target: Member) -> str:
+    """Returns why an assignment is as it is.
+
+    Args:
+        found: What was found, before any table.
+        made: What becomes of it.
+        plain: The assignment without any conversion.
+        source: Where the value comes from.
+        target: Where it goes.
+    """
+    names = steps(made)
+    is_other = plain is not None and plain.said and found is not plain
+    reasons = [plain.said.partition("; ")[0]] if plain is not None and is_other else []
+    if names != steps(found.assignment):
+        reasons.append(f"'{source.path}' and '{target.path}' number what they name alike otherwise")
     reasons += [f"{each}: {CONVERSIONS[each].documentation}" for each in names]
     own, other = (attribute_measure(each.attribute) for each in (source, target))
     if not names and own is not None and other is not None:

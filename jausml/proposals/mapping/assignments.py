@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.editing.commands import Add, Remove
+from jausml.editing.commands import Remove
 from jausml.metamodel.classes import bridge
+from jausml.model.names import name_of
 from jausml.proposals.mapping.statements import innermost
+from jausml.proposals.mapping.tabling import additions
 from jausml.semantics.paths import parse_path, source_paths, target_paths
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from jausml.editing.commands import Child, Command
     from jausml.proposals.elements import Scope
     from jausml.proposals.mapping.members import Member
@@ -22,6 +26,7 @@ def filling(
     source: Member | None,
     target: Member,
     feature: str,
+    tables: Sequence[Child] = (),
 ) -> tuple[Command, ...]:
     """Returns what adds an assignment, in the place of what fills the same.
 
@@ -32,13 +37,15 @@ def filling(
         source: What fills, None without a source.
         target: What is filled.
         feature: The direction: `toRos` or `toJaus`.
+        tables: The tables that the map shall have besides.
     """
     owner: bridge.AttributeMap | bridge.ListAssignment = used
     if source is not None and source.outer:
         around = _list_of(used, source, target, feature)
         if around is not None:
             owner, child, feature = around, innermost(child), "assignments"
-    add = Add(scope.ref(owner), feature, child.kind, child.values, child.children)
+    known = [(name_of(each), scope.ref(each)) for each in used.tables]
+    adds = additions(scope.ref(owner), tables, [child], known, 0)
     filled = {parse_path(each) for each in child.values["target"][0].split(", ")}
     gone = [
         each
@@ -46,7 +53,7 @@ def filling(
         if any(parse_path(path) in filled for path in target_paths(each))
     ]
     # What is added stands behind what goes, whose places so stay until it goes.
-    return (add, *(Remove(scope.ref(each)) for each in reversed(gone)))
+    return (*adds, *(Remove(scope.ref(each)) for each in reversed(gone)))
 
 
 def _list_of(

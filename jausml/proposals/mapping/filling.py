@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from jausml.editing.commands import Add, Child
 from jausml.metamodel.classes import bridge
 from jausml.model.names import name_of
-from jausml.proposals.mapping.assigning import assign
+from jausml.proposals.mapping.assigning import ways
 from jausml.proposals.mapping.corresponding import corresponding
 from jausml.proposals.mapping.members import leaves
 from jausml.proposals.mapping.statements import OF_AUTHORS, innermost, statement, steps
@@ -66,15 +66,15 @@ def fill_map(scope: Scope, used: bridge.AttributeMap) -> Filling:
     label = f"Fill map {name_of(used)}"
     if used.message is None or used.type is None:
         return Filling(label, (), (), {}, "the map has no message or no type yet")
-    ways = _ways(scope, used)
-    tables = tabled(used, found(scope, used, ways).assignments)
+    directions = _directions(scope, used)
+    tables = tabled(used, found(scope, used, directions).assignments)
     good = tables.assignments
     known = [(name_of(each), scope.ref(each)) for each in used.tables]
     return Filling(
         label,
         tuple(additions(scope.ref(used), tables.tables, good, known, 0)),
         tuple(map(statement, good)),
-        {"to_ros" if way else "to_jaus": _left(used, good, to_ros=way) for way in ways},
+        {"to_ros" if way else "to_jaus": _left(used, good, to_ros=way) for way in directions},
         "" if good else "no further members correspond by name, time, or unit and axis",
     )
 
@@ -92,17 +92,17 @@ class Found:
     doubtful: tuple[tuple[tuple[Member, ...], Member], ...]
 
 
-def found(scope: Scope, used: bridge.AttributeMap, ways: Iterable[bool]) -> Found:
+def found(scope: Scope, used: bridge.AttributeMap, directions: Iterable[bool]) -> Found:
     """Returns the assignments that follow from what the ends of a map say, for some directions.
 
     Args:
         scope: The model.
         used: The map.
-        ways: The directions: True to ROS.
+        directions: True to ROS.
     """
     children: list[Child] = []
     doubtful: list[tuple[tuple[Member, ...], Member]] = []
-    for to_ros in ways:
+    for to_ros in directions:
         sources, targets = leaves(used, is_jaus=to_ros), _unfilled(used, to_ros=to_ros)
         alike = corresponding(sources, targets)
         children += _assignments(scope, used, alike.pairs)
@@ -113,7 +113,7 @@ def found(scope: Scope, used: bridge.AttributeMap, ways: Iterable[bool]) -> Foun
     return Found(good, tuple(doubtful))
 
 
-def _ways(scope: Scope, used: bridge.AttributeMap) -> list[bool]:
+def _directions(scope: Scope, used: bridge.AttributeMap) -> list[bool]:
     """Returns the directions in which a map is used, both where it is not yet."""
     connections = scope.model.instances(bridge.Connection, library=False)
     wanted = {each.direction.name == TO_ROS for each in connections if each.map is used}
@@ -149,12 +149,7 @@ def _proposed(
 
     Those with a number that only the author knows are left out.
     """
-    adds = [each.commands[0] for each in assign(scope, used, source, target).options]
-    children = [
-        Child(each.feature, each.kind, each.values, each.children)
-        for each in adds
-        if isinstance(each, Add)
-    ]
+    children = [each.assignment for each in ways(scope, used, source, target).ways]
     own = [each for each in children if not set(steps(each)) & set(OF_AUTHORS)]
     judged = judge(scope.model.metamodels, used, own)
     accepted = [each.assignment for each in judged if each.is_accepted]

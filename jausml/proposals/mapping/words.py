@@ -13,19 +13,19 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from jausml.editing.commands import Add, Child
+from jausml.editing.commands import Child
 from jausml.model.values import suggest
 from jausml.proposals.elements import AnswerError
-from jausml.proposals.mapping.assigning import assign
+from jausml.proposals.mapping.assigning import ways
 from jausml.proposals.mapping.members import member
 from jausml.proposals.mapping.statements import innermost
 from jausml.proposals.mapping.trial import judge
-from jausml.proposals.options import Options
 from jausml.semantics.conversions import CONVERSIONS
 
 if TYPE_CHECKING:
     from jausml.metamodel.classes import bridge
     from jausml.proposals.elements import Scope
+    from jausml.proposals.mapping.assigning import Ways
 
 _FIELD = "bridge.FieldAssignment"
 _SOURCELESS = {"clock": "bridge.ClockAssignment", "ignore": "bridge.Ignore"}
@@ -52,15 +52,16 @@ def assignments_of(
     path, colon, chain = (each.strip() for each in source.partition(":"))
     if not colon and (plain := _sourceless(feature, target, source)) is not None:
         return [_allowed(scope, used, plain)]
-    options = _options(scope, used, target, path.partition(",")[0], to_ros=to_ros)
+    found = _ways(scope, used, target, path.partition(",")[0], to_ros=to_ros)
+    known = [] if found is None else [each.assignment for each in found.ways]
     if not colon and "," not in path:
-        if options.refusal:
-            raise AnswerError(f"{source} -> {target}: {options.refusal}")
-        if options.options:
-            return _children(options)
+        if found is not None and not known:
+            raise AnswerError(f"{source} -> {target}: {found.refusal}")
+        if known:
+            return known
     values = {"target": (target,), "source": (path,)}
     child = Child(feature, _FIELD, values, _conversions(chain))
-    alike = (each for each in _children(options) if words_of(each) == words_of(child))
+    alike = (each for each in known if words_of(each) == words_of(child))
     return [next(alike, None) or _allowed(scope, used, child)]
 
 
@@ -85,25 +86,16 @@ def _sourceless(feature: str, target: str, source: str) -> Child | None:
     return None
 
 
-def _options(
+def _ways(
     scope: Scope, used: bridge.AttributeMap, target: str, source: str, *, to_ros: bool
-) -> Options:
-    """Returns the ways from member to member; none, and no refusal, for paths with an index."""
+) -> Ways | None:
+    """Returns the ways from member to member; None for paths with an index."""
     try:
         start = member(used, source, is_jaus=to_ros)
         end = member(used, target.partition(",")[0], is_jaus=not to_ros)
     except AnswerError:
-        return Options()
-    return assign(scope, used, start, end)
-
-
-def _children(found: Options) -> list[Child]:
-    adds = (each.commands[0] for each in found.options)
-    return [
-        Child(each.feature, each.kind, each.values, each.children)
-        for each in adds
-        if isinstance(each, Add)
-    ]
+        return None
+    return ways(scope, used, start, end)
 
 
 def _conversions(text: str) -> tuple[Child, ...]:

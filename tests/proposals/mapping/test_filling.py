@@ -14,7 +14,9 @@ from jausml.editing.project import Project
 from jausml.metamodel.classes import bridge, jaus, ros
 from jausml.model.names import name_of
 from jausml.proposals.elements import Scope, library
+from jausml.proposals.mapping.assigning import assign
 from jausml.proposals.mapping.filling import fill_map
+from jausml.proposals.mapping.members import member
 from jausml.semantics.ros_paths import ros_name
 from jausml.validation.engine import check
 
@@ -99,6 +101,27 @@ def test_values_of_one_name_are_filled_by_a_table_that_both_directions_share(tmp
         ("closed", "CLOSED"),
     ]
     for [assignment] in (used.map.toRos, used.map.toJaus):
+        assert [each.table for each in assignment.conversions] == [table]
+    assert not used.errors()
+
+
+def test_a_line_that_is_drawn_brings_the_same_table(tmp_path):
+    used = Map(tmp_path, "ReportGate", "gate_msgs/Gate", head=GATES)
+    for ends in (("State", "state"), ("state", "State")):
+        is_jaus = ends[0] == "State"
+        source = member(used.map, ends[0], is_jaus=is_jaus)
+        target = member(used.map, ends[1], is_jaus=not is_jaus)
+        [option] = assign(used.scope, used.map, source, target).options
+        assert option.preview == f"{ends[0]} -> {ends[1]} : look_up(state)"
+        assert "number what they name alike otherwise" in option.why
+        assert option.is_best
+        used.project.do(option.commands, option.label)
+        # Drawn again, it takes the place of itself, and the table is there.
+        [option] = assign(used.scope, used.map, source, target).options
+        used.project.do(option.commands, option.label)
+    [table] = used.map.tables
+    for assignments in (used.map.toRos, used.map.toJaus):
+        [assignment] = assignments
         assert [each.table for each in assignment.conversions] == [table]
     assert not used.errors()
 
