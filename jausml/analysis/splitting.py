@@ -24,7 +24,7 @@ Value = TypeVar("Value")
 _LARGEST_COMPONENT = 254
 _COPIED = (
     *("namespace", "frequency", "type", "authority", "defaultAuthority", "controlTimeout"),
-    *("eventTimeout", "coreServices", "fixedSources"),
+    *("eventTimeout", "coreServices", "fixedSources", "guardian"),
     *("amplificationLimit", "maxPeers", "maxConnections", "idleTimeout"),
     *("maxEvents", "eventRateBudget"),
 )

@@ -39,3 +39,11 @@ def test_strangers_do_not_fill_the_memory(packetizer: Packetizer) -> None:
         packetizer.numbers(SENDER, JausAddress(1 + number // 250, 1, 1 + number % 250))
     assert len(packetizer.sent(SENDER)) < 4100
     assert packetizer.numbers(SENDER, HERE) is first
+
+
+def test_the_next_number_of_a_pair_is_told_and_not_taken() -> None:
+    packetizer = Packetizer(100, lambda _most: 65535)
+    assert packetizer.next_number(SENDER, HERE) == 65535
+    assert packetizer.reserve(SENDER, HERE, 1) == 65535
+    assert packetizer.next_number(SENDER, HERE) == 0
+    assert packetizer.reserve(SENDER, HERE, 1) == 0

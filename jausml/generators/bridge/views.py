@@ -233,6 +233,7 @@ class BridgeView:
             ("authority", str(bridge.authority)),
             ("component", component_settings(self.system, bridge)),
             ("transport", transport_settings(self.system, bridge)),
+            *(() if bridge.guardian else (("guardian", "False"),)),
             *services,
         )
 

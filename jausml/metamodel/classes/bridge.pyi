@@ -837,6 +837,14 @@ class Bridge(jaus.Component):
     Diagnostics come at this rate too, but not more often than once a second.
     """
 
+    guardian: bool
+    """Whether a small process beside the bridge says the stops of its commands and cancels its
+    goals when the bridge has died, or does not run its loop for the silenceTimeout of a command, at
+    least 0.5 s.
+
+    It starts with the first command that has a stop, or the first goal.
+    """
+
     allowedHosts: abc.Sequence[str]
     """IPv4 addresses and networks, such as 10.0.0.0/24, that JAUS messages are taken from; none
     means any.

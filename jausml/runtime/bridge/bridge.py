@@ -10,7 +10,7 @@ is handed over.
 from __future__ import annotations
 
 import time
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -31,11 +31,12 @@ from .stops import Standing, StopReason
 from .transcoding import Form
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from ..base.loop import Loop
     from ..base.simulated_clock import Timing
     from ..clients.peer_binding import PeerBinding
+    from ..guardian.ward import Ward
     from ..services.element_list import ListElement
     from ..transports.transport import Transport
     from ..wire.message import Message
@@ -63,6 +64,7 @@ class Bridge:
         standing: State of the node and of the JAUS component.
         is_active: Whether messages may pass (ROS 2, managed nodes).
         simulation: What the bridge follows when the clock of ROS is simulated.
+        ward: What tells the guardian of the process; None where there is none.
     """
 
     ros: RosSide
@@ -70,6 +72,7 @@ class Bridge:
     exchanges: Exchanges
     clock: Timing
     simulation: Simulation | None = None
+    ward: Ward | None = None
 
     def __init__(self, settings: BridgeSettings) -> None:
         """Prepares a bridge; nothing is opened.
@@ -138,6 +141,10 @@ class Bridge:
         self.ros.follow_clock(self.simulation.take)
         return self.simulation.clock
 
+    def note_guardian(self) -> None:
+        """Takes the word of the guardian for the stop that it is: it has spoken."""
+        self._stop_watched(StopReason.STOOD_STILL)
+
     def _stop_watched(self, reason: StopReason) -> None:
         self._log_stops([each for each in self.connections if each.lose(reason)], reason)
 
@@ -170,6 +177,8 @@ class Bridge:
             ended = [each for each in self.connections if each.end()]
             self._log_stops(ended, StopReason.END)
             self.component.stop()
+            if self.ward is not None:
+                self.ward.release()
             for each in self.connections:
                 each.note_losses()
             self._is_open = False
@@ -219,6 +228,15 @@ class Bridge:
     def now(self) -> Time:
         """Time of the ROS clock, or of the system while the bridge is not open."""
         return self.ros.now() if self._is_open else Time(*divmod(time.time_ns(), 10**9))
+
+    @contextmanager
+    def at(self, moment: Time) -> Iterator[None]:
+        """Lets translations take a moment for the present."""
+        vars(self)["now"] = lambda: moment
+        try:
+            yield
+        finally:
+            del vars(self)["now"]
 
     @property
     def list_drivers(self) -> Sequence[ListDriver]:

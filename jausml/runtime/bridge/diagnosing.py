@@ -9,6 +9,7 @@ from .diagnostic_array import DiagnosticArray
 from .diagnostics import (
     double_status,
     greeting_status,
+    guardian_status,
     socket_status,
     state_status,
     traffic_status,
@@ -109,6 +110,9 @@ class Diagnosing:
         unanswered = bridge.component.unanswered_greetings
         if unanswered:
             found.append(greeting_status(unanswered, own))
+        ward = bridge.ward
+        if ward is not None and ward.is_guarding:
+            found.append(guardian_status(ward.told, ward.failure, own))
         if bridge.simulation is not None:
             found.append(bridge.simulation.status(own))
         counters = bridge.component.counters

@@ -137,6 +137,19 @@ def greeting_status(unanswered: Mapping[JausAddress, int], hardware_id: str) -> 
     return ConnectionStatus("jaus greetings", level, message, hardware_id, values)
 
 
+def guardian_status(told: str, failure: str, hardware_id: str) -> ConnectionStatus:
+    """Returns the status of the guardian of a bridge.
+
+    Args:
+        told: What it watches.
+        failure: Why there is none any more; empty while there is.
+        hardware_id: JAUS address of the bridge.
+    """
+    level = "error" if failure else "ok"
+    message = f"it {failure}: nothing stops the robot if this bridge dies" if failure else told
+    return ConnectionStatus("guardian", level, message, hardware_id, ())
+
+
 def traffic_status(
     counts: Mapping[str, int], former: Mapping[str, int], hardware_id: str
 ) -> ConnectionStatus:

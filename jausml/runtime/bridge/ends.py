@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+    from contextlib import AbstractContextManager
 
     from ..base.address import JausAddress
     from ..base.loop import Loop
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from ..clients.peer_binding import PeerBinding
     from ..component.component import JausComponent
     from ..conversions import Time
+    from ..guardian.ward import Ward
     from ..services.definitions import Guard
     from ..wire import Message
     from .actions import ActionClient, GoalTaker, ListAction
@@ -25,7 +27,7 @@ if TYPE_CHECKING:
     from .service_client import RosService, ServiceClient
     from .settings import BridgeSettings
     from .simulation import Simulation
-    from .topics import Topic, TopicCounts
+    from .topics import Published, Topic, TopicCounts
 
 
 class RosPublisher(Protocol):
@@ -40,6 +42,10 @@ class RosPublisher(Protocol):
     publish: Callable[[bytes], None]
     matched: int
     unmatched: int
+
+    @property
+    def published(self) -> Published:
+        """What it was made for."""
 
     def publish_message(self, message: Any) -> None:
         """Publishes an object of the class of rclpy, from any thread."""
@@ -202,18 +208,23 @@ class Ends(Protocol):
         exchanges: What asks other components.
         clock: The time by which messages are late: that of the loop, or of a simulation.
         simulation: What is followed when the clock of ROS is simulated.
+        ward: What tells the guardian; None where there is none.
     """
 
     settings: BridgeSettings
     exchanges: Exchanges
     clock: Timing
     simulation: Simulation | None
+    ward: Ward | None
     ros: RosSide
     component: JausComponent
 
     @property
     def loop(self) -> Loop:
         """The loop of the JAUS side."""
+
+    def at(self, moment: Time) -> AbstractContextManager[None]:
+        """Lets translations take a moment for the present."""
 
     def publisher(
         self, message_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None

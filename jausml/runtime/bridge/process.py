@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 import sys
+from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ..base.counters import LOGGER
@@ -21,15 +23,18 @@ from ..component.process import (
     log_counts,
     running_transport,
 )
+from ..guardian.ward import Ward
 from . import parameters
 from .collection import QuietCollection, without_collection
 from .errors import RosLostError, RosTypeError
+from .guarding import ros_of
 from .managed import ManagedBridge
 from .parameters import ParameterError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
+    from ..base.loop import Loop
     from ..base.settings import TransportSettings
     from .bridge import Bridge
     from .ros import RosNode
@@ -72,7 +77,7 @@ def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
             node = RosNode(model.name, model.namespace, line, options.ros_waiting)
             try:
                 transport = _configure(bridge, node, parser, own)
-                _serve(bridge, node, transport, stop)
+                _serve(bridge, node, transport, stop, line)
             finally:
                 node.close()
     except ParameterError as error:
@@ -158,8 +163,33 @@ def _configure(
         raise ParameterError(str(error)) from error
 
 
-def _serve(bridge: Bridge, node: RosNode, transport: TransportSettings, stop: StopRequest) -> None:
-    with running_transport(transport) as network:
+@contextmanager
+def _guarded(bridge: Bridge, node: RosNode, loop: Loop, line: Sequence[str]) -> Iterator[None]:
+    """Lets a bridge have a guardian, unless the model does without."""
+    if not bridge.settings.guardian:
+        yield
+        return
+
+    def simulated() -> int:
+        seconds, nanoseconds = node.now() if node.is_simulated else (0, 0)
+        return seconds * 10**9 + nanoseconds
+
+    ward = Ward(loop, partial(ros_of, line), simulated, bridge.note_guardian)
+    bridge.ward = node.ward = ward
+    try:
+        yield
+    finally:
+        ward.close()
+
+
+def _serve(
+    bridge: Bridge,
+    node: RosNode,
+    transport: TransportSettings,
+    stop: StopRequest,
+    line: Sequence[str],
+) -> None:
+    with running_transport(transport) as network, _guarded(bridge, node, network.loop, line):
         network.loop.on_failure = stop.fail
         managed = ManagedBridge(bridge, node, node, network, stop.request)
         try:

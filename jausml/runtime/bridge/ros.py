@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from ..base.loop import Loop
+    from ..guardian.ward import Ward
     from .actions import ActionClient, GoalTaker, ListAction
     from .parameter import Parameter
     from .quality import TopicFault
@@ -53,7 +54,11 @@ LAST_WORDS = 1.0
 
 
 class RosNode:
-    """One rclpy node, whose topics a loop waits for."""
+    """One rclpy node, whose topics a loop waits for.
+
+    Attributes:
+        ward: What tells the guardian of goals; None where there is none.
+    """
 
     def __init__(
         self,
@@ -85,6 +90,7 @@ class RosNode:
         self._thread: threading.Thread | None = None
         self._fail: Callable[[BaseException], None] | None = None
         self._is_closing = False
+        self.ward: Ward | None = None
         self._log = RosLogHandler(self._node)
         self._diagnostics = self._node.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._waiting_name = waiting
@@ -228,7 +234,7 @@ class RosNode:
         if self._loop is None:
             raise RuntimeError("no loop is attached")
         if self._actions is None:
-            self._actions = NodeActions(self._node, self._executor, self._loop)
+            self._actions = NodeActions(self._node, self._executor, self._loop, self.ward)
         return self._actions
 
     def serve(self, service: RosService, take: TakeRequest) -> None:

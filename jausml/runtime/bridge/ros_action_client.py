@@ -5,14 +5,17 @@
 
 from __future__ import annotations
 
+import os
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from action_msgs.msg import GoalStatus
 from action_msgs.srv import CancelGoal
 from rclpy.action.client import ActionClient
+from unique_identifier_msgs.msg import UUID
 
 from .actions import Outcome
+from .guarding import type_library
 from .quality import TopicFault
 from .ros_parameters import as_parameter_error
 
@@ -39,6 +42,7 @@ class NodeActionClient:
         handle: The client of rclpy.
         messages: The classes of the action.
         name: Name of the action.
+        cancelling: Full name of the service that cancels its goals.
         work: What is done on the executor, and the goals under way.
     """
 
@@ -49,6 +53,7 @@ class NodeActionClient:
         self.name = name
         with as_parameter_error(f"action {name!a}: "):
             self.handle = ActionClient(work.node, messages.type, name)
+        self.cancelling = work.node.resolve_service_name(f"{name}/_action/cancel_goal")
 
     def send(
         self,
@@ -84,6 +89,7 @@ class NodeGoal:
         self._has_ended = False
         self._unsent: tuple[Sequence[bytes], Callable[[Any], object] | None] | None = None
         self._servers = 0
+        self._id = os.urandom(16)
 
     # ------------------------------------------------------------------ SentGoal, on any thread
 
@@ -118,12 +124,22 @@ class NodeGoal:
                 with client.work.loop.lock:
                     fill(message)
             self._servers = client.servers()
-            answer = client.handle.send_goal_async(message, feedback_callback=self._feedback)
+            self._guard()
+            answer = client.handle.send_goal_async(
+                message, self._feedback, UUID(uuid=list(self._id))
+            )
         except Exception as error:  # of what the user has written, or of the values it sets
             self._end(Outcome.REFUSED, f"the goal cannot be made: {error!r}")
             return
         client.work.opened(self)
         answer.add_done_callback(self._guarded(self._answered))
+
+    def _guard(self) -> None:
+        """Hands the goal to the guardian before it is sent: none is unknown to it."""
+        work = self._client.work
+        if work.ward is not None:
+            library = type_library("action_msgs")
+            work.ward.open_goal(self._id, self._client.cancelling, library)
 
     def _guarded(self, callback: Callable[[Any], None]) -> Callable[[Any], None]:
         return partial(self._client.work.guarded, callback)
@@ -186,6 +202,8 @@ class NodeGoal:
         if not self._has_ended:
             self._has_ended = True
             self._client.work.closed(self)
+            if self._client.work.ward is not None:
+                self._client.work.ward.close_goal(self._id)
             self._tell("ended", outcome, reason)
 
     def _tell(self, what: str, *arguments: object) -> None:

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..base.loop import Loop
+    from ..guardian.ward import Ward
 
 
 class ActionWork:
@@ -20,17 +21,20 @@ class ActionWork:
     Attributes:
         node: The node of rclpy.
         loop: What the bridge is told on, or with its lock.
+        ward: What tells the guardian of goals; None where there is none.
     """
 
-    def __init__(self, node: Any, executor: Any, loop: Loop) -> None:
+    def __init__(self, node: Any, executor: Any, loop: Loop, ward: Ward | None) -> None:
         """Has nothing to do yet.
 
         Args:
             node: The node of rclpy.
             executor: What runs it.
             loop: What the bridge is told on, or with its lock.
+            ward: What tells the guardian of goals; None where there is none.
         """
         self.loop = loop
+        self.ward = ward
         self.node = node
         self._executor = executor
         self._waiting: deque[Callable[[], object]] = deque()

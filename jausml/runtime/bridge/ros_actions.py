@@ -15,21 +15,23 @@ from .ros_action_work import ActionWork
 
 if TYPE_CHECKING:
     from ..base.loop import Loop
+    from ..guardian.ward import Ward
     from .actions import GoalTaker, ListAction
 
 
 class NodeActions:
     """The actions of one node."""
 
-    def __init__(self, node: Any, executor: Any, loop: Loop) -> None:
+    def __init__(self, node: Any, executor: Any, loop: Loop, ward: Ward | None) -> None:
         """Has no actions yet.
 
         Args:
             node: The node of rclpy.
             executor: What runs it.
             loop: What the bridge is told on, or with its lock.
+            ward: What tells the guardian of goals; None where there is none.
         """
-        self._work = ActionWork(node, executor, loop)
+        self._work = ActionWork(node, executor, loop, ward)
         self._ends: list[Any] = []
 
     def client(self, action: ListAction) -> NodeActionClient:

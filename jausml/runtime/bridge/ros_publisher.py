@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from .topics import Published
+
 
 class NodePublisher:
     """A publisher for serialized messages.
@@ -15,13 +17,15 @@ class NodePublisher:
         publish: Publishes a serialized message, from any thread: the function of rclpy itself.
         matched: Subscriptions that are there now.
         unmatched: Messages that found none of them; whoever publishes counts.
+        published: What it was made for.
     """
 
-    __slots__ = ("_class", "handle", "matched", "publish", "unmatched")
+    __slots__ = ("_class", "handle", "matched", "publish", "published", "unmatched")
 
-    def __init__(self, handle: Any, ros_class: type[Any]) -> None:
+    def __init__(self, handle: Any, ros_class: type[Any], published: Published) -> None:
         """Wraps a handle of rclpy."""
         self.handle = handle
+        self.published = published
         self.publish: Callable[[bytes], None] = handle.publish_raw
         self.matched = 0
         self.unmatched = 0

@@ -29,7 +29,7 @@ from .ros_profiles import OVERRIDABLE, deep_enough, never_waiting, overridden, p
 from .ros_publisher import NodePublisher
 from .ros_taking import Subscription
 from .ros_wait_set import WaitSets
-from .topics import Qos, Topic, TopicCounts
+from .topics import Published, Qos, Topic, TopicCounts
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -115,7 +115,8 @@ class NodeTopics:
         handle = self._made(internals.Publisher, found, topic, health)
         self._publishers.append(handle)
         self._watch_types(health, found, handle.get_subscription_count)
-        made = NodePublisher(handle, found)
+        published = Published(health.topic, _type_name(found), health.qos)
+        made = NodePublisher(handle, found, published)
 
         def matched(state: Any) -> None:
             made.matched = state.current_count
@@ -189,11 +190,7 @@ class NodeTopics:
         self, health: EndpointHealth, found: type[Any], count: Callable[[], int]
     ) -> None:
         """Lets what fares badly know who is at the other end with another type, if nobody else."""
-        find, (package, kind, *_) = (
-            self._finder(publishes=health.publishes),
-            found.__module__.split("."),
-        )
-        own = f"{package}/{kind}/{found.__name__}"
+        find, own = self._finder(publishes=health.publishes), _type_name(found)
 
         def strangers() -> list[tuple[str, str]]:
             if count():
@@ -281,6 +278,11 @@ class NodeTopics:
             matched.destroy_when_not_in_use()
             trial.destroy_when_not_in_use()
         return listener
+
+
+def _type_name(found: type[Any]) -> str:
+    package, kind, *_ = found.__module__.split(".")
+    return f"{package}/{kind}/{found.__name__}"
 
 
 def _node_name(end: Any) -> str:

@@ -29,6 +29,7 @@ class BridgeSettings:
         authority: Authority code that control is requested with, 0 to 255.
         component: Behaviour of the JAUS component.
         transport: Network settings of the host.
+        guardian: Whether a small process beside the bridge says its stops when the bridge cannot.
     """
 
     name: str
@@ -41,3 +42,4 @@ class BridgeSettings:
     authority: int = 127
     component: ComponentSettings = field(default_factory=ComponentSettings)
     transport: TransportSettings = field(default_factory=TransportSettings)
+    guardian: bool = True

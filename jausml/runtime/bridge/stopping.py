@@ -5,14 +5,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ..base.counters import LOGGER
+from ..guardian.ward import stops
 from . import parameters
 from .diagnostics import Statistics
+from .guarding import MARK
 from .stops import StopReason
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..base.loop import Timer
+    from ..guardian.ward import Content, Guarded
     from .ends import Ends
     from .stops import Standing
 
@@ -78,6 +81,7 @@ class Stopping:
         self._next_log = 0.0
         self._watch: Timer | None = None
         self._switch = Switch()
+        self._guarded: Guarded | None = None
         self._ends: Ends
 
     def open(self, ends: Ends) -> None:
@@ -87,7 +91,7 @@ class Stopping:
             ends: The bridge, whose two sides are there.
         """
         self._ends = ends
-        self._halt = self.stopped = None  # of an earlier life
+        self._halt = self.stopped = self._guarded = None  # of an earlier life
         self.declare(ends)
 
     def declare(self, ends: Ends) -> None:
@@ -114,6 +118,14 @@ class Stopping:
         """Hands the safe value to the target side; False when nobody is there."""
         return self.deliver(payload)
 
+    def guarded_stops(self, payload: bytes) -> tuple[list[Content], list[Content]]:
+        """Returns what the guardian says for topics and for components, when the bridge cannot.
+
+        Args:
+            payload: The stop, made for the moment `MARK`.
+        """
+        raise NotImplementedError
+
     def encode(self, target: Any) -> bytes:
         """Encodes what a translation or the safe value makes."""
         raise NotImplementedError
@@ -128,6 +140,8 @@ class Stopping:
         """Sends messages the way that fits the case."""
         rests = self.stopped is not None or self._halt is not None
         self._switch.unusual = self.take if rests else self.observing()
+        if not rests and self._guarded is not None:
+            self._guarded.arm(True)  # noqa: FBT003
 
     def observing(self) -> Callable[[bytes, Any], None] | None:
         """Returns what takes messages instead while all is well; None when nothing does."""
@@ -217,7 +231,26 @@ class Stopping:
             counts = self.statistics.stops
             counts[reason] = counts.get(reason, 0) + 1
             self.send_safe_value(self.deliver_stop)
+        if self._guarded is not None:
+            self._guarded.arm(False)  # noqa: FBT003
         return stood
+
+    def guard(self) -> None:
+        """Has the guardian say the stop when the bridge cannot, if there are both."""
+        ward = self._ends.ward
+        if ward is not None and self.is_command and self._safe_value is not None:
+            self._guarded = ward.guard(self._handed_over)
+
+    def _handed_over(self) -> Content:
+        """Returns what the guardian is to say, and after which silence."""
+        try:
+            with self._ends.at(MARK):
+                payload = self.encode(self._safe_value() if self._safe_value else None)
+            topics, datagrams = self.guarded_stops(payload)
+        except Exception as error:  # of what the user has overridden
+            self.fail(error)
+            topics, datagrams = [], []
+        return stops(self.silence_timeout, topics, datagrams)
 
     def send_safe_value(self, deliver: Callable[[bytes], bool]) -> None:
         """Hands the modelled safe value to the target side; nothing when there is none.

@@ -26,6 +26,7 @@ class StopReason(Enum):
     RESET = "the bridge is reset"
     EMERGENCY = "emergency"
     FAILURE = "the bridge has failed"
+    STOOD_STILL = "the bridge stood still, and its guardian has stopped what it commands"
     END = "the bridge ends"
 
 

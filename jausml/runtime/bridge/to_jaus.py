@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from ..base.address import JausAddress
     from ..clients.peer_search import PeerSearch
+    from ..guardian.ward import Content
     from ..wire.message import Message
     from .connection import Take
     from .ends import Ends
@@ -84,6 +85,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         self._prepared: dict[JausAddress, Send] = {}
         self._route = _Route()
         self._doubted: dict[JausAddress, float] = {}
+        self._slots: dict[JausAddress, int] = {}
 
     @property
     def peers(self) -> tuple[JausAddress, ...]:
@@ -93,9 +95,11 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
     def open(self, ends: Ends) -> None:
         """Makes the subscriptions and starts to acquire control."""
         super().open(ends)
+        self._slots.clear()
         self._peers.open(
             ends, self.name, join=self._join, leave=self._leave, changed=self._control_changed
         )
+        self.guard()
 
     def make_take(self, switch: Switch) -> Take:
         """Returns the short way of messages, for which all peers obey."""
@@ -199,6 +203,29 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         obeying = [peer for peer in self.peers if self._peers.obeys(peer)]
         return self._send_stop(obeying, payload)
 
+    def guarded_stops(self, payload: bytes) -> tuple[list[Content], list[Content]]:
+        """Returns the datagram of the stop for each peer that obeys and has a known place.
+
+        Behind a node manager or TCP there is none: there, control lapses.
+        """
+        component = self._ends.component
+        transport, own, found = component.transport, component.address, []
+        for peer in filter(self._peers.obeys, self.peers):
+            made = transport.datagram(own, peer, payload, self._priority)
+            if made is not None:
+                datagram, endpoint = made
+                content = {"data": datagram.hex(), "endpoint": endpoint}
+                found.append({**content, "slot": self._slot(peer)})
+        return [], found
+
+    def _slot(self, peer: JausAddress) -> int:
+        """Where the guardian finds the next sequence number to a peer."""
+        if peer not in self._slots and self._ends.ward is not None:
+            component = self._ends.component
+            number = partial(component.transport.next_number, component.address, peer)
+            self._slots[peer] = self._ends.ward.slot(number)
+        return self._slots[peer]
+
     def _send_stop(self, peers: Sequence[JausAddress], payload: bytes) -> bool:
         component = self._ends.component
         for peer in peers:
@@ -222,6 +249,8 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
 
     def _control_changed(self, peer: JausAddress) -> None:
         self._find_route()
+        if self._guarded is not None:
+            self._guarded.hand()
         # A peer that was away when the topics fell silent has missed the safe value.
         if self._peers.obeys(peer) and self.is_silent:
             self.send_safe_value(partial(self._send_stop, [peer]))

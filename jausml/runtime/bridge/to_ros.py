@@ -13,6 +13,7 @@ from .by_sender import Taker
 from .command_answers import CommandMemory
 from .connection import FILTERED, Connection
 from .diagnostics import LOST_ON_THE_WAY, OUT_OF_ORDER, UNHEARD
+from .guarding import topic_stops
 from .latency import age_of_stamp
 from .light_message import is_light
 from .quality import TopicFault
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
     from ..base.address import JausAddress
     from ..clients.peer_search import PeerSearch
+    from ..guardian.ward import Content
     from ..wire.message import Message
     from .ages import Age
     from .command_answers import CommandAnswer
@@ -101,6 +103,7 @@ class ToTopics(Connection[SourceT, TargetT]):
         self._opened = ends.loop.now()
         greet = self._greet if self.is_command and self._safe_value is not None else None
         self._publishers = [ends.publisher(self._type, topic, greet) for topic in self._topics]
+        self.guard()
         for each in self._report_joins:
             each.open(ends, self.name, self._peers, self._refuse_sender)
         self.join(self._report_joins)
@@ -195,6 +198,10 @@ class ToTopics(Connection[SourceT, TargetT]):
             is_new = self._ends.clock.now() - self._opened < _GREETING
             if self.stopped is StopReason.START and is_new:
                 self.send_safe_value(self.deliver)
+
+    def guarded_stops(self, payload: bytes) -> tuple[list[Content], list[Content]]:
+        """Returns the stop for each topic."""
+        return topic_stops(self._publishers, payload), []
 
     def deliver(self, payload: bytes) -> bool:
         """Publishes on every topic; False when ROS refuses."""

@@ -31,6 +31,21 @@ class Qos:
     lease_duration: float = 0.0
 
 
+@dataclass(frozen=True)
+class Published:
+    """What a publisher was made for.
+
+    Attributes:
+        topic: Full name of the topic.
+        type: Type of its messages, e.g. `nav_msgs/msg/Odometry`.
+        qos: Quality of service, with what parameters say of it.
+    """
+
+    topic: str
+    type: str
+    qos: Qos
+
+
 @dataclass(slots=True)
 class TopicCounts:
     """What happened to the messages of a subscription.

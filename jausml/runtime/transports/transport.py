@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.counters import Counters
     from ..base.loop import Loop
-    from ..base.settings import TransportSettings
+    from ..base.settings import Endpoint, TransportSettings
     from .delivery import Double, OnResult, PeerTraffic, Receive, Take
     from .packets.messenger import Messenger
 
@@ -124,6 +124,30 @@ class Transport(ABC):
             messenger = self._messenger_of(address)
             if messenger is not None:
                 messenger.answered(address, peer, start)
+
+    def datagram(
+        self, source: JausAddress, destination: JausAddress, payload: bytes, priority: Priority
+    ) -> tuple[bytes, Endpoint] | None:
+        """Return what another process may send in the place of a component, and where.
+
+        It asks for acknowledgement, so that it is obeyed however late it seems. Its number is 0.
+
+        Args:
+            source: A component of this process.
+            destination: A component that was heard.
+            payload: The message.
+            priority: Its priority.
+
+        Returns:
+            The datagram and its endpoint; None where one datagram does not do.
+        """
+        del source, destination, payload, priority
+        return None
+
+    def next_number(self, source: JausAddress, destination: JausAddress) -> int:
+        """Return the sequence number of the next packet from one component to another."""
+        del source, destination
+        return 0
 
     # ---- strangers --------------------------------------------------------------------------
 

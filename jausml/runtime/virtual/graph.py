@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ..bridge.errors import RosTypeError
 from ..bridge.quality import EndpointHealth, conflicts
-from ..bridge.topics import Qos, Topic, TopicCounts
+from ..bridge.topics import Published, Qos, Topic, TopicCounts
 from .link import Link, Way
 
 if TYPE_CHECKING:
@@ -79,6 +79,11 @@ class GraphPublisher:
         self.reached: list[GraphSubscription] = []
         size = MOST_KEPT if qos.history == "keep_all" else qos.depth
         self.kept: deque[tuple[bytes, int]] = deque(maxlen=size)
+
+    @property
+    def published(self) -> Published:
+        """What it was made for."""
+        return Published(self.topic.name, self.topic.kind, self.qos)
 
     def _publish(self, data: bytes) -> None:
         message = bytes(data), self.topic.wall()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import signal
+
 import pytest
 
 pytest.importorskip("rclpy")
@@ -173,6 +175,23 @@ def test_a_bridge_that_ends_stops_the_robot(system, operator):
     wait_goal(system)
     assert system.processes["robot"].stop() == 0
     wait_for(lambda: facts(system, "canceled"), "cancellation", PATIENCE)
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
+def test_the_guardian_stops_the_robot_of_a_bridge_that_cannot(system, operator, number):
+    operator.give(1, 2)
+    operator.execute()
+    wait_goal(system)
+    robot = system.processes["robot"].popen
+    robot.send_signal(number)
+    wait_for(lambda: facts(system, "canceled"), "cancellation", PATIENCE)
+    assert "1 goal" in system.log_of("robot")
+    if number == signal.SIGSTOP:
+        robot.send_signal(signal.SIGCONT)
+        wait_for(lambda: "the goal is canceled" in system.log_of("robot"), "log", PATIENCE)
+        # It goes on when it is told to, and is guarded again.
+        operator.execute()
+        assert wait_goal(system, 2)["x"] == [1.0, 2.0]
 
 
 @pytest.mark.slow

@@ -136,6 +136,12 @@ class Packetizer:
             known = self._numbers.setdefault(pair, _Numbers(first, count(first)))
         return known.following
 
+    def next_number(self, source: JausAddress, destination: JausAddress) -> int:
+        """Return the number that the next packet of a pair will have, and do not take it."""
+        self.numbers(source, destination)
+        known = self._numbers.get((source, destination)) or self._numbers[source, 0]
+        return known.first + known.used & 0xFFFF
+
     def sent(self, source: JausAddress) -> dict[JausAddress, int]:
         """Return how many packets a component was given numbers for, by destination.
 

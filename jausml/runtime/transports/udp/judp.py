@@ -9,7 +9,7 @@ from ...base.counters import LOGGER
 from ...base.quirks import Quirk
 from ...base.settings import JUDP_PORT
 from ..allowed_hosts import AllowedHosts
-from ..packets.packet import JUDP_VERSION, Packet, parse_datagram
+from ..packets.packet import JUDP_VERSION, AckNak, Packet, parse_datagram
 from ..port_holder import manager_folder
 from .datagrams import DatagramTransport
 from .drops import KernelDrops
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from ...base.loop import Loop, Timer
     from ...base.settings import Endpoint, TransportSettings
     from ..delivery import Receive, Take
+    from ..packets.packet import Priority
 
 _MANAGER_INTERVAL_S = 5.0
 _DROPS_INTERVAL_S = 1.0
@@ -91,6 +92,22 @@ class JudpTransport(DatagramTransport):
         """Where this process sends from and is reached, while open."""
         unicast = self._port.unicast
         return None if unicast is None else unicast.getsockname()
+
+    def datagram(
+        self, source: JausAddress, destination: JausAddress, payload: bytes, priority: Priority
+    ) -> tuple[bytes, Endpoint] | None:
+        """Return what another process may send instead; see ``Transport.datagram``."""
+        with self.loop.lock:
+            endpoint = self._book.find(destination)
+        if endpoint is None or len(payload) > self._settings.fragment_size:
+            return None
+        asked = AckNak.REQUESTED
+        packet = Packet(destination, source, payload, priority=priority, acknowledge=asked)
+        return packet.encode(), endpoint
+
+    def next_number(self, source: JausAddress, destination: JausAddress) -> int:
+        """Return the number of the next packet; see ``Transport.next_number``."""
+        return self._messenger.packetizer.next_number(source, destination)
 
     def _attach(self, address: JausAddress, receive: Receive, take: Take | None) -> None:
         super()._attach(address, receive, take)

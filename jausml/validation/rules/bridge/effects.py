@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from jausml.metamodel.classes import bridge
 from jausml.model.diagnostics import Severity
 from jausml.semantics.flows import flow_of
+from jausml.semantics.stops import has_stop, is_command
 from jausml.semantics.topics import resolve_topic, topic_fault
 from jausml.validation.rule import Finding, Note, rule
 
@@ -21,19 +22,30 @@ _TIMED = ("periodicEvent", "query")
 _FLOW = ("name", "map", "direction", "exchange", "peers", "search", "topics")
 
 
+def _is_guarded(owner: bridge.Bridge) -> bool:
+    """Tells whether a bridge commands what a guardian could stop."""
+    connections = [each for each in owner.bridgeConnections if each.map and each.map.message]
+    goals = [each for each in owner.actionConnections if each.direction.name == "jausToRos"]
+    return bool(goals) or any(is_command(each) and has_stop(each) for each in connections)
+
+
 @rule("JML463", Severity.WARNING, "feature without effect")
 def features_used(subject: Subject) -> Iterator[Finding]:
-    """A connection states a rate, a priority or an acknowledgement only where it has an effect.
+    """What is stated has an effect: rate, priority and acknowledgement, and a bridge's guardian.
 
     The rate is that at which a bridge asks: of a periodic event or of queries, from JAUS to ROS. A
     report that the bridge serves comes as often as subscribers ask, and a single message whenever
     its source sends it. Priority and acknowledgement are for messages that the bridge sends on its
-    own.
+    own. A bridge that commands nothing with a stop, and sends no goals, has no guardian anyway.
 
     Bad: `exchange="message" rate="5.0"`
 
     Good: `exchange="periodicEvent" rate="5.0"`
     """
+    for owner in subject.instances(bridge.Bridge):
+        if not owner.guardian and not _is_guarded(owner):
+            message = f"guardian has no effect: '{owner.name}' commands nothing that has a stop"
+            yield Finding(owner, message, "guardian")
     for connection in subject.instances(bridge.Connection):
         to_ros = connection.direction.name == "jausToRos"
         exchange = connection.exchange.name

@@ -1,0 +1,375 @@
+"""Process of a guardian: watches one bridge, and says its stops when the bridge cannot.
+
+It knows nothing of models, maps or messages. What may have to be said was handed over before, as
+octets; it is said when the bridge is dead, or has not run its loop for longer than the patience of
+a stop. Then, and never otherwise: a bridge that ends in good order has said its stops itself.
+"""
+
+from __future__ import annotations
+
+import os
+import select
+import signal
+import socket
+import struct
+import sys
+import time
+from dataclasses import dataclass, field
+from typing import Any
+
+from .page import Page, read_frame
+from .rcl import Publisher, Rcl, RclError
+
+POLL = 0.1
+"""Seconds between two looks at the beat."""
+
+GOAL_PATIENCE = 1.5
+"""Seconds without a beat after which goals are cancelled: what is cancelled cannot be taken up."""
+
+SAID_FOR = 1.0
+"""Seconds for which stops are said to whoever is found."""
+
+SOUGHT_FOR = 5.0
+"""Seconds for which whoever listens to a topic is looked for, where nobody was found before.
+
+Participants of DDS find each other at once, or when one announces itself again, after 3 s.
+"""
+
+TIMES = 3
+"""How often each subscriber and each component is told, as the first message may get lost."""
+
+AGAIN = 0.1
+"""Seconds between these."""
+
+_PAUSE = 0.002
+_CANCEL = "action_msgs/srv/CancelGoal"
+_STAMP = struct.Struct("<iI")
+
+EXIT_OF_ROS = 3
+"""Exit code of a guardian that cannot speak ROS."""
+
+
+@dataclass
+class Topic:
+    """A stop for a topic.
+
+    Attributes:
+        name: Full name of the topic.
+        support: Type support of its messages.
+        qos: Quality of service of the bridge's publisher.
+        data: The serialized stop.
+        stamps: Where the present time stands in it.
+    """
+
+    name: str
+    support: Any
+    qos: dict[str, Any]
+    data: bytearray
+    stamps: list[int]
+
+
+@dataclass
+class Datagram:
+    """A stop for a JAUS component.
+
+    Attributes:
+        data: The datagram, which ends with its sequence number.
+        endpoint: Where it goes.
+        slot: Where the page has the sequence number.
+    """
+
+    data: bytearray
+    endpoint: tuple[str, int]
+    slot: int
+
+
+@dataclass
+class Stops:
+    """What ends what a connection has set in motion.
+
+    Attributes:
+        patience: Seconds without a beat after which it is said.
+        topics: Stops for topics.
+        datagrams: Stops for components.
+    """
+
+    patience: float
+    topics: list[Topic]
+    datagrams: list[Datagram]
+
+
+@dataclass
+class _Told:
+    """How often whoever listens to a stop was told, by the number of those who do.
+
+    Attributes:
+        publisher: What tells them.
+        topic: The stop.
+        rivals: Publishers on the topic when the stop was due.
+        times: How often they were told.
+        last: When that was.
+    """
+
+    publisher: Publisher
+    topic: Topic
+    rivals: int
+    times: dict[int, int] = field(default_factory=dict)
+    last: float = 0.0
+
+
+class Guardian:
+    """One guardian of one bridge."""
+
+    def __init__(self, channel: socket.socket, page: Page, bridge: int) -> None:
+        """Watches nothing before `run`.
+
+        Args:
+            channel: What the bridge hands over comes here.
+            page: The shared memory.
+            bridge: Process id of the bridge.
+        """
+        self._channel = channel
+        self._page = page
+        self._bridge = bridge
+        self._stops: dict[int, Stops] = {}
+        self._goals: dict[bytes, str] = {}
+        self._said: set[int] = set()
+        self._are_goals_said = False
+        self._ros: Rcl | None = None
+        self._cancel: Any = None
+        self._is_over = False
+        self._death = os.pidfd_open(bridge)
+
+    def run(self) -> None:
+        """Watches until the bridge ends or says that nothing is left to do."""
+        try:
+            self._watch()
+        finally:
+            if self._ros is not None:
+                self._ros.close()
+
+    def _watch(self) -> None:
+        poll = select.poll()
+        poll.register(self._channel, select.POLLIN)
+        poll.register(self._death, select.POLLIN)
+        last = time.monotonic()
+        while not self._is_over:
+            ready = {descriptor for descriptor, _ in poll.poll(POLL * 1000)}
+            now = time.monotonic()
+            # Who was halted itself, with the bridge perhaps, looks again before it judges.
+            was_halted, last = now - last > 4 * POLL, now
+            if self._death in ready:
+                self._read()
+                if not self._is_over:
+                    self._say(list(self._armed()), goals=True, why="has died")
+                return
+            if ready:
+                self._read()
+            if not was_halted:
+                self._judge()
+
+    # ------------------------------------------------------------------ what is handed over
+
+    def _read(self) -> None:
+        """Reads all that was handed over; what was sent first is there whatever happened next."""
+        while not self._is_over and select.select([self._channel], [], [], 0)[0]:
+            content = read_frame(self._channel)
+            if content is None:  # the bridge is gone, which its process id tells as well
+                return
+            self._take(content)
+
+    def _take(self, content: dict[str, Any]) -> None:
+        match content["kind"]:
+            case "ros":
+                self._ros = Rcl(
+                    content["rcl"],
+                    content["utilities"],
+                    f"_guardian_{self._bridge}",
+                    content["arguments"],
+                )
+            case "stops":
+                self._stops[content["number"]] = Stops(
+                    content["patience"],
+                    [self._topic(each) for each in content["topics"]],
+                    [_datagram(each) for each in content["datagrams"]],
+                )
+            case "goal":
+                if self._cancel is None:
+                    self._cancel = self._support(content["library"], _CANCEL)
+                self._goals[bytes.fromhex(content["id"])] = content["service"]
+            case "done":
+                self._goals.pop(bytes.fromhex(content["id"]), None)
+            case "nothing":
+                self._stops.clear()
+                self._goals.clear()
+            case "bye":
+                self._is_over = True
+
+    def _topic(self, content: dict[str, Any]) -> Topic:
+        support = self._support(content["library"], content["type"])
+        data = bytearray.fromhex(content["data"])
+        return Topic(content["topic"], support, content["qos"], data, content["stamps"])
+
+    def _support(self, library: str, name: str) -> Any:
+        if self._ros is None:
+            raise RclError("nothing is known of ROS")
+        support = self._ros.type(library, *name.split("/"))
+        if "/msg/" in name:
+            self._ros.check(support)
+        return support
+
+    # ------------------------------------------------------------------ when to speak
+
+    def _armed(self) -> list[int]:
+        return [number for number in self._stops if self._page.is_armed(number)]
+
+    def _age(self) -> float:
+        """Seconds since the loop of the bridge ran; 0 before it began."""
+        beat = self._page.beat
+        return (time.monotonic_ns() - beat) / 1e9 if beat else 0.0
+
+    def _judge(self) -> None:
+        """Says what is due as the bridge does not run its loop."""
+        age = self._age()
+        due = [each for each in self._armed() if age > self._stops[each].patience]
+        due = [each for each in due if each not in self._said]
+        goals = bool(self._goals) and age > GOAL_PATIENCE and not self._are_goals_said
+        if due or goals:
+            self._say(due, goals=goals, why="does not run its loop")
+        elif age <= POLL * 2:
+            self._said.clear()
+            self._are_goals_said = False
+
+    def _say(self, numbers: list[int], *, goals: bool, why: str) -> None:
+        """Says stops and cancels goals, until all were told or the bridge is back."""
+        # First the mark, then the look at the beat: the bridge does it the other way round, so
+        # that one of both always sees the other.
+        self._page.taken += 1
+        is_halted = not _is_ready(self._death)
+        if is_halted and self._age() <= POLL * 2:
+            return
+        self._said.update(numbers)
+        self._are_goals_said = self._are_goals_said or goals
+        stops = [self._stops[each] for each in numbers]
+        count = sum(len(each.topics) + len(each.datagrams) for each in stops)
+        wanted = dict(self._goals) if goals else {}
+        if not (count or wanted):
+            return
+        _log(f"the bridge (process {self._bridge}) {why}: {count} stops, {len(wanted)} goals")
+        datagrams = [datagram for each in stops for datagram in each.datagrams]
+        topics = [topic for each in stops for topic in each.topics]
+        self._tell(datagrams, topics, wanted, is_halted=is_halted)
+
+    # ------------------------------------------------------------------ speaking
+
+    def _tell(
+        self,
+        datagrams: list[Datagram],
+        topics: list[Topic],
+        goals: dict[bytes, str],
+        *,
+        is_halted: bool,
+    ) -> None:
+        begun = time.monotonic()
+        sent = 0
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as outlet:
+            self._send(outlet, datagrams)
+            sent = 1
+            told = [self._told(each) for each in topics]
+            cancels = [(self._canceller(service), goal) for goal, service in goals.items()]
+            while (past := time.monotonic() - begun) < SOUGHT_FOR:
+                if sent < TIMES and past >= sent * AGAIN:
+                    self._send(outlet, datagrams)
+                    sent += 1
+                wanting = [each for each in told if past < SAID_FOR or self._is_sought(each)]
+                for each in wanting:
+                    self._publish(each)
+                if not (wanting or cancels or sent < TIMES):
+                    break
+                cancels = [each for each in cancels if not self._cancelled(*each)]
+                if is_halted and self._age() <= POLL * 2:
+                    break  # the bridge lives, and from here on its word counts
+                time.sleep(_PAUSE)
+        for each in told:
+            self._known_ros.destroy(each.publisher)
+
+    def _send(self, outlet: socket.socket, datagrams: list[Datagram]) -> None:
+        for each in datagrams:
+            each.data[-2:] = struct.pack("<H", self._page.sequence(each.slot))
+            try:
+                outlet.sendto(each.data, each.endpoint)
+            except OSError as error:
+                _log(f"the stop for {each.endpoint} cannot be sent: {error}")
+
+    @property
+    def _known_ros(self) -> Rcl:
+        if self._ros is None:
+            raise RclError("nothing is known of ROS")
+        return self._ros
+
+    def _told(self, topic: Topic) -> _Told:
+        ros = self._known_ros
+        publisher = ros.publisher(topic.name, topic.support, topic.qos)
+        return _Told(publisher, topic, ros.publishers(topic.name))
+
+    def _is_sought(self, told: _Told) -> bool:
+        """Whether somebody may still be found who listens, and nobody else has begun to speak."""
+        return not told.times and self._known_ros.publishers(told.topic.name) <= told.rivals
+
+    def _canceller(self, service: str) -> Any:
+        return self._known_ros.canceller(service, self._cancel)
+
+    def _cancelled(self, canceller: Any, goal: bytes) -> bool:
+        return self._known_ros.cancel(canceller, goal)
+
+    def _publish(self, told: _Told) -> None:
+        """Publishes a stop once more if a subscriber may not have it."""
+        found = self._known_ros.subscribers(told.publisher)
+        times, now = told.times.get(found, 0), time.monotonic()
+        if not found or times >= TIMES or (times and now - told.last < AGAIN):
+            return
+        topic = told.topic
+        seconds, nanoseconds = divmod(self._page.simulated or time.time_ns(), 10**9)
+        for offset in topic.stamps:
+            _STAMP.pack_into(topic.data, offset, seconds, nanoseconds)
+        self._known_ros.publish(told.publisher, bytes(topic.data))
+        told.times[found], told.last = times + 1, now
+
+
+def _datagram(content: dict[str, Any]) -> Datagram:
+    host, port = content["endpoint"]
+    return Datagram(bytearray.fromhex(content["data"]), (host, port), content["slot"])
+
+
+def _is_ready(descriptor: int) -> bool:
+    return bool(select.select([descriptor], [], [], 0)[0])
+
+
+def _log(text: str) -> None:
+    sys.stderr.write(f"WARNING jausml guardian: {text}\n")
+    sys.stderr.flush()
+
+
+def main(channel: str, page: str, bridge: str) -> int:
+    """Guards one bridge.
+
+    Args:
+        channel: Descriptor of the socket.
+        page: Descriptor of the shared memory.
+        bridge: Process id of the bridge.
+
+    Returns:
+        The exit code: 0, or `EXIT_OF_ROS`.
+    """
+    # It ends with its bridge, by itself: signals of a terminal or a service manager are for that.
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
+    with socket.socket(fileno=int(channel)) as own:
+        try:
+            Guardian(own, Page(int(page)), int(bridge)).run()
+        except RclError as error:
+            _log(f"cannot speak ROS: {error}")
+            return EXIT_OF_ROS
+        except ProcessLookupError:  # the bridge was gone before it could be watched
+            return 0
+    return 0

@@ -1,0 +1,312 @@
+"""The side of a bridge: what it hands to its guardian, and that it is still there."""
+
+from __future__ import annotations
+
+import os
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..base.counters import LOGGER
+from .page import MOST_OF_A_FRAME, MOST_STOPS, Page, frame
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from ..base.loop import Loop, Timer
+
+PERIOD = 0.1
+"""Seconds between two beats."""
+
+LEAST_PATIENCE = 0.5
+"""Seconds for which a bridge may be starved without a stop."""
+
+_REFRESH = 10
+"""Beats after which what is handed over is looked at again, as endpoints of components change."""
+
+TOO_SOON = 10.0
+"""Seconds within which a second guardian that ends is one too many."""
+
+_GOODBYE = 2.0
+_RUN = (
+    "import sys; sys.path.append(sys.argv[1]);"
+    " from guardian.process import main; sys.exit(main(*sys.argv[2:]))"
+)
+
+Content = dict[str, Any]
+
+
+class Guarded:
+    """One connection, whose stops the guardian says in its place.
+
+    Attributes:
+        number: Its number, by which its stops are armed.
+    """
+
+    def __init__(self, ward: Ward, number: int, stops: Callable[[], Content]) -> None:
+        """Use `Ward.guard` instead."""
+        self.number = number
+        self._ward = ward
+        self._stops = stops
+        self._handed: Content | None = None
+        self.is_armed = False
+
+    def arm(self, armed: bool) -> None:  # noqa: FBT001
+        """Says whether something stands on the other side that the stops must end."""
+        self.is_armed = armed
+        self._ward.arm(self, armed)
+
+    def hand(self, *, again: bool = False) -> None:
+        """Hands the stops over, if they are others than before."""
+        stops = self._stops()
+        if again or stops != self._handed:
+            self._handed = stops
+            self._ward.send("stops", {"number": self.number, **stops})
+
+
+class Ward:
+    """What a bridge tells its guardian. All of it runs on the loop or with its lock.
+
+    The guardian is started with the first thing that there is to guard: a bridge that only reports
+    has none.
+    """
+
+    def __init__(
+        self,
+        loop: Loop,
+        ros: Callable[[], Content],
+        now: Callable[[], int],
+        taken: Callable[[], None],
+    ) -> None:
+        """Guards nothing yet.
+
+        Args:
+            loop: The loop of the bridge, whose life is what the beat tells.
+            ros: Returns what the guardian needs to speak ROS; nothing where there is none.
+            now: Returns simulated time in nanoseconds, 0 where there is none.
+            taken: Told, on the loop, that the guardian has spoken.
+        """
+        self._loop = loop
+        self._ros = ros
+        self._now = now
+        self._on_taken = taken
+        self._guarded: list[Guarded] = []
+        self._goals: dict[str, Content] = {}
+        self._sequences: list[Callable[[], int]] = []
+        self._page: Page | None = None
+        self._page_descriptor = -1
+        self._channel: socket.socket | None = None
+        self._process: subprocess.Popen[bytes] | None = None
+        self._timer: Timer | None = None
+        self._beats = self._taken = 0
+        self._begun = 0.0
+        self.failure = ""
+        """Why there is no guardian any more; empty while all is well."""
+
+    # ------------------------------------------------------------------ for connections
+
+    def guard(self, stops: Callable[[], Content]) -> Guarded | None:
+        """Guards a connection from now on.
+
+        Args:
+            stops: Returns its patience and its stops for topics and components.
+
+        Returns:
+            What arms the stops; None where there are too many.
+        """
+        if len(self._guarded) >= MOST_STOPS:
+            return None
+        made = Guarded(self, len(self._guarded), stops)
+        self._guarded.append(made)
+        self._begin()
+        return made
+
+    def slot(self, sequence: Callable[[], int]) -> int:
+        """Returns where the page keeps the next sequence number to a component.
+
+        Args:
+            sequence: Returns the next number.
+        """
+        self._sequences.append(sequence)
+        return len(self._sequences) - 1
+
+    def arm(self, guarded: Guarded, armed: bool) -> None:  # noqa: FBT001
+        """Says whether something stands on the other side of a connection."""
+        if self._page is not None:
+            if armed:
+                guarded.hand()
+            self._page.arm(guarded.number, armed)
+
+    # ------------------------------------------------------------------ for goals
+
+    def open_goal(self, goal: bytes, service: str, library: str) -> None:
+        """Hands a goal over, before it is sent.
+
+        Args:
+            goal: Its id.
+            service: Full name of the service that cancels goals of its action.
+            library: Path of the library with the type support of action_msgs.
+        """
+        content = {"id": goal.hex(), "service": service, "library": library}
+        with self._loop.lock:
+            self._goals[goal.hex()] = content
+            self._begin()
+            self.send("goal", content)
+
+    def close_goal(self, goal: bytes) -> None:
+        """Takes a goal back that has ended."""
+        with self._loop.lock:
+            if self._goals.pop(goal.hex(), None) is not None:
+                self.send("done", {"id": goal.hex()})
+
+    # ------------------------------------------------------------------ life
+
+    @property
+    def is_guarding(self) -> bool:
+        """Whether there is something to guard."""
+        return bool(self._guarded or self._goals)
+
+    @property
+    def told(self) -> str:
+        """What is guarded, in words."""
+        count, goals = len(self._guarded), len(self._goals)
+        return f"watches {count} connection{'s' * (count != 1)}, {goals} goal{'s' * (goals != 1)}"
+
+    def release(self) -> None:
+        """Guards nothing any more: all stops were said."""
+        with self._loop.lock:
+            if self._page is not None:
+                for each in self._guarded:
+                    self._page.arm(each.number, False)  # noqa: FBT003
+            self._guarded.clear()
+            self._goals.clear()
+            self._sequences.clear()
+            self.send("nothing", {})
+
+    def close(self) -> None:
+        """Ends the guardian; nothing is left to say."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        self.send("bye", {})
+        self._end()
+        if self._page is not None:
+            self._page.close()
+            os.close(self._page_descriptor)
+            self._page = None
+
+    def send(self, kind: str, content: Content) -> None:
+        """Hands something over, if there is a guardian."""
+        if self._channel is None:
+            return
+        data = frame(kind, content)
+        try:
+            if len(data) > MOST_OF_A_FRAME:
+                raise OSError(f"{len(data)} octets are no stop")
+            self._channel.send(data, socket.MSG_DONTWAIT)
+        except OSError as error:  # it is gone, which the next beat finds, or reads nothing
+            LOGGER.warning("the guardian was not told of %s: %s", kind, error)
+
+    def _begin(self) -> None:
+        if self._page is None:
+            self._page_descriptor = Page.descriptor()
+            self._page = Page(self._page_descriptor)
+        if self._process is None and not self.failure:
+            self._start()
+        if self._timer is None:
+            self._timer = self._loop.call_later(0.0, self._beat)
+
+    def _start(self) -> None:
+        """Starts a guardian, and hands everything over."""
+        own, other = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        with other:
+            own.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4 * MOST_OF_A_FRAME)
+            passed = (other.fileno(), self._page_descriptor)
+            runtime = str(Path(__file__).parents[1])
+            line = [sys.executable, "-I", "-S", "-c", _RUN, runtime, *map(str, passed)]
+            try:
+                self._process = subprocess.Popen(  # noqa: S603 - itself
+                    [*line, str(os.getpid())],
+                    pass_fds=passed,
+                    stdin=subprocess.DEVNULL,
+                    stdout=subprocess.DEVNULL,
+                    # Signals to a group, as of a terminal, are for the bridge.
+                    start_new_session=True,
+                )
+            except OSError as error:
+                own.close()
+                self._give_up(f"cannot be started: {error}")
+                return
+        self._channel = own
+        self._begun = self._loop.now()
+        ros = self._ros()
+        if ros:
+            self.send("ros", ros)
+        for each in self._guarded:
+            each.hand(again=True)
+        for goal in self._goals.values():
+            self.send("goal", goal)
+
+    def _beat(self) -> None:
+        page = self._page
+        if page is None:
+            return
+        self._timer = self._loop.call_later(PERIOD, self._beat)
+        page.simulated = self._now()
+        page.beat = time.monotonic_ns()
+        taken = page.taken
+        if taken != self._taken:
+            self._taken = taken
+            self._on_taken()
+        for slot, sequence in enumerate(self._sequences):
+            page.set_sequence(slot, sequence())
+        self._beats += 1
+        if self._beats % _REFRESH == 0:
+            for each in self._guarded:
+                each.hand()
+        if self._process is not None and self._process.poll() is not None:
+            self._replace(self._process.returncode)
+
+    def _replace(self, code: int) -> None:
+        """Starts another guardian in place of one that has ended."""
+        self._end()
+        if self._loop.now() - self._begun < TOO_SOON:
+            self._give_up(f"has ended with code {code} soon after its start")
+        else:
+            LOGGER.warning("the guardian has ended with code %d; another one is started", code)
+            self._start()
+
+    def _give_up(self, reason: str) -> None:
+        self.failure = reason
+        LOGGER.error("the guardian %s: nothing stops the robot if this bridge dies", reason)
+
+    def _end(self) -> None:
+        """Waits for the end of the guardian, which knows that it is to end."""
+        if self._channel is not None:
+            self._channel.close()
+            self._channel = None
+        process, self._process = self._process, None
+        if process is None:
+            return
+        try:
+            process.wait(_GOODBYE)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+
+def stops(
+    patience: float, topics: Sequence[Content] = (), datagrams: Sequence[Content] = ()
+) -> Content:
+    """Returns the stops of a connection as they are handed over.
+
+    Args:
+        patience: Seconds of silence after which the stop of the connection is due.
+        topics: Stops for topics.
+        datagrams: Stops for components.
+    """
+    due = max(LEAST_PATIENCE, patience)
+    return {"patience": due, "topics": list(topics), "datagrams": list(datagrams)}

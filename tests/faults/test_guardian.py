@@ -1,0 +1,125 @@
+"""What the guardian of a bridge says when the bridge cannot, and that it is silent otherwise."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import time
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from jausml.runtime.guardian.ward import TOO_SOON
+from tests.live.bridge_support import wait_for
+
+from .conftest import running
+
+pytestmark = [
+    pytest.mark.live,
+    # The parser that the message packages import at their first use.
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+    pytest.mark.timeout(240),
+]
+
+COMMANDS = ("cruise", "drive")
+SPEECH = re.compile(r"jausml guardian: .*")
+SOON = 1.5
+"""Seconds: below those after which the control of the vehicle lapses by itself."""
+
+
+def speeches(system):
+    """Returns what guardians have said that they do."""
+    logs = sorted(system.logs.glob("bridge-*.log"))
+    return [each for log in logs for each in SPEECH.findall(log.read_text(errors="replace"))]
+
+
+def stopped(system, began):
+    """Waits until the stops of the guardian stand, and returns when they came."""
+    found = {each: system.stops(each, began, 10.0) for each in COMMANDS}
+    assert "why" not in system.arrivals("drive")[-1], "the vehicle has stopped by itself"
+    assert found["drive"] < SOON, found
+    return found
+
+
+def restart(system):
+    system.kill("bridge")
+    system.start("bridge")
+    system.flows(time.monotonic())
+
+
+def test_a_bridge_that_is_killed_has_its_stops_said(system, record):
+    system.flows(time.monotonic())
+    began = time.monotonic()
+    system.signal("bridge", signal.SIGKILL)
+    found = stopped(system, began)
+    record("guardian", "kill -9", found)
+    assert "has died" in speeches(system)[-1]
+    restart(system)
+
+
+def test_a_bridge_that_crashes_has_its_stops_said(system):
+    system.flows(time.monotonic())
+    began = time.monotonic()
+    system.signal("bridge", signal.SIGSEGV)
+    stopped(system, began)
+    restart(system)
+
+
+@pytest.mark.parametrize("seconds", [0.6, 1.0, 2.5])
+def test_a_bridge_that_is_halted_has_its_stops_said_and_goes_on_later(system, seconds, record):
+    system.flows(time.monotonic())
+    said = len(speeches(system))
+    began = time.monotonic()
+    system.signal("bridge", signal.SIGSTOP)
+    found = {}
+    if seconds > 1.0:
+        found = stopped(system, began)
+    time.sleep(max(0.0, began + seconds - time.monotonic()))
+    system.signal("bridge", signal.SIGCONT)
+    back = time.monotonic()
+    system.flows(back)
+    record("guardian", f"halted for {seconds} s", found)
+    assert len(speeches(system)) <= said + 1
+    assert seconds < 1.0 or "does not run its loop" in speeches(system)[-1]
+
+
+def test_the_guardian_is_silent_where_a_bridge_ends_in_good_order(path, tmp_path):
+    with running(path, tmp_path / "logs") as system:
+        bridge = system.running["bridge"]
+        system.end("bridge")
+        assert bridge.popen.poll() == 0
+        for each in COMMANDS:
+            system.stops(each, 0.0)
+        assert speeches(system) == []
+        system.start("bridge")
+        system.flows(time.monotonic())
+        assert speeches(system) == []
+
+
+def guardian_of(system):
+    """Returns the process id of the guardian of the bridge."""
+    bridge = system.running["bridge"].popen.pid
+    for each in Path("/proc").glob("[0-9]*/cmdline"):
+        with suppress(OSError):
+            words = each.read_bytes().split(b"\0")
+            if b"guardian.process" in each.read_bytes() and words[-2] == str(bridge).encode():
+                return int(each.parent.name)
+    raise AssertionError("no guardian")
+
+
+def test_a_guardian_that_dies_is_replaced_and_one_that_dies_soon_is_not(path, tmp_path):
+    with running(path, tmp_path / "logs") as system:
+        log = system.running["bridge"].log
+        time.sleep(max(0.0, TOO_SOON + 1.0))  # a life that is long enough
+        first = guardian_of(system)
+        os.kill(first, signal.SIGKILL)
+        wait_for(lambda: "another one is started" in log.read_text(), "another guardian")
+        second = guardian_of(system)
+        assert second != first
+        os.kill(second, signal.SIGKILL)
+        wait_for(lambda: "nothing stops the robot" in log.read_text(), "the end of guarding")
+        system.flows(time.monotonic())  # the bridge itself goes on

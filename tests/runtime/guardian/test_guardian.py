@@ -1,0 +1,209 @@
+"""Guardians of real processes, which have stops for JAUS components alone."""
+
+from __future__ import annotations
+
+import os
+import select
+import signal
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from jausml.runtime.guardian.page import Page, frame, read_frame
+
+ROOT = Path(__file__).parents[3]
+PATIENCE = 20.0
+BRIDGE = """
+import sys, time
+from jausml.runtime.base.loop import Loop
+from jausml.runtime.guardian.ward import Ward, stops
+
+port, life = int(sys.argv[1]), sys.argv[2]
+with Loop() as loop:
+    taken = []
+    ward = Ward(loop, dict, lambda: 0, lambda: taken.append(1) or print("taken", flush=True))
+    loop.start()
+    with loop.lock:
+        slot = ward.slot(lambda: 4660)
+        content = {"data": b"stop..".hex(), "endpoint": ("127.0.0.1", port), "slot": slot}
+        guarded = ward.guard(lambda: stops(0.2, [], [content]))
+        if life != "at rest":
+            guarded.arm(True)
+    print("runs", flush=True)
+    for line in sys.stdin:
+        if line == "disarm\\n":
+            with loop.lock:
+                guarded.arm(False)
+            print("disarmed", flush=True)
+        if line == "hang\\n":
+            loop.call_soon(lambda: time.sleep(3))
+    ward.close()
+print("ended", flush=True)
+"""
+
+
+class Bridge:
+    """A process with a loop, a command to a component and a guardian."""
+
+    def __init__(self, life="under command"):
+        self.vehicle = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.vehicle.bind(("127.0.0.1", 0))
+        line = [sys.executable, "-c", BRIDGE, str(self.vehicle.getsockname()[1]), life]
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True, "bufsize": 1}
+        self.process = subprocess.Popen(line, cwd=ROOT, **pipes)
+        assert self.said() == "runs"
+        self.guardian = self._guardian()
+
+    def _guardian(self):
+        """The process that has this one as its last argument."""
+        end = time.monotonic() + PATIENCE
+        while time.monotonic() < end:
+            for each in Path("/proc").glob("[0-9]*/cmdline"):
+                try:
+                    words = each.read_bytes().split(b"\0")
+                except OSError:
+                    continue
+                own = str(self.process.pid).encode()
+                if any(b"guardian.process" in word for word in words) and words[-2] == own:
+                    return int(each.parent.name)
+        raise AssertionError("no guardian")
+
+    def said(self):
+        return self.process.stdout.readline().strip()
+
+    def tell(self, what):
+        self.process.stdin.write(f"{what}\n")
+
+    def stop(self, seconds=PATIENCE):
+        """The stop that arrives within a time; None when there is none."""
+        if not select.select([self.vehicle], [], [], seconds)[0]:
+            return None
+        return self.vehicle.recv(100)
+
+    def has_guardian(self):
+        return Path(f"/proc/{self.guardian}").exists()
+
+    def wait_alone(self):
+        end = time.monotonic() + PATIENCE
+        while self.has_guardian():
+            assert time.monotonic() < end, "the guardian goes on"
+            time.sleep(0.01)
+
+    def close(self):
+        self.process.kill()
+        self.process.wait()
+        self.process.stdin.close()
+        self.process.stdout.close()
+        self.wait_alone()
+        self.vehicle.close()
+
+
+@pytest.fixture
+def bridge():
+    made = []
+
+    def start(*life):
+        made.append(Bridge(*life))
+        return made[-1]
+
+    yield start
+    for each in made:
+        each.close()
+
+
+STOP = b"stop\x34\x12"
+"""The last two octets are the sequence number of the page."""
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSEGV, signal.SIGABRT])
+def test_the_stop_is_said_thrice_when_the_bridge_dies(bridge, number):
+    dying = bridge()
+    dying.process.send_signal(number)
+    assert [dying.stop(), dying.stop(), dying.stop()] == [STOP] * 3
+    dying.wait_alone()
+    assert dying.stop(0.0) is None
+
+
+def test_the_stop_is_said_when_the_bridge_stands_still(bridge):
+    halted = bridge()
+    halted.process.send_signal(signal.SIGSTOP)
+    assert halted.stop() == STOP
+    halted.process.send_signal(signal.SIGCONT)
+    assert halted.said() == "taken"
+    assert halted.has_guardian()
+
+
+def test_the_stop_is_said_when_the_loop_hangs(bridge):
+    hanging = bridge()
+    hanging.tell("hang")
+    assert hanging.stop() == STOP
+    assert hanging.said() == "taken"
+
+
+def test_nothing_is_said_of_a_bridge_at_rest(bridge):
+    resting = bridge("at rest")
+    resting.process.kill()
+    resting.wait_alone()
+    assert resting.stop(0.0) is None
+
+
+def test_nothing_is_said_after_the_bridge_has_said_its_stop(bridge):
+    stopped = bridge()
+    stopped.tell("disarm")
+    assert stopped.said() == "disarmed"
+    stopped.process.kill()
+    stopped.wait_alone()
+    assert stopped.stop(0.0) is None
+
+
+def test_a_bridge_that_ends_takes_its_guardian_along(bridge):
+    ending = bridge()
+    ending.process.stdin.close()
+    assert ending.said() == "ended"
+    assert ending.process.wait(PATIENCE) == 0
+    ending.wait_alone()
+    assert ending.stop(0.0) is None
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_signals_for_the_bridge_do_not_end_the_guardian(bridge, number):
+    guarded = bridge()
+    # Its handlers stand when it has read what was handed over; a stop proves that.
+    os.kill(guarded.guardian, signal.SIGCONT)
+    guarded.process.send_signal(signal.SIGSTOP)
+    assert guarded.stop() == STOP
+    guarded.process.send_signal(signal.SIGCONT)
+    os.kill(guarded.guardian, number)
+    assert guarded.said() == "taken"
+    guarded.process.kill()
+    assert guarded.stop() == STOP
+
+
+def test_both_sides_read_the_same_page():
+    descriptor = Page.descriptor()
+    one, other = Page(descriptor), Page(descriptor)
+    assert (one.beat, one.taken, one.simulated) == (0, 0, 0)
+    one.beat, one.taken, one.simulated = 2**63, 7, -5
+    one.arm(1023, True)
+    one.set_sequence(1023, 65536 + 9)
+    assert (other.beat, other.taken, other.simulated) == (2**63, 7, -5)
+    assert [other.is_armed(each) for each in (0, 1022, 1023)] == [False, False, True]
+    assert [other.sequence(each) for each in (0, 1023)] == [0, 9]
+    one.close()
+    other.close()
+    os.close(descriptor)
+
+
+def test_frames_come_whole_and_end_with_the_other_side():
+    one, other = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    with other:
+        with one:
+            one.send(frame("goal", {"id": "00ff"}))
+            one.send(frame("bye", {}))
+        assert read_frame(other) == {"kind": "goal", "id": "00ff"}
+        assert read_frame(other) == {"kind": "bye"}
+        assert read_frame(other) is None
