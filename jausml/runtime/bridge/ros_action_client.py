@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 from action_msgs.msg import GoalStatus
 from action_msgs.srv import CancelGoal
 from rclpy.action.client import ActionClient
-from unique_identifier_msgs.msg import UUID
 
 from .actions import Outcome
 from .guarding import type_library
@@ -125,9 +124,9 @@ class NodeGoal:
                     fill(message)
             self._servers = client.servers()
             self._guard()
-            answer = client.handle.send_goal_async(
-                message, self._feedback, UUID(uuid=list(self._id))
-            )
+            named = CancelGoal.Request().goal_info.goal_id
+            named.uuid = list(self._id)
+            answer = client.handle.send_goal_async(message, self._feedback, named)
         except Exception as error:  # of what the user has written, or of the values it sets
             self._end(Outcome.REFUSED, f"the goal cannot be made: {error!r}")
             return
