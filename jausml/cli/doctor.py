@@ -13,6 +13,7 @@ from jausml.cli.options import (
     format_option,
     interface_option,
     multicast_group_option,
+    peer_option,
     port_option,
     quiet_option,
 )
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 @interface_option()
 @port_option(text="UDP and TCP port of JAUS.")
 @multicast_group_option()
+@peer_option()
 @format_option("Text for people, or one JSON object.")
 @reading_options
 @quiet_option("Leave out what is in order.")
@@ -37,6 +39,7 @@ def command(
     interface: str,
     port: int,
     multicast_group: str,
+    peers: tuple[str, ...],
     output_format: str,
     reading: Reading,
     quiet: bool,
@@ -45,7 +48,9 @@ def command(
 
     Checks Python, ROS 2 and its settings, the network interface, multicast, the port of JAUS, and
     node managers. With a MODEL or a folder of models, also checks the message packages that it
-    uses. Changes nothing; sends one datagram from this host to itself.
+    uses. With --peer, also asks these components for their services and their state, and says what
+    they do otherwise than the standard has it, and what jausml does instead. Changes nothing; sends
+    one datagram from this host to itself, and a few questions to each peer.
 
     Exit status: 0 nothing is wrong (notes and warnings may be shown), 1 something cannot work, 2
     usage, 3 internal error.
@@ -59,11 +64,30 @@ def command(
         raise click.UsageError(str(error)) from error
     packages = _packages(find_models(models), reading) if models else []
     found = [*python.checks(), *ros.checks(packages), *network.checks(settings)]
+    if peers:
+        found += _peers(interface, port, multicast_group, peers)
     shown = [each for each in found if not (quiet and each.verdict is Verdict.OK)]
     if shown or output_format == "json":
         click.echo(_as_json(shown) if output_format == "json" else _as_text(shown))
     if any(each.verdict is Verdict.ERROR for each in found):
         raise click.exceptions.Exit(PROBLEMS)
+
+
+def _peers(interface: str, port: int, group: str, peers: Sequence[str]) -> list[Check]:
+    """Returns what components are like that are asked."""
+    from jausml.cli.messages import open_catalogue
+    from jausml.cli.network import identified_network, network_from
+    from jausml.live.machine.check import Check, Verdict
+    from jausml.live.peers.meeting import met
+
+    network = network_from(None, interface, port, group, peers)
+    try:
+        with identified_network(network) as ours:
+            found = met(ours, open_catalogue(()))
+    except OSError as error:
+        text = f"nobody can be asked: {error.strerror or error}"
+        return [Check("peers", "network", Verdict.ERROR, text)]
+    return [Check("peers", each.name, Verdict(each.verdict), each.text) for each in found]
 
 
 def _packages(paths: Sequence[str], reading: Reading) -> list[str]:

@@ -70,9 +70,13 @@ class Settings:
                 identified_network(self.network) as network,
                 running_operator(network, open_catalogue(self.models), self.timeout) as operator,
             ):
-                yield operator
-                if operator.is_impersonated:
-                    warn(f"warning: another program of the network sends as {operator.own}")
+                try:
+                    yield operator
+                finally:
+                    for peer, learnt in operator.quirks():
+                        remark(f"note: {peer} {learnt}")
+                    if operator.is_impersonated:
+                        warn(f"warning: another program of the network sends as {operator.own}")
         except NoAnswer as error:
             raise EnvironmentFault(str(error)) from error
         except Refused as error:

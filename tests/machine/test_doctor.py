@@ -163,3 +163,26 @@ def test_messages_that_nobody_installed(doctor, tmp_path):
     _, checks = doctor("--port", free_port(), model)
     assert checks["model", "nav2_msgs"]["verdict"] == "error"
     assert "ros-jazzy-nav2-msgs" in checks["model", "nav2_msgs"]["cure"]
+
+
+def test_peers_are_told_of_as_they_are(doctor, monkeypatch):
+    monkeypatch.syspath_prepend(Path(__file__).parents[1] / "support")
+    from foreign_vehicle import JausPlusPlus, Vehicle
+
+    from jausml.runtime.base.address import JausAddress
+
+    address, port = JausAddress(152, 1, 1), free_port()
+    vehicle = Vehicle(address, lambda _code: None, lambda _payload: None, dies_of_updates=True)
+    peer = JausPlusPlus(vehicle, port)
+    try:
+        line = ["--port", str(port), "--peer", f"{address}=127.0.0.2:{port}"]
+        done = CliRunner().invoke(main, ["doctor", *line])
+        status, checks = doctor(*line, "--peer", f"153.1.1=127.0.0.3:{port}")
+    finally:
+        peer.close()
+    assert "ok       152.1.1: answers; 7 services" in done.output
+    assert "note     152.1.1: acknowledges with another version of JUDP (0 for 2)" in done.output
+    assert "note     152.1.1: knows no wildcards in QueryServices" in done.output
+    assert not vehicle.is_dead
+    assert status == 1
+    assert checks["peers", "153.1.1"]["verdict"] == "error"

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from jausml.live.peers.network import Network
     from jausml.runtime import JausComponent
     from jausml.runtime.base.address import JausAddress
+    from jausml.runtime.base.quirks import Learnt
     from jausml.runtime.clients.query import PendingQuery
     from jausml.runtime.services.definitions import ServiceIdentity
     from jausml.runtime.wire.message import Message
@@ -49,6 +50,9 @@ _GRACE = 0.5
 
 _SHORT_GRACE = 0.1
 """The same, for a component that left the second one unanswered before."""
+
+_MEETINGS = 3
+"""Questions with acknowledgement, of which some may be lost."""
 
 _LAST_LOOK = 1.0
 """Seconds in which a silent component may answer what nearly all of them answer."""
@@ -105,6 +109,38 @@ class Asker:
     def is_impersonated(self) -> bool:
         """Whether another program was heard that sends under our id."""
         return "transport.own_source" in self._component.counters.drops()
+
+    def quirks(self) -> tuple[tuple[JausAddress, Learnt], ...]:
+        """Returns what was learnt of those that were heard, in the order of their ids."""
+        known = self._component.transport.quirks
+        with self._component.loop.lock:
+            return tuple((peer, each) for peer in sorted(self.senders()) for each in known.of(peer))
+
+    def meet(self, target: JausAddress) -> tuple[ServiceIdentity, ...]:
+        """Asks a component for its services and its state as bridges do, to learn what it is like.
+
+        Its state is asked for with acknowledgement, which does no harm and shows how it
+        acknowledges. Control is not requested, and no event created.
+
+        Returns:
+            Its services; none when nobody knows.
+
+        Raises:
+            NoAnswer: It does not answer.
+        """
+        component, query = self._component, QueryStatus().encode()
+        found = self.services(target)
+        for _ in range(_MEETINGS):
+            ends: SimpleQueue[bool] = SimpleQueue()
+            component.transport.send(
+                component.address, target, query, acknowledge=True, on_result=ends.put
+            )
+            if self._begin(target, QueryStatus(), ReportStatus).within(self.timeout) is not None:
+                component.transport.answered(component.address, target, query)
+            ends.get()
+        if target not in self.senders():
+            raise self.unanswered(target, "QueryStatus", "ReportStatus")
+        return found
 
     @property
     def nothing_heard(self) -> str:

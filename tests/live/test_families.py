@@ -1,0 +1,151 @@
+"""A generated bridge and peers of other makes: each gets what it needs, and is known for it."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+from ports import free_domain, free_port
+
+pytest.importorskip("rclpy")
+
+from .bridge_support import Process, Repeater, RosPeer, generate_text, wait_for
+
+pytestmark = [
+    pytest.mark.live,
+    # The parser that the message packages import at their first use.
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
+
+FOLDER = Path(__file__).resolve().parent
+PEER = "152.1.1"
+BRIDGE = """
+import mappings.primitive_driver
+import mappings.velocity_state_sensor
+bridge tolerant {{
+    address: 105.1.1
+    {provides}
+    connection drive {{
+        map: wrench_effort {drive} topic cmd_vel
+    }}
+    connection speed {{
+        map: velocity_state {speed} topic speed
+    }}
+}}
+"""
+KNOWN = """
+component vehicle {
+    address: 152.1.1 type: vehicle external: true
+    provides: PrimitiveDriver, VelocityStateSensor
+}
+"""
+EVENTS = "peers: vehicle exchange: periodicEvent rate: 20"
+CHANGES = "peers: vehicle exchange: everyChangeEvent"
+QUERIES = "peers: vehicle exchange: query rate: 20"
+FOUND = "search: { services: VelocityStateSensor } exchange: periodicEvent rate: 20"
+
+
+@pytest.fixture
+def ros(monkeypatch):
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
+    made = RosPeer()
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def start(tmp_path):
+    """Starts processes beside a generated bridge."""
+    processes = []
+
+    def run(path, *line, **options):
+        log = tmp_path / f"{len(processes)}.log"
+        processes.append(Process(list(line), path, log, **options))
+        return processes[-1]
+
+    yield run
+    for each in processes:
+        each.close()
+        sys.stderr.write(each.log.read_text())
+
+
+def told_of(ros, peer):
+    """Returns what `/diagnostics` says of a peer, as it is when it is asked for."""
+    from diagnostic_msgs.msg import DiagnosticArray
+
+    arrays = ros.listen(DiagnosticArray, "/diagnostics")
+
+    def told():
+        for array in reversed(list(arrays)):
+            for status in array.status:
+                if status.name.endswith(f": account of {peer}"):
+                    return {each.key: each.value for each in status.values}
+        return {}
+
+    return told
+
+
+@pytest.mark.parametrize(
+    ("family", "speed", "quirks"),
+    [
+        ("jauspp", EVENTS, {"acknowledges with another version of JUDP"}),
+        (
+            "jauspp",
+            FOUND,
+            {"acknowledges with another version of JUDP", "knows no wildcards in QueryServices"},
+        ),
+        ("junior", EVENTS, set()),
+        ("junior", CHANGES, {"makes another event of each CreateEvent"}),
+        ("jts", QUERIES, set()),
+    ],
+)
+def test_a_vehicle_of_another_make_obeys_and_reports(ros, start, tmp_path, family, speed, quirks):
+    from geometry_msgs.msg import Twist
+    from nav_msgs.msg import Odometry
+
+    drive = "direction: rosToJaus peers: vehicle"
+    text = KNOWN + BRIDGE.format(provides="", drive=drive, speed=speed)
+    path, port = generate_text(tmp_path, "tolerant", text), str(free_port())
+    reports, told = ros.listen(Odometry, "speed"), told_of(ros, PEER)
+    vehicle = start(path, str(FOLDER / "family_vehicle.py"), family, port)
+    wait_for(lambda: vehicle.of_kind("ready"), "start of the vehicle")
+    bridge = start(path, "-m", "tolerant.main", "--jaus-port", port)
+    publisher = ros.publisher(Twist, "cmd_vel")
+    command = Twist()
+    command.linear.x = 0.5
+    with Repeater(publisher, command):
+        wait_for(lambda: len(vehicle.of_kind("effort")) > 100, "commands that are obeyed", 40)
+        wait_for(lambda: len(reports) > 60 or (speed is CHANGES and len(reports) > 4), "reports")
+        wait_for(lambda: quirks <= set(told()), f"{quirks} in the diagnostics", 40)
+    assert {round(each.twist.twist.linear.x, 1) for each in reports} == {1.5}
+    # At the end the commands stop.
+    assert {each["linear"] for each in vehicle.of_kind("effort")} <= {0, 25}
+    assert int(told()["not acknowledged"]) == 0
+    for each in quirks:
+        assert bridge.log.read_text().count(f"{PEER} {each}") == 1
+
+
+def test_the_unit_of_the_judges_commands_a_bridge_in_each_of_its_tests(ros, start, tmp_path):
+    from geometry_msgs.msg import Twist
+    from nav_msgs.msg import Odometry
+
+    provides = "type: vehicle provides: PrimitiveDriver, VelocityStateSensor"
+    ways = {"drive": "direction: jausToRos", "speed": "direction: rosToJaus exchange: query"}
+    text = BRIDGE.format(provides=provides, **ways)
+    path, port = generate_text(tmp_path, "tolerant", text), str(free_port())
+    commands = ros.listen(Twist, "cmd_vel")
+    bridge = start(path, "-m", "tolerant.main", "--jaus-port", port)
+    unit = start(path, str(FOLDER / "judging_unit.py"), port, stdin=True)
+    publisher = ros.publisher(Odometry, "speed")
+    with Repeater(publisher, Odometry()):
+        wait_for(lambda: "runs as" in bridge.log.read_text(), "start of the bridge")
+        for number in range(4):
+            unit.tell(str(10 + number))
+            wait_for(lambda: len(unit.of_kind("tested")) > number, "end of a test")  # noqa: B023
+    asked = {0x4B00, 0x000F, 0x4003, 0x4002, 0x4404, 0x0010}
+    answers = [each["code"] for each in unit.of_kind("answer")]
+    assert {code: answers.count(code) for code in asked} == dict.fromkeys(asked, 4)
+    assert {each["to"] for each in unit.of_kind("answer")} == {"42.1.1"}
+    assert len({round(each.linear.x, 2) for each in commands if each.linear.x}) == 4
