@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import os
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +15,7 @@ from rclpy.action.client import ActionClient
 from .actions import Outcome
 from .guarding import type_library
 from .quality import TopicFault
+from .ros_former_goals import FormerGoals
 from .ros_parameters import as_parameter_error
 
 if TYPE_CHECKING:
@@ -42,6 +42,7 @@ class NodeActionClient:
         messages: The classes of the action.
         name: Name of the action.
         cancelling: Full name of the service that cancels its goals.
+        former: Goals of a former life, which are cancelled.
         work: What is done on the executor, and the goals under way.
     """
 
@@ -53,6 +54,7 @@ class NodeActionClient:
         with as_parameter_error(f"action {name!a}: "):
             self.handle = ActionClient(work.node, messages.type, name)
         self.cancelling = work.node.resolve_service_name(f"{name}/_action/cancel_goal")
+        self.former = FormerGoals(work, name, self.cancelling)
 
     def send(
         self,
@@ -88,7 +90,7 @@ class NodeGoal:
         self._has_ended = False
         self._unsent: tuple[Sequence[bytes], Callable[[Any], object] | None] | None = None
         self._servers = 0
-        self._id = os.urandom(16)
+        self._id = client.former.new_id()
 
     # ------------------------------------------------------------------ SentGoal, on any thread
 
@@ -201,6 +203,7 @@ class NodeGoal:
         if not self._has_ended:
             self._has_ended = True
             self._client.work.closed(self)
+            self._client.former.forget(self._id)
             if self._client.work.ward is not None:
                 self._client.work.ward.close_goal(self._id)
             self._tell("ended", outcome, reason)

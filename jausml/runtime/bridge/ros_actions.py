@@ -42,7 +42,7 @@ class NodeActions:
             ParameterError: ROS refuses the name.
         """
         client = NodeActionClient(self._work, ActionMessages(action), action.name)
-        self._ends.append(client.handle)
+        self._ends += [client.handle, client.former]
         return client
 
     def serve(self, action: ListAction, taker: GoalTaker) -> None:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import signal
+from contextlib import suppress
+from pathlib import Path
 
 import pytest
 
@@ -192,6 +195,35 @@ def test_the_guardian_stops_the_robot_of_a_bridge_that_cannot(system, operator, 
         # It goes on when it is told to, and is guarded again.
         operator.execute()
         assert wait_goal(system, 2)["x"] == [1.0, 2.0]
+
+
+def guardian_of(bridge):
+    """Returns the process id of the guardian of a process."""
+    for each in Path("/proc").glob("[0-9]*/cmdline"):
+        with suppress(OSError):
+            words = each.read_bytes().split(b"\0")
+            if b"guardian.process" in b" ".join(words) and words[-2] == str(bridge).encode():
+                return int(each.parent.name)
+    raise AssertionError("no guardian")
+
+
+def test_a_bridge_that_starts_again_cancels_the_goal_of_its_former_life(system, operator):
+    operator.give(1, 2)
+    operator.execute()
+    wait_goal(system)
+    bridge = system.processes["robot"]
+    os.kill(guardian_of(bridge.popen.pid), signal.SIGKILL)
+    bridge.kill()
+    assert not facts(system, "canceled")
+    system.start_bridge("robot")
+    wait_for(lambda: facts(system, "canceled"), "cancellation", PATIENCE)
+    assert "a goal of a former life is cancelled" in system.log_of("robot")
+    # Its own goals are no former ones.
+    operator.wait_active(0)
+    wait_for(lambda: operator.session.state is ControlState.READY, "control", PATIENCE)
+    operator.give(3)
+    operator.execute()
+    assert wait_goal(system, 2)["x"] == [3.0]
 
 
 @pytest.mark.slow
