@@ -195,7 +195,8 @@ def unanswered_queries(chosen: Sequence[Crossing]) -> dict[str, list[str]]:
         dict.fromkeys(each.offer.service for each in chosen if not each.offer.is_provided)
     )
     commands = [each.offer.message for each in chosen if each.offer.to_ros]
-    told = (told_by_command(each, services) for each in commands if commands.count(each) == 1)
+    codes = list(map(code, commands))
+    told = (told_by_command(each, services) for each in commands if codes.count(code(each)) == 1)
     sent.update(code(each.report) for each in told if each is not None)
     found = {name_of(each): unanswered(each, sent) for each in services}
     return {

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from jausml.metamodel.classes import jaus
 from jausml.semantics.commands import is_command
 from jausml.semantics.layouts import attributes, signature
-from jausml.semantics.services import lineage, query_name
+from jausml.semantics.services import code, lineage, query_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -122,6 +122,10 @@ def command_answer(connection: bridge.Connection) -> Answer | None:
 
 
 def _carries(connection: bridge.Connection, message: jaus.MessageDef) -> bool:
-    """Tells whether a connection takes a message from JAUS as it comes."""
+    """Tells whether a connection takes a message from JAUS as it comes.
+
+    On the wire it is its code alone: several services have a SetTravelSpeed.
+    """
     is_taken = connection.direction.name == "jausToRos" and connection.exchange.name == "message"
-    return is_taken and connection.map is not None and connection.map.message is message
+    taken = connection.map.message if connection.map is not None else None
+    return is_taken and taken is not None and code(taken) == code(message)

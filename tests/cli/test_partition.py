@@ -20,10 +20,15 @@ MODELS = [
 ]
 
 
+ALLOWED = {"JML367", "JML803"}
+"""What an example allows stays allowed at the bridge of its name, and is told of the others."""
+
+
 def problems(report):
     return sorted(
         (each.rule, each.severity.name, each.message.split(" in ")[0])
         for each in report.diagnostics
+        if each.rule not in ALLOWED
     )
 
 

@@ -138,6 +138,7 @@ class Ward:
         if self._page is not None:
             if armed:
                 guarded.hand()
+                self._number(self._page)
             self._page.arm(guarded.number, armed)
 
     # ------------------------------------------------------------------ for goals
@@ -261,14 +262,18 @@ class Ward:
         if taken != self._taken:
             self._taken = taken
             self._on_taken()
-        for slot, sequence in enumerate(self._sequences):
-            page.set_sequence(slot, sequence())
+        self._number(page)
         self._beats += 1
         if self._beats % _REFRESH == 0:
             for each in self._guarded:
                 each.hand()
         if self._process is not None and self._process.poll() is not None:
             self._replace(self._process.returncode)
+
+    def _number(self, page: Page) -> None:
+        """Notes the sequence numbers that datagrams should have now."""
+        for slot, sequence in enumerate(self._sequences):
+            page.set_sequence(slot, sequence())
 
     def _replace(self, code: int) -> None:
         """Starts another guardian in place of one that has ended."""
