@@ -90,11 +90,11 @@ def told_of(ros, peer):
 @pytest.mark.parametrize(
     ("family", "speed", "quirks"),
     [
-        ("jauspp", EVENTS, {"acknowledges with another version of JUDP"}),
+        ("jauspp", EVENTS, {"acknowledges without the version of JUDP"}),
         (
             "jauspp",
             FOUND,
-            {"acknowledges with another version of JUDP", "knows no wildcards in QueryServices"},
+            {"acknowledges without the version of JUDP", "knows no wildcards in QueryServices"},
         ),
         ("junior", EVENTS, set()),
         ("junior", CHANGES, {"makes another event of each CreateEvent"}),

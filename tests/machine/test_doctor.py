@@ -181,7 +181,7 @@ def test_peers_are_told_of_as_they_are(doctor, monkeypatch):
     finally:
         peer.close()
     assert "ok       152.1.1: answers; 7 services" in done.output
-    assert "note     152.1.1: acknowledges with another version of JUDP (0 for 2)" in done.output
+    assert "note     152.1.1: acknowledges without the version of JUDP (no version)" in done.output
     assert "note     152.1.1: knows no wildcards in QueryServices" in done.output
     assert not vehicle.is_dead
     assert status == 1

@@ -39,5 +39,5 @@ def test_it_is_controlled_and_watched(jausml, vehicle):
     assert result.exit_code == 0, result.output
     assert f"{ADDRESS} is in READY" in result.stdout
     assert result.stdout.count("ReportStatus") > 3
-    assert f"note: {ADDRESS} acknowledges with another version of JUDP" in result.stderr
+    assert f"note: {ADDRESS} acknowledges without the version of JUDP" in result.stderr
     assert not vehicle.is_dead

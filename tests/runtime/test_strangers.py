@@ -84,7 +84,7 @@ class TestProof:
         peer.send(STRANGER, QueryStatus().encode())
         wait_until(lambda: peer.take() or peer.numbers)
         answer = Packet(ROBOT, STRANGER, b"", peer.numbers[0], acknowledge=AckNak.ACK).encode()
-        peer.sock.sendto(b"\x00" + answer[1:], robot.transport.endpoint)
+        peer.sock.sendto(answer[1:], robot.transport.endpoint)
         wait_until(lambda: robot.transport.is_proved(STRANGER))
 
     def test_a_guess_proves_nothing(self, robot, stranger, wait_until) -> None:

@@ -2,7 +2,7 @@
 
 What JAUS++ 5 does otherwise than the standard has it, as it behaves on the wire:
 
-- an acknowledgement is right but for its first byte, the version of JUDP, which is 0;
+- an acknowledgement lacks its first byte, the version of JUDP, and is right otherwise;
 - a packet that is repeated is obeyed again;
 - UpdateEvent brings it to a standstill, for ever;
 - QueryServices is answered for the component that it names, and with an empty report for wildcards;
@@ -238,7 +238,7 @@ class JausPlusPlus:
         self._book[source] = sender
         if flags & 0x10 and not self._vehicle.is_dead:
             head = _HEADER.pack(0, _SMALLEST, flags | 0x30, source, self._vehicle.address.packed)
-            self._unicast.sendto(b"\0" + head + number, sender)
+            self._unicast.sendto(head + number, sender)
         packet = source, int.from_bytes(number, "little"), payload
         self.obeyed_again += packet in self._seen
         self._seen.add(packet)

@@ -25,7 +25,7 @@ class Quirk(Enum):
     """What a peer does, and what is done instead of what would be done with others."""
 
     OTHER_VERSION = (
-        "acknowledges with another version of JUDP",
+        "acknowledges without the version of JUDP",
         "an acknowledgement counts where a packet waits for it",
     )
     NO_ACKNOWLEDGEMENTS = (

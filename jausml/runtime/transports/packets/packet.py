@@ -155,10 +155,12 @@ def parse_datagram(data: bytes, counters: Counters) -> list[Packet]:
     """
     if not data or data[0] != JUDP_VERSION:
         if _is_acknowledgement(data):
-            # JAUS-DEVIATION: JAUS++ states version 0 in front of its acknowledgements, which are
-            # right otherwise. Only the number of a packet that waits for one makes use of it.
+            # JAUS-DEVIATION: JAUS++ leaves the version out in front of its acknowledgements, which
+            # are right otherwise. Only the number of a packet that waits for one makes use of it.
             counters.add("judp.acknowledgement_of_other_version")
-            packet = parse_message(data, 1, EMPTY_MESSAGE_SIZE, counters)
+            packet = parse_message(
+                data, len(data) - EMPTY_MESSAGE_SIZE, EMPTY_MESSAGE_SIZE, counters
+            )
             return [] if packet is None else [packet]
         _count_version(data, counters)
         return []
@@ -250,10 +252,11 @@ def _is_plausible(data: bytes, offset: int) -> bool:
 
 
 def _is_acknowledgement(data: bytes) -> bool:
-    """Return whether a datagram is an acknowledgement, whatever version it states."""
-    if len(data) != 1 + EMPTY_MESSAGE_SIZE or data[1]:
+    """Return whether a datagram is an acknowledgement, whatever version it states, if any."""
+    start = len(data) - EMPTY_MESSAGE_SIZE
+    if start not in (0, 1) or data[start]:
         return False
-    size, flags = data[2] | data[3] << 8, data[4]
+    size, flags = data[start + 1] | data[start + 2] << 8, data[start + 3]
     return size == EMPTY_MESSAGE_SIZE and FLAGS[flags][2] is AckNak.ACK
 
 

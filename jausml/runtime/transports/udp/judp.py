@@ -9,7 +9,7 @@ from ...base.counters import LOGGER
 from ...base.quirks import Quirk
 from ...base.settings import JUDP_PORT
 from ..allowed_hosts import AllowedHosts
-from ..packets.packet import JUDP_VERSION, AckNak, Packet, parse_datagram
+from ..packets.packet import EMPTY_MESSAGE_SIZE, JUDP_VERSION, AckNak, Packet, parse_datagram
 from ..port_holder import manager_folder
 from .datagrams import DatagramTransport
 from .drops import KernelDrops
@@ -151,13 +151,14 @@ class JudpTransport(DatagramTransport):
             return
         for packet in parse_datagram(data, self.counters):
             if data[0] != JUDP_VERSION:
-                self._note_version(packet, data[0])
+                self._note_version(packet, data)
             self._on_packet(packet, sender, may_forward=not by_multicast)
 
-    def _note_version(self, packet: Packet, version: int) -> None:
-        """Learn of a known peer that its acknowledgements, of which this is one, state another."""
+    def _note_version(self, packet: Packet, data: bytes) -> None:
+        """Learn of a known peer that its acknowledgements, of which this is one, lack a version."""
         if packet.source in self._book.learnt:
-            self.quirks.learn(packet.source, Quirk.OTHER_VERSION, f"{version} for {JUDP_VERSION}")
+            how = f"version {data[0]}" if len(data) > EMPTY_MESSAGE_SIZE else "no version"
+            self.quirks.learn(packet.source, Quirk.OTHER_VERSION, how)
 
     def _on_packet(self, packet: Packet, sender: Endpoint, *, may_forward: bool) -> None:
         if not self._take_packet(packet, sender):
