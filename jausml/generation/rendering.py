@@ -20,6 +20,7 @@ from jausml.generation.header import add_header
 from jausml.generation.languages.python import Modules
 from jausml.generation.tasks import FileTask, TextTask
 from jausml.model.collector import without_collector
+from jausml.semantics.memory import remembering
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -65,7 +66,7 @@ def render(model: ModelT, targets: Sequence[Target[ModelT]]) -> list[Artifact]:
         TooLargeError: There would be too many files, or too much in them.
     """
     size, modules = _Size(), Modules()
-    with without_collector():
+    with without_collector(), remembering():
         renderers = [_Renderer(target, model, size, modules) for target in targets]
         size.check_files(sum(len(each.task.views) for one in renderers for each in one.tasks))
         for renderer in renderers:

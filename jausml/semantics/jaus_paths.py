@@ -24,7 +24,7 @@ from jausml.semantics.layouts import attributes, class_name, is_group
 from jausml.semantics.memory import remembered
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Container, Sequence
 
     from jausml.semantics.attributes import JausPart
 
@@ -75,18 +75,7 @@ class JausPlace:
 
     def members(self) -> Sequence[JausPart] | None:
         """Returns what can be named here; None for a place without members."""
-        if self.message is not None:
-            return attributes(self.message)
-        match self.field:
-            case jaus.BitField():
-                return self.field.subFields
-            case jaus.VariableField():
-                return self.field.alternatives
-            case jaus.Variant():
-                return self.field.options
-            case jaus.Record() | jaus.Sequence():
-                return self.field.fields
-        return None
+        return _members(self.message if self.message is not None else self.field)
 
     def attribute(self) -> Attribute:
         """Returns what an assignment finds here."""
@@ -107,8 +96,9 @@ class JausPlace:
         if fields is None:
             hint = f"name one element: {self.label}[0]" if self._is_many() else ""
             return PathFault(f"{self.where} has no attributes", hint)
-        name, indices = _split(step, fields)
-        field = next((each for each in fields if each.name == name), None)
+        named = _by_name(self.message if self.message is not None else self.field)
+        name, indices = _split(step, named)
+        field = named.get(name)
         if field is None:
             message = f"{self.where} has no attribute '{step}'"
             return PathFault(message, nearest_name(name, fields))
@@ -177,10 +167,31 @@ def message_place(message: jaus.MessageDef) -> JausPlace:
     return JausPlace(f"message {message.name}", message=message, frame=frame)
 
 
-def _split(step: str, fields: Sequence[JausPart]) -> tuple[str, list[int]]:
+def _members(holder: jaus.MessageDef | JausPart | None) -> Sequence[JausPart] | None:
+    match holder:
+        case jaus.MessageDef():
+            return attributes(holder)
+        case jaus.BitField():
+            return holder.subFields
+        case jaus.VariableField():
+            return holder.alternatives
+        case jaus.Variant():
+            return holder.options
+        case jaus.Record() | jaus.Sequence():
+            return holder.fields
+    return None
+
+
+@remembered
+def _by_name(holder: jaus.MessageDef | JausPart | None) -> dict[str | None, JausPart]:
+    """Returns the members of a message or field, of several with one name the first."""
+    return {each.name: each for each in reversed(_members(holder) or ())}
+
+
+def _split(step: str, known: Container[str | None]) -> tuple[str, list[int]]:
     """Splits `name[3]`; a name that holds brackets itself wins."""
     match = re.fullmatch(r"(.*?)((?:\[[0-9]{1,9}\])+)", step, re.DOTALL)
-    if match is None or any(each.name == step for each in fields):
+    if match is None or step in known:
         return step, []
     return match[1], [int(each) for each in re.findall("[0-9]+", match[2])]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import ros
 from jausml.semantics.attributes import (
@@ -18,6 +19,10 @@ from jausml.semantics.attributes import (
     nearest_name,
     primitive,
 )
+from jausml.semantics.memory import remembered
+
+if TYPE_CHECKING:
+    from collections.abc import Container
 
 _COVARIANCES = {
     "geometry_msgs/PoseWithCovariance": ("m^2", "rad^2"),
@@ -97,16 +102,17 @@ class RosPlace:
             return PathFault(
                 f"'{self.field.name}' is a {self.field.type.name}, it has no attributes"
             )
-        name, indices = _split(step, [each.name for each in self.type.fields])
-        field = next((each for each in self.type.fields if each.name == name), None)
+        fields = fields_by_name(self.type)
+        name, indices = _split(step, fields)
+        field = fields.get(name)
         if field is None:
             message = f"{ros_name(self.type)} has no field '{name}'"
             return PathFault(message, nearest_name(name, self.type.fields))
         fault = _index_fault(field, indices, is_free=self.indexed)
         if fault is not None:
             return fault
-        constants = tuple((each.name, each.value) for each in self.type.constants)
-        place = replace(self._inside(field, is_element=bool(indices)), constants=constants)
+        place = self._inside(field, is_element=bool(indices))
+        place = replace(place, constants=named_constants(self.type))
         if indices and field.name == "covariance" and not field.units:
             return replace(place, units=_covariance_units(self.type, indices[0]))
         return place
@@ -159,6 +165,18 @@ def ros_name(message_type: ros.MessageType | ros.ServiceType | ros.ActionType) -
     return f"{prefix}{message_type.name}"
 
 
+@remembered
+def fields_by_name(message_type: ros.MessageType) -> dict[str, ros.Field]:
+    """Returns the fields of a type, of several with one name the first."""
+    return {str(each.name): each for each in reversed(message_type.fields)}
+
+
+@remembered
+def named_constants(message_type: ros.MessageType) -> tuple[tuple[str, str], ...]:
+    """Returns the names of the constants of a type, with their values as text."""
+    return tuple((str(each.name), str(each.value)) for each in message_type.constants)
+
+
 def _covariance_units(owner: ros.MessageType, index: int) -> str:
     """Returns the unit of an element of a 6x6 covariance matrix; empty where it is of two kinds."""
     units = _COVARIANCES.get(ros_name(owner))
@@ -168,7 +186,7 @@ def _covariance_units(owner: ros.MessageType, index: int) -> str:
     return units[0] if row < 3 else units[1]
 
 
-def _split(step: str, known: list[str]) -> tuple[str, list[int]]:
+def _split(step: str, known: Container[str]) -> tuple[str, list[int]]:
     """Splits `name[3]`; a name that holds brackets itself wins."""
     match = _STEP.fullmatch(step)
     if step in known or match is None:

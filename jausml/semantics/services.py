@@ -101,6 +101,18 @@ def searched_services(search: jaus.PeerSearch) -> list[jaus.Service]:
 
 
 @remembered
+def inputs_by_name(service: jaus.Service) -> dict[str, jaus.MessageDef]:
+    """Returns the messages that a service takes itself, of several with one name the first."""
+    return {str(each.name): each for each in reversed(service.inputs)}
+
+
+@remembered
+def outputs_by_name(service: jaus.Service) -> dict[str, jaus.MessageDef]:
+    """Returns the messages that a service sends itself, of several with one name the first."""
+    return {str(each.name): each for each in reversed(service.outputs)}
+
+
+@remembered
 def inputs(provider: Provider) -> list[jaus.MessageDef]:
     """Returns the messages that the services of a provider take."""
     return [each for service in services_of(provider) for each in service.inputs]

@@ -4,23 +4,29 @@ from __future__ import annotations
 
 import math
 import re
+from typing import TYPE_CHECKING
 
 from jausml.semantics.attributes import BOOL, NUMBER, TEXT, TIME, TIME_STAMP, Attribute
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 _INTEGER = re.compile(r"[+-]?(?:0|[1-9][0-9]{0,24})")
 _NOT_FINITE = frozenset({"NaN", "Infinity", "-Infinity"})
 _REAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 
 
-def constant_fault(text: str, attribute: Attribute) -> str:
+def constant_fault(text: str, attribute: Attribute, names: Mapping[str, str] | None = None) -> str:
     """Says why a text is no value of an attribute, or returns an empty string.
 
     Args:
         text: The constant as the model writes it.
         attribute: The attribute that takes it.
+        names: The constants of the attribute, from who asks for many texts.
     """
     if attribute.kind == NUMBER:
-        named = dict(attribute.constants).get(text.strip(), text)
+        names = dict(attribute.constants) if names is None else names
+        named = names.get(text.strip(), text)
         return _number_fault(named.strip(), attribute)
     if attribute.kind == BOOL:
         return "" if text in ("true", "false") else "is not true or false"

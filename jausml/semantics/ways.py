@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from jausml.semantics.memory import remembered
 from jausml.semantics.services import (
+    inputs_by_name,
     provided_services,
     query_name,
     searched_services,
@@ -207,11 +208,6 @@ def _sent(service: jaus.Service) -> frozenset[object]:
     return _with_codes(service.outputs)
 
 
-@remembered
-def _names_taken(service: jaus.Service) -> frozenset[str | None]:
-    return frozenset(each.name for each in service.inputs)
-
-
 def _with_codes(messages: Iterable[jaus.MessageDef]) -> frozenset[object]:
     return frozenset(each for message in messages for each in (message, message.code) if each)
 
@@ -225,4 +221,4 @@ def _has_query(connection: bridge.Connection, services: Sequence[jaus.Service]) 
     if connection.query is not None:
         return True
     wanted = query_name(connection.map.message)
-    return any(wanted in _names_taken(service) for service in services)
+    return any(wanted in inputs_by_name(service) for service in services)

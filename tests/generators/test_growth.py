@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import importlib.util
-import sys
 from pathlib import Path
 
 import pytest
+from counting import calls as counted
 
 from jausml.generation import load_targets, render, select
 from jausml.generators.bringup.target import processes
@@ -37,19 +37,7 @@ def calls(text, folder, work=rendering):
     model.write_text(text, encoding="utf-8")
     report = validate([model])
     assert not report.has_errors, report.diagnostics[:3]
-    count = 0
-
-    def counted(_frame, event, _argument):
-        nonlocal count
-        count += event == "call"
-
-    before = sys.getprofile()
-    sys.setprofile(counted)
-    try:
-        work(report.model)
-    finally:
-        sys.setprofile(before)
-    return count
+    return counted(lambda: work(report.model))
 
 
 @pytest.mark.parametrize(("own_maps", "own_frames"), [(False, False), (True, False), (True, True)])

@@ -8,6 +8,7 @@ from jausml.diagrams.views import machines, maps, services, system
 from jausml.diagrams.views.context import Context
 from jausml.metamodel.classes.system import System
 from jausml.model.values import nearest
+from jausml.semantics.memory import remembering
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -81,7 +82,8 @@ def graph_of(
             views.setdefault(name, make)
     if view not in views:
         raise UnknownViewError(view, views)
-    return views[view](Context(model, view, diagnostics, root))
+    with remembering():
+        return views[view](Context(model, view, diagnostics, root))
 
 
 def _offered(

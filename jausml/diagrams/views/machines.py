@@ -40,8 +40,10 @@ def graph(context: Context, element: jaus.StateMachine) -> Graph:
     builder = Builder(context)
     machine = machine_with(element)
     if machine is not None:
-        for path in _drawn(machine):
-            _add_state(builder, machine, path)
+        drawn = _drawn(machine)
+        composite = {outer for path in drawn for outer in _enclosing(path)}
+        for path in drawn:
+            _add_state(builder, machine, path, is_composite=path in composite)
         for path in machine.nodes:
             _add_transitions(builder, machine, path)
     title = f"machine {name_of(element)} of {name_of(element.eContainer())}"
@@ -59,8 +61,7 @@ def _drawn(machine: Machine) -> list[str]:
         if each.target
     }
     paths = [*machine.nodes, *(each for each in core if each in targets)]
-    enclosing = {".".join(each.split(".")[:n]) for each in paths
-                 for n in range(1, each.count(".") + 1)}  # fmt: skip
+    enclosing = {outer for each in paths for outer in _enclosing(each)}
     ordered = dict.fromkeys([*paths, *sorted(enclosing)])
     return sorted(
         (each for each in ordered if each.count(".") < DEEPEST),
@@ -68,20 +69,24 @@ def _drawn(machine: Machine) -> list[str]:
     )
 
 
+def _enclosing(path: str) -> Iterator[str]:
+    """Yields the paths of the states that a state lies in."""
+    while path := path.rpartition(".")[0]:
+        yield path
+
+
 def _id(builder: Builder, machine: Machine, path: str) -> str:
     return f"{builder.context.id_of(machine.elements[-1])}!{path}"
 
 
-def _add_state(builder: Builder, machine: Machine, path: str) -> None:
+def _add_state(builder: Builder, machine: Machine, path: str, *, is_composite: bool) -> None:
     context = builder.context
     own = _id(builder, machine, path)
     outer, _, name = path.rpartition(".")
     around = _id(builder, machine, outer) if outer else ""
     found = machine.nodes.get(path)
     elements = found.elements if found is not None else []
-    drawn = _drawn(machine)
     element = context.reference(elements[-1]) if elements else ""
-    is_composite = any(each.startswith(f"{path}.") for each in drawn)
     if is_composite:
         builder.groups.append(Group(own, "state", name, around, element))
     initial = machine.initial(outer) == path

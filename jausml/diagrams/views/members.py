@@ -14,7 +14,7 @@ from jausml.semantics.jaus_paths import JausPlace, message_place
 from jausml.semantics.ros_paths import RosPlace, ros_name
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Collection, Iterator, Mapping
 
     from jausml.diagrams.views.context import Context
     from jausml.semantics.attributes import Part
@@ -63,8 +63,15 @@ def rows(members: tuple[Member, ...], marks: Mapping[str, str]) -> Iterator[Port
         members: The members.
         marks: What stands at the members that assignments fill or read, by path.
     """
+    outer = {path[:at] for path in marks for at, sign in enumerate(path) if sign == "."}
+    yield from _rows(members, marks, outer)
+
+
+def _rows(
+    members: tuple[Member, ...], marks: Mapping[str, str], outer: Collection[str]
+) -> Iterator[Port]:
     for each in members:
-        within = [path for path in marks if path.startswith(f"{each.path}.")]
+        within = each.path in outer
         if each.path in marks:
             yield replace(each.port, mark=marks[each.path] or each.port.mark)
         elif not within:
@@ -73,7 +80,7 @@ def rows(members: tuple[Member, ...], marks: Mapping[str, str]) -> Iterator[Port
         else:
             yield each.port
         if within:
-            yield from rows(each.inner, marks)
+            yield from _rows(each.inner, marks, outer)
 
 
 def paths_of(members: tuple[Member, ...]) -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -71,18 +72,20 @@ def _add_service(builder: Builder, service: jaus.Service) -> None:
     if takes:
         builder.edges.append(Edge(f"{takes}!edge", End(own), End(takes), "owns", "takes"))
     reports = {name_of(each): each for each in service.outputs}
+    queries: defaultdict[str, list[jaus.MessageDef]] = defaultdict(list)
+    for query in service.inputs:
+        queries[name_of(query)].append(query)
     for name, report in reports.items():
-        for query in service.inputs:
-            if name_of(query) == query_name(report):
-                builder.edges.append(
-                    Edge(
-                        f"{context.id_of(query)}!{name}",
-                        End(takes, context.id_of(query)),
-                        End(sends, context.id_of(report)),
-                        "answers",
-                        "answered by",
-                    )
+        for query in queries[query_name(report)]:
+            builder.edges.append(
+                Edge(
+                    f"{context.id_of(query)}!{name}",
+                    End(takes, context.id_of(query)),
+                    End(sends, context.id_of(report)),
+                    "answers",
+                    "answered by",
                 )
+            )
     if sends and not any(each.target.node == sends for each in builder.edges):
         builder.edges.append(Edge(f"{sends}!edge", End(takes or own), End(sends), "owns", "sends"))
 

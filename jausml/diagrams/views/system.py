@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from typing import TYPE_CHECKING
 
 from jausml.diagrams.graph import (
@@ -171,9 +172,11 @@ def _add_topics(builder: Builder, nodes: Sequence[ros.Node]) -> None:
     inside = {builder.context.id_of(each) for each in nodes}
     ends = [each for each in builder.endpoints if each[2].node in inside]
     pairs = (("publishes", "subscribes", "topic"), ("calls", "serves", "call"))
+    found: defaultdict[tuple[str, str], list[End]] = defaultdict(list)
+    for name, way, end in ends:
+        found[name, way].append(end)
     for name, way, start in ends:
         for source_way, target_way, kind in pairs:
-            for other, other_way, end in ends if way == source_way else ():
-                if other == name and other_way == target_way:
-                    identifier = f"{start.port}!{end.port}"
-                    builder.edges.append(Edge(identifier, start, end, kind, name))
+            for end in found[name, target_way] if way == source_way else ():
+                identifier = f"{start.port}!{end.port}"
+                builder.edges.append(Edge(identifier, start, end, kind, name))

@@ -9,7 +9,7 @@ from jausml.generators.python.statements import call
 from jausml.metamodel.classes import bridge, jaus
 from jausml.semantics.core_services import CORE
 from jausml.semantics.hosts import endpoint_of, host_of
-from jausml.semantics.services import query_name
+from jausml.semantics.services import inputs_by_name, outputs_by_name, query_name
 from jausml.semantics.standard_services import answers_for_subsystem, with_standard
 
 if TYPE_CHECKING:
@@ -265,11 +265,8 @@ def query_for(report: jaus.MessageDef, services: Iterable[jaus.Service]) -> jaus
         services: Where to look for the query.
     """
     wanted = query_name(report)
-    for service in services:
-        for query in service.inputs:
-            if query.name == wanted:
-                return query
-    return None
+    found = (inputs_by_name(service).get(wanted) for service in services)
+    return next((each for each in found if each is not None), None)
 
 
 def report_for(query: jaus.MessageDef, services: Iterable[jaus.Service]) -> jaus.MessageDef | None:
@@ -284,7 +281,8 @@ def report_for(query: jaus.MessageDef, services: Iterable[jaus.Service]) -> jaus
         return None
     stem = name.removeprefix("Query")
     for service in services:
-        for report in service.outputs:
-            if report.name in (f"Report{stem}", stem):
-                return report
+        named = outputs_by_name(service)
+        report = named.get(f"Report{stem}") or named.get(stem)
+        if report is not None:
+            return report
     return None

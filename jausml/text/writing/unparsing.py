@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from jausml.model.names import name_of
 from jausml.model.xmi.writer import UnwritableError, is_written
+from jausml.semantics.memory import remembering
 from jausml.text.bounds import DEEPEST, LONGEST
 from jausml.text.root_names import system_name
 from jausml.text.tree import BlockItem, Element, Import, Item, SyntaxTree, lists_of
@@ -44,7 +45,8 @@ def to_text(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]
         UnwritableError: A reference leads to an element that neither the roots nor a document of
             the model own, or the text would be longer or deeper than texts may be.
     """
-    document = to_tree(roots, model, path)
+    with remembering():
+        document = to_tree(roots, model, path)
     if _depth(document.items) > DEEPEST:
         raise UnwritableError(f"its elements are nested more than {DEEPEST} deep")
     text = layout.lay_out(document)

@@ -28,7 +28,7 @@ def absences(ends: Ends, sample: Sample) -> Iterator[Check]:
         return
     optional = [path for path in sample.values if source.field(path).is_optional]
     for path in optional:
-        chains = [chain for chain in ends.chains if path in chain.sources]
+        chains = ends.reading(path)
         if any(_policy(chain) == "dropMessage" for chain in chains):
             yield _refused(ends, sample, path)
             continue

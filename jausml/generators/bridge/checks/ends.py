@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from jausml.generators.bridge.checks.check import store
 from jausml.generators.bridge.checks.figures import NO_STEP, Chain, quantities_of
 from jausml.generators.bridge.checks.filling import PRESENT, JausMessage, RosMessage
+from jausml.generators.bridge.checks.overlaps import Paths
 from jausml.generators.bridge.report_joins import ReportJoinView
 from jausml.generators.python.codec.jaus_fields import TEXT
 from jausml.generators.python.statements import call
@@ -17,7 +18,7 @@ from jausml.semantics.paths import source_paths
 from jausml.semantics.used_maps import used_maps
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Mapping, Sequence
     from typing import TypeAlias
 
     from jausml.generators.bridge.checks.filling import Message, Place, Scalar
@@ -86,6 +87,18 @@ class Ends:
         ]
         return [each for each in chains if not any(map(self.join_of, each.sources))]
 
+    def reading(self, path: str) -> Sequence[Chain]:
+        """Returns the chains that read a source path."""
+        return self._by_source.get(path, ())
+
+    @functools.cached_property
+    def _by_source(self) -> Mapping[str, Sequence[Chain]]:
+        found: dict[str, list[Chain]] = {}
+        for chain in self.chains:
+            for path in dict.fromkeys(chain.sources):
+                found.setdefault(path, []).append(chain)
+        return found
+
     def _unit_step(self, assignment: bridge.FieldAssignment) -> tuple[float, float]:
         return self.uses.unit_step(self.map, assignment, to_ros=self.to_ros) or NO_STEP
 
@@ -127,15 +140,19 @@ class Ends:
             return False
         return source.field(chain.sources[0]).is_identifier
 
-    def is_alone(self, path: str) -> bool:
-        """Whether one assignment at most writes to a target path, or to what is in it."""
-        writers = [
+    @functools.cached_property
+    def written(self) -> Paths:
+        """The target paths that assignments write to."""
+        return Paths(
             target.strip()
             for assignment in self.assignments
+            if not isinstance(assignment, bridge.Ignore)
             for target in assignment.target.split(",")
-            if not isinstance(assignment, bridge.Ignore) and overlap(target.strip(), path)
-        ]
-        return len(writers) <= 1
+        )
+
+    def is_alone(self, path: str) -> bool:
+        """Whether one assignment at most writes to a target path, or to what is in it."""
+        return self.written.overlapping(path) <= 1
 
     def default(self, path: str) -> str:
         """Returns Python for what a target as it is made has at a path."""
@@ -223,9 +240,3 @@ def _usual(place: Place) -> Scalar:
         return "" if place.kind == TEXT else PRESENT
     candidates = (0, *(low for low, _ in place.ranges), *place.limits)
     return next(each for each in candidates if place.can_hold(each))
-
-
-def overlap(first: str, second: str) -> bool:
-    """Whether one of two paths leads to the other, or to what is in it."""
-    shorter, longer = sorted((first, second), key=len)
-    return longer == shorter or longer.startswith((f"{shorter}.", f"{shorter}["))

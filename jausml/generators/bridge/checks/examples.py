@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from jausml.generators.bridge.checks.assertions import has_value
 from jausml.generators.bridge.checks.check import Check, equals, holds, tidy
-from jausml.generators.bridge.checks.ends import overlap
 from jausml.generators.bridge.translation.ros_fields import PathError
 from jausml.metamodel.classes import bridge
 
@@ -49,17 +48,11 @@ def examples(ends: Ends, sample: Sample) -> Iterator[Check]:
 
 
 def _untouched(ends: Ends) -> Iterator[str]:
-    written = [
-        target.strip()
-        for assignment in ends.assignments
-        if not isinstance(assignment, bridge.Ignore)
-        for target in assignment.target.split(",")
-    ]
     for assignment in ends.assignments:
         path = assignment.target.strip()
         if not isinstance(assignment, bridge.Ignore):
             continue
-        if any(overlap(path, each) for each in written):
+        if ends.written.overlapping(path):
             continue
         try:
             place = ends.target.place(path)

@@ -124,8 +124,8 @@ def _brought(ends: Ends, source: Place) -> tuple[float, float]:
 
 def _touches_nothing_else(ends: Ends, case: _Case) -> bool:
     """Whether all other targets of the source can carry what the value becomes there."""
-    for chain in ends.chains:
-        if chain is case.chain or case.source.path not in chain.sources:
+    for chain in ends.reading(case.source.path):
+        if chain is case.chain:
             continue
         if len(chain.sources) > 1 or not chain.is_numeric or case.word == "not_a_number":
             return False

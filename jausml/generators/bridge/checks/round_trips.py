@@ -74,8 +74,11 @@ def round_trips(sampled: Sequence[tuple[Ends, Sample]], class_name: str) -> Iter
 
 def _returning(there: Ends, back: Ends, sample: Sample) -> list[_Returning]:
     found: dict[str, _Returning] = {}
+    homewards: defaultdict[object, list[Chain]] = defaultdict(list)
+    for homeward in back.chains:
+        homewards[tuple(homeward.targets), tuple(homeward.sources)].append(homeward)
     for outward in there.chains:
-        for homeward in back.chains:
+        for homeward in homewards[tuple(outward.sources), tuple(outward.targets)]:
             for each in (*_number(there, outward, homeward), *_angles(there, outward, homeward)):
                 if each.place.path in sample.values:
                     found.setdefault(each.place.path, each)
@@ -83,8 +86,6 @@ def _returning(there: Ends, back: Ends, sample: Sample) -> list[_Returning]:
 
 
 def _number(there: Ends, outward: Chain, homeward: Chain) -> Iterator[_Returning]:
-    if outward.targets != homeward.sources or outward.sources != homeward.targets:
-        return
     both = [each.conversion for each in (*outward.steps, *homeward.steps)]
     is_angle = any(each.is_of_turns for each in both)
     if is_angle and not all(each.is_of_turns or each.changes_nothing for each in both):
@@ -121,8 +122,6 @@ def _tolerance(there: Ends, outward: Chain, place: Place, *, is_angle: bool) -> 
 
 def _angles(there: Ends, outward: Chain, homeward: Chain) -> Iterator[_Returning]:
     """Roll, pitch and yaw by an orientation."""
-    if outward.targets != homeward.sources or outward.sources != homeward.targets:
-        return
     if len(outward.steps) != 1:
         return
     conversion = outward.steps[0].conversion

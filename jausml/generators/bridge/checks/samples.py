@@ -136,7 +136,7 @@ class _Sampler:
         """Whether a source may have a value, and all that is made of it alone has a place."""
         if place.is_number and not place.can_hold(float(value)):
             return False
-        for chain in self._ends.chains:
+        for chain in self._ends.reading(place.path):
             if chain.sources != [place.path] or not self._is_judged(chain):
                 continue
             if not self._carries(chain, [value]):

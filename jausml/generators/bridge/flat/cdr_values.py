@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_string
@@ -50,6 +51,10 @@ class CdrValues:
     values: dict[str, Given] = field(default_factory=dict)
     lists: dict[str, CdrSequenceWriting] = field(default_factory=dict)
 
+    @cached_property
+    def _by_path(self) -> Mapping[str, WrittenLeaf]:
+        return {each.path: each for each in self.leaves}
+
     def put(self, path: str, expression: str, *, conditional: bool = False) -> None:
         """Tells what has the value of a field.
 
@@ -64,7 +69,7 @@ class CdrValues:
         """
         own = "" if path == "." else path
         whole, _, index = own.rpartition("[")
-        paths = {each.path: each for each in self.leaves}
+        paths = self._by_path
         leaf = paths.get(own) or (paths.get(whole) if index else None)
         if leaf is None or (own not in paths and not isinstance(leaf, NumberLeaf)):
             raise NotFlatError(f"{self.name} has no {path} that a flat form writes")
@@ -80,7 +85,7 @@ class CdrValues:
         Raises:
             NotFlatError: There is no such sequence.
         """
-        leaf = next((each for each in self.leaves if each.path == path), None)
+        leaf = self._by_path.get(path)
         if not isinstance(leaf, ManyLeaf) or path in self.lists:
             raise NotFlatError(f"{path} is no sequence that a flat form writes")
         found = CdrSequenceWriting(self.name, leaf, self.constants, self.scope)

@@ -150,7 +150,8 @@ class PartReading:
         if isinstance(value, PartValue):
             return self._inside(value.part, step)
         if isinstance(value, ContainerClass):
-            return [m.value for m in value.members if m.attribute == step]
+            member = value.by_attribute.get(step)
+            return [member.value] if member is not None else []
         if isinstance(value, VariableFieldClass):
             return [value] if step in {"index", "value"} else []
         if isinstance(value, Bits):

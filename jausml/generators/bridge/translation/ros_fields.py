@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from jausml.metamodel.classes import ros
 from jausml.semantics.installed import package_of
+from jausml.semantics.ros_paths import fields_by_name, named_constants
 
 _STEP = re.compile(r"(?P<name>[A-Za-z]\w*)(?:\[(?P<index>\d+)\])?")
 
@@ -85,7 +86,7 @@ def ros_field(message_type: ros.MessageType, path: str, start: RosStart | None =
         found = _STEP.fullmatch(step)
         if current is None or is_array or found is None:
             raise PathError(f"'{path}' does not lead to a field of {full_name(message_type)}")
-        field = _field_named(current, found["name"])
+        field = fields_by_name(current).get(found["name"])
         if field is None:
             raise PathError(f"{full_name(current)} has no field '{found['name']}' ('{path}')")
         holder = current
@@ -101,7 +102,7 @@ def ros_field(message_type: ros.MessageType, path: str, start: RosStart | None =
         _counts(field) if is_array and field is not None else None,
         current,
         field,
-        _constants(holder),
+        named_constants(holder),
     )
 
 
@@ -114,11 +115,3 @@ def _counts(field: ros.Field) -> tuple[int, int] | None:
     size = field.arraySize
     kinds = {"fixedArray": (size, size), "boundedSequence": (0, size)}
     return kinds.get(field.arrayKind.name)
-
-
-def _constants(message_type: ros.MessageType) -> tuple[tuple[str, str], ...]:
-    return tuple((str(each.name), str(each.value)) for each in message_type.constants)
-
-
-def _field_named(message_type: ros.MessageType, name: str) -> ros.Field | None:
-    return next((field for field in message_type.fields if field.name == name), None)

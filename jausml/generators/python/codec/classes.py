@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
 from jausml.generation import docstrings as docs
 from jausml.generators.python.codec.compounds import MAXIMUM_COMPLEXITY, VariantValue
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from jausml.generators.python.codec.members import Member, Run, Single
     from jausml.generators.python.codec.scalars import Fixed
 
@@ -223,6 +226,16 @@ class ContainerClass:
     jaus_name: str = ""
     is_wrapper: bool = False
     is_format: bool = False
+
+    @cached_property
+    def by_jaus_name(self) -> Mapping[str, Member]:
+        """The members by their names in the model."""
+        return {each.jaus_name: each for each in reversed(self.members)}
+
+    @cached_property
+    def by_attribute(self) -> Mapping[str, Member]:
+        """The members by their names in Python."""
+        return {each.attribute: each for each in self.members}
 
     @property
     def min_size(self) -> int:

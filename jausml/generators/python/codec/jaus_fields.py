@@ -26,7 +26,7 @@ from jausml.generators.python.codec.members import Member
 from jausml.generators.python.codec.scalars import Bits, Blob, Fixed
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Container, Iterable, Mapping
 
     from jausml.generators.python.codec.messages import MessageView
 
@@ -216,34 +216,37 @@ class _Walk:
 
     def _split(self, step: str) -> tuple[str, list[int]]:
         found = _INDEXED.fullmatch(step)
-        if found is None or any(name == step for name in self._names()):
+        if found is None or step in self._names():
             return step, []
         return found["name"], [int(each) for each in re.findall("[0-9]+", found["indices"])]
 
-    def _names(self) -> list[str]:
+    def _names(self) -> Container[str]:
         if isinstance(self._at, VariantValue):
-            return [option.part.jaus_name for option in self._at.options]
-        return [member.jaus_name for member in self._members()]
+            return {option.part.jaus_name for option in self._at.options}
+        return self._members()
 
-    def _members(self) -> tuple[Member | SubField | Alternative, ...]:
+    def _members(self) -> Mapping[str, Member | SubField | Alternative]:
         at = self._at
         if at is None and self._end is None:
-            return self._message.body.members
+            return self._message.body.by_jaus_name
         if isinstance(at, Bits):
-            return next(
-                item.sub_fields
-                for item in self._message.nested
-                if isinstance(item, BitFieldClass) and item.path == at.python_type
-            )
+            return {each.jaus_name: each for each in self._sub_fields(at)}
         if isinstance(at, PartValue) and isinstance(at.part, VariableFieldClass):
-            return at.part.alternatives
+            return {each.jaus_name: each for each in at.part.alternatives}
         if isinstance(at, PartValue) and isinstance(at.part, ContainerClass):
-            return () if at.part.is_format else at.part.members
-        return ()
+            return {} if at.part.is_format else at.part.by_jaus_name
+        return {}
+
+    def _sub_fields(self, bits: Bits) -> tuple[SubField, ...]:
+        return next(
+            item.sub_fields
+            for item in self._message.nested
+            if isinstance(item, BitFieldClass) and item.path == bits.python_type
+        )
 
     def _enter(self, name: str) -> None:
         """Goes on to a member, a part of a bit field or an alternative."""
-        member = next((each for each in self._members() if each.jaus_name == name), None)
+        member = self._members().get(name)
         if member is None:
             raise PathError(f"{self._message.jaus_name} has no field '{self._path}'")
         if isinstance(member, Alternative):
@@ -345,7 +348,7 @@ class _Walk:
     def _facts(self) -> dict[str, Any]:
         at = self._at
         if isinstance(at, Bits):
-            sub_fields = tuple(sub.attribute for sub in self._members())  # type: ignore[union-attr]
+            sub_fields = tuple(sub.attribute for sub in self._sub_fields(at))
             return {"kind": BITS, "class_name": at.python_type, "sub_fields": sub_fields}
         if isinstance(at, Fixed):
             return self._number(at)

@@ -155,11 +155,11 @@ class MessageBuilder:
         scope = names.Scope(names.RESERVED_ATTRIBUTES)
         attributes = [scope.claim(names.snake_case(field.name)) for field in parts]
         members: list[Member] = []
+        first = True
         for field, attribute in zip(parts, attributes, strict=True):
             kind = field.kind
             value = self._value(field)
             repeated = isinstance(value, ListValue | ArrayValue)
-            first = not any(member.item for member in members)
             listed = kind.legal.listed if isinstance(kind, wire.Integer) else ()
             member = Member(
                 jaus_name=field.name,
@@ -173,6 +173,7 @@ class MessageBuilder:
                 enumeration=self._scope.enumeration(field.name, listed),
             )
             members.append(member)
+            first = first and not repeated
         return tuple(members)
 
     def _with_reader(self, value: Value, attribute: str, scope: names.Scope) -> Value:

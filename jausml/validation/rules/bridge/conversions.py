@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 
     WithChain = bridge.FieldAssignment | bridge.ListAssignment
 
+MOST_CONVERSIONS = 16
+"""The most conversions of one value: they are generated as one expression."""
+
 _METHOD = re.compile("[a-z][a-z0-9_]*")
 _OWN_FEATURES = {
     argument.feature: conversion.name
@@ -45,6 +48,7 @@ def conversions(subject: Subject) -> Iterator[Finding]:
     The first one takes the sources, each further one the result of the one before. A quantity of
     the map stands for the one argument of a conversion. `look_up` names a table of the map,
     `expression` has an expression, `user` a method, `with_units` units; no other conversion has.
+    There are at most 16 in a row.
 
     Bad: `<conversions kind="scale"/>`, which takes a factor
 
@@ -162,6 +166,10 @@ def _chain_findings(placed: Placed[WithChain]) -> Iterator[Finding]:
     is_list = isinstance(assignment, bridge.ListAssignment)
     unknown = any(not each.kind or (each.kind in (LIST, NUMBERS) and not is_list) for each in found)
     if not found or unknown:
+        return
+    if len(assignment.conversions) > MOST_CONVERSIONS:
+        message = f"{len(assignment.conversions)} conversions, more than {MOST_CONVERSIONS}"
+        yield Finding(assignment.conversions[MOST_CONVERSIONS], message, "kind")
         return
     if not assignment.conversions:
         if len(found) > 1:

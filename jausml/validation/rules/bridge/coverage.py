@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge, jaus
@@ -143,11 +144,15 @@ def _missing(
 ) -> Iterator[Finding]:
     """Yields findings for the required members of a place of which something is assigned."""
     is_choice = _is_choice(place.field)
+    starting: defaultdict[str, list[Steps]] = defaultdict(list)
+    for path in paths:
+        starting[path[0] if path else ""].append(path)
     for field in place.members() or ():
         if not field.name:
             continue
         name = parse_path(field.name)
-        inner = [path[len(name) :] for path in paths if path[: len(name)] == name]
+        beginning = starting[name[0]] if name else paths
+        inner = [path[len(name) :] for path in beginning if path[: len(name)] == name]
         if not inner and not is_choice and not (isinstance(field, jaus.Field) and field.optional):
             yield _required(owner, f"{before}{field.name}", _feature(owner), direction)
         if inner and () not in inner:

@@ -139,9 +139,10 @@ def _entry_findings(
 ) -> Iterator[Finding]:
     if attribute.kind not in _VALUES:
         return
+    names = dict(attribute.constants)
     for entry in table.entries:
         value = _side(entry, feature)
-        fault = constant_fault(value, attribute) if value is not None else ""
+        fault = constant_fault(value, attribute, names) if value is not None else ""
         if fault:
             hint = _known(attribute)
             yield Finding(entry, f"{value!a} for '{attribute.label}' {fault}", feature, hint)
@@ -152,10 +153,10 @@ def _repeated(
 ) -> Iterator[Finding]:
     """Yields findings for entries that neither direction finds."""
     ends = [placed.source_attributes[0], placed.target_attributes[0]]
-    jaus, ros = ends if feature == "jaus" else reversed(ends)
+    jaus, ros = map(_Meaning, ends if feature == "jaus" else reversed(ends))
     seen: tuple[dict[str, bridge.TableEntry], dict[str, bridge.TableEntry]] = ({}, {})
     for entry in table.entries:
-        values = _resolved(entry.jaus, jaus), _resolved(entry.ros, ros)
+        values = jaus.of(entry.jaus), ros.of(entry.ros)
         firsts = [known.setdefault(value, entry) for known, value in zip(seen, values, strict=True)]
         if all(first is not entry for first in firsts):
             message = f"{entry.jaus!a} and {entry.ros!a} stand in earlier entries, which count"
@@ -168,11 +169,12 @@ def _side(entry: bridge.TableEntry, feature: str) -> str:
 
 
 def _lacking(table: bridge.ValueTable, feature: str, attribute: Attribute) -> Iterator[Finding]:
-    known = {_resolved(_side(entry, feature), attribute) for entry in table.entries}
-    listed = attribute.constants if not attribute.is_ros else _own_constants(known, attribute)
+    meaning = _Meaning(attribute)
+    known = {meaning.of(_side(entry, feature)) for entry in table.entries}
+    listed = attribute.constants if not attribute.is_ros else _own_constants(known, meaning)
     if attribute.kind == BOOL:
         listed = (("true", "true"), ("false", "false"))
-    names = [name for name, value in listed if _resolved(value, attribute) not in known]
+    names = [name for name, value in listed if meaning.of(value) not in known]
     if names:
         more = " ..." if len(names) > _MOST_NAMES else ""
         message = f"table '{table.name}' lacks {', '.join(names[:_MOST_NAMES])}{more}"
@@ -180,22 +182,29 @@ def _lacking(table: bridge.ValueTable, feature: str, attribute: Attribute) -> It
         yield Finding(table, message, "entries", severity=Severity.WARNING)
 
 
-def _own_constants(known: set[str], attribute: Attribute) -> list[tuple[str, str]]:
+def _own_constants(known: set[str], meaning: _Meaning) -> list[tuple[str, str]]:
     """Returns the constants of a ROS field, as far as a table of some values means them.
 
     Constants belong to a type, not to a field: where a table has values without a name, or of
     other names, it says nothing of them.
     """
-    own = [(each.name, str(each.number)) for each in named_values(attribute).values()]
-    return own if known <= {_resolved(name, attribute) for name, _ in own} else []
+    own = [(each.name, str(each.number)) for each in named_values(meaning.attribute).values()]
+    return own if known <= {meaning.of(name) for name, _ in own} else []
 
 
-def _resolved(value: str | None, attribute: Attribute) -> str:
-    """One text for one value: numbers and their names alike."""
-    text = dict(attribute.constants).get(value or "", value or "").strip()
-    if attribute.kind == NUMBER and is_real(text):
-        return f"{float(text):.17g}"
-    return text
+class _Meaning:
+    """What entries mean to an attribute."""
+
+    def __init__(self, attribute: Attribute) -> None:
+        self.attribute = attribute
+        self._names = dict(attribute.constants)
+
+    def of(self, value: str | None) -> str:
+        """Returns one text for one value: numbers and their names alike."""
+        text = self._names.get(value or "", value or "").strip()
+        if self.attribute.kind == NUMBER and is_real(text):
+            return f"{float(text):.17g}"
+        return text
 
 
 def _known(attribute: Attribute) -> str:

@@ -165,14 +165,14 @@ def reachable(subject: Subject) -> Iterator[Finding]:
     Good: a transition with `target="Locked"`
     """
     for behaviour in behaviours(subject):
-        entered = behaviour.entered()
-        reported: list[str] = []
+        entered = {around for path in behaviour.entered() for around in _with_outer(path)}
+        reported: set[str] = set()
         for path, state in behaviour.states():
-            if any(_lies_in(each, path) for each in entered) or path in CORE_STATES:
+            if path in entered or path in CORE_STATES:
                 continue
-            if _is_foreign(behaviour, path) or any(_lies_in(path, each) for each in reported):
+            if _is_foreign(behaviour, path) or not reported.isdisjoint(_with_outer(path)):
                 continue
-            reported.append(path)
+            reported.add(path)
             yield Finding(state, f"no transition leads to the state '{path}'", "name")
 
 
@@ -359,11 +359,11 @@ def _foreign_machine(behaviour: Behaviour) -> Iterator[Finding]:
 
 
 def _foreign_states(behaviour: Behaviour) -> Iterator[Finding]:
-    reported: list[str] = []
+    reported: set[str] = set()
     for path, state in behaviour.states():
-        if not _is_foreign(behaviour, path) or any(_lies_in(path, each) for each in reported):
+        if not _is_foreign(behaviour, path) or not reported.isdisjoint(_with_outer(path)):
             continue
-        reported.append(path)
+        reported.add(path)
         hint = _suggestion(path, CORE_STATES)
         yield Finding(state, f"the core services have no state '{path}'", "name", hint)
 
@@ -383,8 +383,11 @@ def _is_foreign(behaviour: Behaviour, path: str) -> bool:
     return behaviour.machine.extends_core and not is_core
 
 
-def _lies_in(path: str, outer: str) -> bool:
-    return path == outer or path.startswith(f"{outer}.")
+def _with_outer(path: str) -> Iterator[str]:
+    """Yields the path of a state, and those of the states that it lies in."""
+    while path:
+        yield path
+        path = path.rpartition(".")[0]
 
 
 def _suggestion(name: str, known: Iterable[str]) -> str:

@@ -115,15 +115,19 @@ def qos_compatible(subject: Subject) -> Iterator[Finding]:
             hint = "leave reliability out, or set durability volatile"
             yield Finding(profile, f"{message} does not come", "durability", hint)
     for ends in _topics(subject):
+        offering: dict[object, list[Endpoint]] = defaultdict(list)
+        for publisher in (end for end in ends if end.publishes):
+            offering[_offer(publisher)].append(publisher)
         for subscription in (end for end in ends if not end.publishes):
-            for publisher in (end for end in ends if end.publishes):
+            for publisher, *others in offering.values():
                 reason = _incompatible(publisher, subscription)
                 if reason:
                     note = Note(publisher.element, f"'{publisher.owner.name}' publishes", "qos")
                     message = f"subscription to {subscription.topic} gets nothing from"
+                    more = f" and {len(others)} more" if others else ""
                     yield Finding(
                         subscription.element,
-                        f"{message} '{publisher.owner.name}': {reason}",
+                        f"{message} '{publisher.owner.name}'{more}: {reason}",
                         "qos",
                         related=(note,),
                     )
@@ -303,6 +307,13 @@ def _text_fault(text: str, kind: str) -> str:
     except ValueTextError as error:
         return str(error)
     return ""
+
+
+def _offer(publisher: Endpoint) -> object:
+    """Returns what subscriptions look at: publishers that offer the same are looked at once."""
+    offered = publisher.element.qos
+    times = (offered.deadline, offered.leaseDuration) if offered else (0.0, 0.0)
+    return publisher.reliability, _durability(offered), *times
 
 
 def _incompatible(publisher: Endpoint, subscription: Endpoint) -> str:
