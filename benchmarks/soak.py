@@ -19,7 +19,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from ends import JausEnd, RosEnd, drained, paced
 from figures import rounded
 from names import GENERATED, WAYS
@@ -164,7 +164,7 @@ class _Losses:
             lost: dict[str, int] = {}
             for status in deserialize_message(data, DiagnosticArray).status:
                 if _ACCOUNT in status.name:
-                    self._account = {each.key: int(each.value) for each in status.values}
+                    self._account = _counts(status)
                     continue
                 way = "down" if status.name.endswith("_down") else "up"
                 lost[way] = lost.get(way, 0) + sum(
@@ -175,6 +175,10 @@ class _Losses:
             "up": self._latest.get("up", 0) + self._reader.missed,
             "down": self._latest.get("down", 0) + _dropped_by_the_kernel(self._inode),
         }
+
+
+def _counts(status: DiagnosticStatus) -> dict[str, int]:
+    return {each.key: int(each.value) for each in status.values if each.value.isdecimal()}
 
 
 def _is_loss(key: str) -> bool:

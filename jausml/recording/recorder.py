@@ -28,14 +28,18 @@ if TYPE_CHECKING:
 CALLS = "/_service_event"
 """What follows the name of a service in the topic of its calls, where it is introspected."""
 
+DIAGNOSTICS = "/diagnostics"
+"""Where bridges tell how they are, with the accounts of connections and peers."""
+
 _ACTION = ("/_action/feedback", "/_action/status")
 
 
 def topics_of(model: Model) -> dict[str, str]:
     """Returns the topics of a model, each with the definition of its type.
 
-    So are those on which services and actions are seen, whose types are known where they are
-    installed alone, and have no definition here.
+    So are those on which services and actions are seen, and those on which bridges tell what
+    became of all messages. Their types are known where they are installed alone, and have no
+    definition here.
 
     Args:
         model: The model.
@@ -45,7 +49,7 @@ def topics_of(model: Model) -> dict[str, str]:
         for end in endpoints([*whole.bridges, *whole.nodes]):
             found[end.topic] = modelled_definition(end.type)
         for owner in whole.bridges:
-            found.update((each, "") for each in _seen_calls(owner))
+            found.update((each, "") for each in (DIAGNOSTICS, *_seen_calls(owner)))
     return found
 
 

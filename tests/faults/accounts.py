@@ -32,11 +32,13 @@ class Books(NamedTuple):
         accounts: What receivers say.
         truths: What the network says.
         starts: How often each role was started.
+        connections: What the connections of the bridge say of their messages.
     """
 
     accounts: Mapping[str, dict[str, Any]]
     truths: Mapping[str, dict[str, int]]
     starts: Mapping[str, int]
+    connections: Mapping[str, Mapping[str, int]]
 
 
 def books(system: System) -> Books | None:
@@ -54,11 +56,14 @@ def books(system: System) -> Books | None:
     accounts = wait_for(latest, "accounts of all")
     truths = system.network.truths()
     system.network.fare()
-    return Books(accounts, truths, system.starts())
+    connections = {name: fact["counts"] for name, fact in system.connections().items()}
+    return Books(accounts, truths, system.starts(), connections)
 
 
 def adds_up(before: Books, after: Books, unread: str = "") -> dict[str, dict[str, int]]:
     """Sees to it that what was sent came or was counted as lost, exactly, since a time.
+
+    What came to a connection of the bridge was passed, thinned or dropped by name.
 
     A receiver that was started meanwhile has a new account, and is left out. Of a sender that was
     started meanwhile the first number may be near the last one by chance, which nobody can tell
@@ -72,6 +77,11 @@ def adds_up(before: Books, after: Books, unread: str = "") -> dict[str, dict[str
     Returns:
         What came and was lost, by pair.
     """
+    assert after.connections
+    for name, counts in after.connections.items():
+        dropped = sum(count for key, count in counts.items() if key.startswith("dropped: "))
+        ended = counts["messages passed"] + counts.get("thinned", 0) + dropped
+        assert counts["messages taken"] == ended, f"{name}: {counts}"
     started = {role for role, starts in after.starts.items() if starts > before.starts[role]}
     found = {}
     for pair, (sender, receiver) in PAIRS.items():

@@ -17,7 +17,7 @@ from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
-from stamps import say, say_counts, stamp
+from stamps import say, say_connection, say_counts, stamp
 
 PERIOD = 0.05
 SCALE = 10.0
@@ -50,8 +50,11 @@ class Peer(Node):
         for status in message.status:
             _, _, peer = status.name.partition(": account of ")
             if peer:
-                counts = {each.key: int(each.value) for each in status.values}
+                counts = {e.key: int(e.value) for e in status.values if e.value.isdecimal()}
                 say_counts(peer, status.hardware_id, counts)
+            values = {each.key: each.value for each in status.values}
+            if "messages taken" in values:
+                say_connection(status.name, values)
 
     def on_odometry(self, message):
         is_stop = message.child_frame_id == "lost"

@@ -123,6 +123,11 @@ class System:
         ]
         return sorted(told, key=lambda fact: fact["at"])
 
+    def connections(self) -> dict[str, dict[str, Any]]:
+        """Returns what each connection of the bridge said last of its messages."""
+        facts = [fact for process in self._all["ros"] for fact in process.of_kind("connection")]
+        return {fact["name"]: fact for fact in sorted(facts, key=lambda fact: fact["at"])}
+
     def fresh(self, connection: str, since: float) -> float | None:
         """Returns when the first message arrived that was sent since a time; None before."""
         for fact in self.arrivals(connection):

@@ -50,6 +50,14 @@ def say_counts(peer: object, own: object, counts: dict[str, int]) -> None:
         sys.stdout.write(json.dumps(fact) + "\n")
 
 
+def say_connection(name: str, values: dict[str, str]) -> None:
+    """Tells the test what a connection of the bridge says of its messages."""
+    with _OUTPUT:
+        counts = {key: int(value) for key, value in values.items() if value.isdecimal()}
+        fact = {"kind": "connection", "name": name, "at": time.monotonic(), "counts": counts}
+        sys.stdout.write(json.dumps(fact) + "\n")
+
+
 def say_accounts(component: JausComponent) -> None:
     """Tells the test again and again what a component says of what came from its peers."""
     from jausml_runtime.component.accounts import accounts_of  # ROS nodes have no runtime

@@ -87,6 +87,7 @@ def test_what_is_no_topic_has_no_definition(installation, name):
 def test_topics_of_a_model_are_those_of_its_calls_too(request):
     live = request.config.rootpath / "tests" / "live"
     assert "/switch_lamp/_service_event" in topics_of(read(live / "services.ros2jaus"))
+    assert "/diagnostics" in topics_of(read(live / "services.ros2jaus"))
     lists = topics_of(read(live / "waypoint_lists.ros2jaus"))
     assert {f"/robot/follow_waypoints/_action/{each}" for each in ("feedback", "status")} <= set(
         lists

@@ -169,3 +169,47 @@ def test_a_packet_to_everybody_is_no_gap() -> None:
         window.is_duplicate(packet(number), 0.0)
         window.is_duplicate(Packet(BROADCAST, SENDER, b"\x02\x40", number + 50), 0.0)
     assert account_of(window).sent == 3
+
+
+def hear(window: DuplicateWindow, number: int, now: float, destination: JausAddress = HERE) -> None:
+    payload = f"\x02\x40{now}".encode()
+    window.is_duplicate(Packet(destination, SENDER, payload, number & 0xFFFF), now)
+
+
+def test_what_was_lost_is_an_upper_bound_until_a_packet_to_everybody_came() -> None:
+    window = DuplicateWindow()
+    for number in range(10):
+        hear(window, number, number / 10)
+    assert not account_of(window).is_exact
+    hear(window, 30_000, 1.0, BROADCAST)
+    assert account_of(window).is_exact
+
+
+@given(st.integers(0, 0xFFFF), st.integers(1, SPAN // 4), st.integers(0, 2**32))
+def test_a_sender_with_one_count_for_all_is_never_taken_for_exact(
+    first: int, stride: int, seed: int
+) -> None:
+    """Between any two of its packets to us it sends up to so many to others."""
+    rng, window, number = random.Random(seed), DuplicateWindow(), first
+    for place in range(60):
+        number += rng.randint(1, stride)
+        hear(window, number, place * 0.5, BROADCAST if rng.random() < 0.2 else HERE)
+        assert not any(each.is_exact for _, _, each in window.accounts())
+
+
+def test_packets_that_are_far_apart_in_time_tell_nothing() -> None:
+    window = DuplicateWindow()
+    hear(window, 30_000, 0.0, BROADCAST)
+    hear(window, 1, 60.0)
+    assert not account_of(window).is_exact
+
+
+def test_a_new_life_may_number_otherwise() -> None:
+    window = DuplicateWindow()
+    hear(window, 30_000, 0.0, BROADCAST)
+    hear(window, 1, 0.1)
+    assert account_of(window).is_exact
+    for number in range(20_000, 20_010):
+        hear(window, number, 60.0)
+    account = account_of(window)
+    assert (account.restarts, account.is_exact) == (1, False)

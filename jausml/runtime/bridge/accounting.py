@@ -16,13 +16,19 @@ if TYPE_CHECKING:
 LATELY = 10.0
 """Seconds over which the share of lost packets is told."""
 
+MUCH = 0.05
+"""Share of lost packets from which on a status warns."""
+
+FEWEST_LOST = 3
+"""Lost packets below which no status warns."""
+
 
 class Accounting:
     """Makes the statuses of peers. All of it runs on the loop.
 
-    It reads what the transport and the component count anyway, when a status is wanted. The level
-    is always OK: of peers that number for all whom they talk to, what they sent to others looks
-    lost, and nobody can tell them by what they send. What surely was lost, the connections warn of.
+    It reads what the transport and the component count anyway, when a status is wanted. It warns of
+    a peer of which more than 5 % were lost lately, if that is exact: of one that may number for all
+    whom it talks to, what it sent to others looks lost.
     """
 
     def __init__(self, component: Accountable) -> None:
@@ -47,16 +53,15 @@ class Accounting:
         return [
             ConnectionStatus(
                 f"account of {each.traffic.peer}",
-                "ok",
-                self._lately(each.traffic, now),
+                *self._lately(each.traffic, now),
                 own,
                 tuple(each.told()),
             )
             for each in accounts
         ]
 
-    def _lately(self, traffic: PeerTraffic, now: float) -> str:
-        """Returns which share of what a peer sent lately was lost."""
+    def _lately(self, traffic: PeerTraffic, now: float) -> tuple[str, str]:
+        """Returns a level, and which share of what a peer sent lately was lost."""
         told = self._told[traffic.peer]
         while len(told) > 1 and told[1][0] <= now - LATELY:
             told.popleft()
@@ -64,7 +69,11 @@ class Accounting:
         told.append((now, traffic.came, traffic.lost))
         came, lost = traffic.came - came, traffic.lost - lost
         if came <= 0:
-            return "nothing came lately"
+            return "ok", "nothing came lately"
         if lost <= 0:
-            return "nothing was lost lately"
-        return f"{100 * lost / (came + lost):.1f} % were lost on the way lately, at most"
+            return "ok", "nothing was lost lately"
+        share = lost / (came + lost)
+        text = f"{100 * share:.1f} % were lost on the way lately"
+        if not traffic.is_exact:
+            return "ok", f"{text}, at most"
+        return "warning" if share > MUCH and lost >= FEWEST_LOST else "ok", text

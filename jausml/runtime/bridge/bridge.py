@@ -180,7 +180,8 @@ class Bridge:
             if self.ward is not None:
                 self.ward.release()
             for each in self.connections:
-                each.note_losses()
+                told = "; ".join(f"{name} {n}" for name, n in each.close_account() if n)
+                LOGGER.info("account of %s: %s", each.name, told or "nothing")
             self._is_open = False
 
     def set_active(self, wanted: bool) -> None:  # noqa: FBT001

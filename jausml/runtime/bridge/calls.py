@@ -247,8 +247,14 @@ class Calls(Generic[CallT, AskingT]):
     def measure_latency(self, wanted: bool) -> None:  # noqa: FBT001
         """Calls are rare: their latency is not measured."""
 
-    def note_losses(self) -> None:
-        """Nothing gets lost that was not counted at once."""
+    def close_account(self) -> list[tuple[str, int]]:
+        """Returns what became of all calls; nothing gets lost that was not counted at once."""
+        counts = self.statistics
+        return [
+            ("calls taken", counts.arrivals),
+            ("calls answered", counts.passed),
+            *((f"failed: {reason}", n) for reason, n in sorted(counts.drops.items())),
+        ]
 
     # ------------------------------------------------------------------ diagnostics
 

@@ -51,5 +51,5 @@ class Carried(Protocol):
     def status(self) -> ConnectionStatus:
         """Returns the state since the last call."""
 
-    def note_losses(self) -> None:
-        """Counts what was lost since the last status."""
+    def close_account(self) -> list[tuple[str, int]]:
+        """Counts what was lost since the last status; returns what became of all messages."""

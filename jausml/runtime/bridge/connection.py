@@ -185,6 +185,10 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         """How many messages never came as far as this, or no further than this, by reason."""
         return {}
 
+    def not_taken(self) -> Mapping[str, int]:
+        """How many messages for this were dropped before it was asked, by reason."""
+        return {}
+
     @property
     def is_latched(self) -> bool:
         """Whether the latest message counts until there is another, however old it is."""
@@ -207,10 +211,11 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         if self._halt is StopReason.INACTIVE and self.is_latched:
             self._latest = data, origin
             return
+        counts = self.statistics
         if self._halt is not None:
+            counts.arrivals += self._halt is not StopReason.END
             self.refuse_halted(self._halt)
             return
-        counts = self.statistics
         counts.arrivals += 1
         counts.last_arrival = self._ends.clock.now()
         try:
@@ -328,9 +333,10 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         """Returns the state since the last call, for `/diagnostics`."""
         return self._reporter.status(self._ends.clock.now(), str(self._ends.settings.address))
 
-    def note_losses(self) -> None:
-        """Counts what was lost since the last status."""
+    def close_account(self) -> list[tuple[str, int]]:
+        """Counts what was lost since the last status; returns what became of all messages."""
         self._reporter.note_losses()
+        return self._reporter.account()
 
 
 AnyConnection = Connection[Any, Any]

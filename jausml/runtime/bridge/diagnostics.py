@@ -60,6 +60,7 @@ class Statistics:
         out_of_range: Values that their target field could not carry, by policy and field.
         errors: Messages not passed on because of a value whose policy is `error`.
         drops: Messages not passed on, by reason.
+        withheld: Messages that were passed on to other peers, but not to one that did not obey.
         last_arrival: Seconds, None before the first message.
         heard: When the source last said something usable, or silence was last looked for.
     """
@@ -73,6 +74,7 @@ class Statistics:
     out_of_range: dict[tuple[str, str], int] = field(default_factory=dict)
     errors: int = 0
     drops: dict[str, int] = field(default_factory=dict)
+    withheld: dict[JausAddress, int] = field(default_factory=dict)
     last_arrival: float | None = None
     heard: float = 0.0
 

@@ -61,6 +61,11 @@ class Limiting:
         drops[reason] = drops.get(reason, 0) + 1
         self.counters.count(f"bridge.{self.name}.{reason}", detail, error=error)
 
+    def refuse(self, reason: str, detail: str = "") -> None:
+        """Counts a message that comes, and is not looked at."""
+        self.statistics.arrivals += 1
+        self.drop(reason, detail)
+
     def _note_out_of_range(self, policy: str, field: str, reason: str) -> None:
         """Counts a value that its target field cannot carry.
 

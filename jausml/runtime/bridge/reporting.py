@@ -60,6 +60,9 @@ class Reported(Protocol):
     def losses(self) -> Mapping[str, int]:
         """What was lost, by reason."""
 
+    def not_taken(self) -> Mapping[str, int]:
+        """What was dropped before the connection was asked, by reason."""
+
     def lacks_peers(self) -> str:
         """What is searched for and not found."""
 
@@ -150,14 +153,28 @@ class Reporter:
         values = (("state", judged.phase.value), *self._values(now, faults))
         return ConnectionStatus(connection.name, judged.level, judged.reason, hardware_id, values)
 
+    def account(self) -> list[tuple[str, int]]:
+        """Returns what became of all messages, by the names that people see.
+
+        Those that were taken are those that were passed, thinned and dropped together.
+        """
+        connection, counts = self._connection, self._connection.statistics
+        return [
+            ("messages taken", counts.arrivals),
+            ("messages passed", counts.passed),
+            *(((THINNED, counts.thinned),) if counts.thinned else ()),
+            *((f"dropped: {reason}", n) for reason, n in sorted(counts.drops.items())),
+            *((f"withheld from {peer}", n) for peer, n in sorted(counts.withheld.items())),
+            *((f"not taken: {reason}", n) for reason, n in sorted(connection.not_taken().items())),
+            *((reason.replace("_", " "), n) for reason, n in connection.losses().items()),
+        ]
+
     def _values(self, now: float, faults: list[TopicFault]) -> tuple[tuple[str, str], ...]:
         connection, counts = self._connection, self._connection.statistics
         age = "never" if counts.last_arrival is None else f"{now - counts.last_arrival:.3f}"
         return (
             ("translation", connection.form.value),
-            ("messages taken", str(counts.arrivals)),
-            ("messages passed", str(counts.passed)),
-            *(((THINNED, str(counts.thinned)),) if counts.thinned else ()),
+            *((name, str(n)) for name, n in self.account()),
             ("rate (Hz)", f"{self._rate.hertz:.2f}"),
             ("declared rate (Hz)", f"{connection.declared_rate:.2f}"),
             ("age (s)", age),
@@ -171,8 +188,6 @@ class Reporter:
                 (f"out of range: {policy} {field}", str(n))
                 for (policy, field), n in sorted(counts.out_of_range.items())
             ),
-            *((f"dropped: {reason}", str(n)) for reason, n in sorted(counts.drops.items())),
-            *((reason.replace("_", " "), str(n)) for reason, n in connection.losses().items()),
             *connection.describe_latency(),
             *connection.describe_peers(),
         )

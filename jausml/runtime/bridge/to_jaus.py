@@ -191,9 +191,13 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
             return False
         for send in route.senders:
             send(payload)
+        if not route.senders:
+            self.drop(NOT_READY, ", ".join(map(str, route.refusing)))
+            return False
+        withheld = self.statistics.withheld
         for peer in route.refusing:
-            self.drop(NOT_READY, str(peer))
-        return bool(route.senders)
+            withheld[peer] = withheld.get(peer, 0) + 1
+        return True
 
     def deliver_stop(self, payload: bytes) -> bool:
         """Sends the stop to each peer that obeys, again until it is acknowledged.

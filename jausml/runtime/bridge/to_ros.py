@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..clients.peer_binding import PeerBinding
@@ -182,7 +183,7 @@ class ToTopics(Connection[SourceT, TargetT]):
 
     def _refuse_sender(self, _data: bytes, sender: JausAddress) -> None:
         """Counts a message that no connection takes from its sender."""
-        self.drop(UNEXPECTED, str(sender))
+        self.refuse(UNEXPECTED, str(sender))
 
     def lacks_peers(self) -> str:
         """What is searched for and not found."""
@@ -425,7 +426,7 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         super().open(ends)
         self._rate_cap = ends.ros.parameter(parameters.rate_cap(self.name, self._rate_cap))
         if self._rate_cap > 0:
-            self._take = RateCap(self._rate_cap, ends.loop.now, self.drop).before(self._take)
+            self._take = RateCap(self._rate_cap, ends.loop.now, self.refuse).before(self._take)
         senders = None if self._peers.is_anybody else self._peers
         taker = Taker(self._take, senders, self._refuse_sender, self.is_command)
         ends.accept(self._message, taker, self._when)
@@ -462,6 +463,14 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
             return why.value if self.stopped is why else "nobody controls the bridge"
         waits = self._when is Guard.READY and standing.status is not Status.READY
         return StopReason.STANDBY.value if waits else ""
+
+    def not_taken(self) -> dict[str, int]:
+        """How many messages were refused, late or unreadable, and never came as far as this."""
+        found: Counter[str] = Counter()
+        for sender, reason, count in self._ends.component.drops_before(self._message.NAME):
+            if self._peers.is_anybody or sender in self._peers.present:
+                found[reason] += count
+        return dict(found)
 
     def describe_peers(self) -> list[tuple[str, str]]:
         """The JAUS components whose messages are taken."""

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 MOST_PEERS = 16
 """Peers that are told of: those with a place of their own, then those that were heard last."""
 
+_EXACT = "by destination: what was lost is exact"
+_NOT_KNOWN = "not known: what was lost is that much at most"
+
 
 class Accountable(Protocol):
     """A component as its accounts see it.
@@ -68,7 +71,8 @@ class PeerAccount(NamedTuple):
         """Returns the counts, and what the peer does otherwise than others, as `/diagnostics`."""
         counts = [(name, str(count)) for name, count in self.counts().items()]
         quirks = [(each.quirk.does, f"{each.how}: {each.quirk.instead}") for each in self.quirks]
-        return [*counts, *quirks]
+        numbered = ("numbered", _EXACT if self.traffic.is_exact else _NOT_KNOWN)
+        return [*counts, numbered, *quirks]
 
     def __str__(self) -> str:
         """Return the counts that are not 0 and the quirks, for a line of the log."""

@@ -491,6 +491,14 @@ class ComponentBase(ComponentHooks):
             if each == sender
         }
 
+    def drops_before(self, message: str) -> list[tuple[JausAddress, str, int]]:
+        """Return the drops of ``drops_of`` for one kind of message: sender, reason and number."""
+        return [
+            (sender, reason, count)
+            for (sender, reason, each), count in self._jaus_router.drops.items()
+            if each == message
+        ]
+
     def permissions_changed(self) -> None:
         """End the commands under way that are not allowed any more; called by the services."""
         self._jaus_core.events.permissions_changed()

@@ -72,6 +72,7 @@ class PeerTraffic(NamedTuple):
         late: Those that arrived after newer ones.
         repeated: Packets that came again, too late to be known as duplicates.
         restarts: How often the peer began anew.
+        is_exact: Whether the peer is known not to number for all whom it talks to.
     """
 
     own: JausAddress
@@ -86,6 +87,7 @@ class PeerTraffic(NamedTuple):
     late: int = 0
     repeated: int = 0
     restarts: int = 0
+    is_exact: bool = False
 
 
 class Double(NamedTuple):

@@ -459,3 +459,16 @@ def test_few_peers_are_told_of_and_those_with_a_place_first(world, setting):
     assert len(told) == MOST_PEERS
     assert told[0] == f"account of {OTHER}"
     assert told[-1] == "account of 7.1.50"
+
+
+@pytest.mark.parametrize(
+    ("came", "lost", "level"), [(70, 30, "warning"), (98, 2, "ok"), (960, 40, "ok")]
+)
+def test_much_that_surely_was_lost_is_a_warning(world, setting, came, lost, level):
+    setting.open(event())
+    world.exchanged = [PeerTraffic(OWN, PEER, came=came, lost=lost, is_exact=True)]
+    world.run(1.1)
+    status = setting.ros.statuses[-1]["account of 1.1.1"]
+    share = 100 * lost / (came + lost)
+    assert (status.level, status.message) == (level, f"{share:.1f} % were lost on the way lately")
+    assert values(status)["numbered"] == "by destination: what was lost is exact"

@@ -152,7 +152,9 @@ def test_peers_get_messages_while_they_obey(world, setting):
     setting.ros.deliver["numbers"](Number(1.0))
     world.settle()
     assert received == [(OTHER, 1)]
-    assert setting.drops(connection) == {"not_ready": 1}
+    assert setting.drops(connection) == {}
+    assert connection.statistics.withheld == {PEER: 1}
+    assert ("withheld from 1.1.1", 1) in connection.close_account()
     peer = obeying_peer(world, PEER, received)
     world.run(10.0)
     setting.ros.deliver["numbers"](Number(2.0))
@@ -163,7 +165,7 @@ def test_peers_get_messages_while_they_obey(world, setting):
     setting.ros.deliver["numbers"](Number(3.0))
     world.settle()
     assert received[3:] == [(PEER, 3)]
-    assert setting.drops(connection) == {"not_ready": 2}
+    assert connection.statistics.withheld == {PEER: 1, OTHER: 1}
     assert connection.statistics.passed == 3
     peer.stop()
 

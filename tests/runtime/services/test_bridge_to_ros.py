@@ -338,3 +338,33 @@ def test_a_report_that_another_connection_takes_is_not_called_unasked(world, set
     world.settle()
     assert setting.ros.numbers("taken") == [5.0]
     assert setting.drops(asking) == {}
+
+
+def test_what_becomes_of_each_message_is_told_and_adds_up(world, setting, caplog):
+    """Each way on which a command can end: none is passed over, in the last line too."""
+    caplog.set_level("INFO")
+    connection = setting.open(
+        message_connection(
+            when=Guard.READY, rate_cap=5.0, safe_value=lambda: Number(-1.0), peers=[PEER, OTHER]
+        ),
+        services=CORE,
+    )
+    robber, pilot, stranger = (world.probe(each) for each in (str(OTHER), str(PEER), "5.1.1"))
+    pilot.send(RequestControl(authority_code=100), OWN)
+    pilot.send(Resume(), OWN)
+    for number in range(20):
+        pilot.send(minutes(number), OWN)  # most of them too many for a moment
+    robber.send(minutes(50), OWN)
+    stranger.send(minutes(51), OWN)
+    pilot.send_bytes(minutes(1).encode()[:3], OWN)
+    world.settle()
+    told = dict(connection.close_account())
+    dropped = {name: n for name, n in told.items() if name.startswith("dropped: ")}
+    assert "dropped: over_rate" in dropped
+    assert told["messages taken"] == told["messages passed"] + sum(dropped.values()) == 21
+    assert told["not taken: refused"] == 1  # of the stranger the connection knows nothing
+    setting.bridge.close()
+    lines = [each for each in caplog.messages if each.startswith(f"account of {connection.name}: ")]
+    assert len(lines) == 1
+    assert "messages taken 21; messages passed" in lines[0]
+    assert "not taken: refused 1" in lines[0]

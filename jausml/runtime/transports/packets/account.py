@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections import OrderedDict
 
+    Remembered = OrderedDict[int, tuple[float, Any]]
+
 SPAN = 4096
 """Numbers by which a sender may go on between two messages that arrive, and within which a late one
 is told from the first of a new life."""
+
+NEAR = 2.0
+"""Seconds between two packets in which no sender numbers ``SPAN`` of them."""
 
 _EARLY = 64
 _CERTAIN = 3
@@ -35,16 +41,21 @@ class Account:
         late: Those of them that came after newer ones.
         repeated: Packets that came again, too late to be known as duplicates.
         restarts: How often the sender began anew.
+        is_exact: Whether the sender surely does not number for all that it talks to: its numbers
+            of packets to wildcards, which a single count would have taken among these, are others.
+            Where this is not known, what was lost is an upper bound.
     """
 
     __slots__ = (
         "_began",
+        "_compared",
         "_counted",
         "_doubted",
         "_gone",
         "_missing",
         "_top",
         "came",
+        "is_exact",
         "late",
         "repeated",
         "restarts",
@@ -56,7 +67,9 @@ class Account:
         self.late = 0
         self.repeated = 0
         self.restarts = 0
+        self.is_exact = False
         self._counted = 0  # of the numbers that are remembered, the oldest of which are counted
+        self._compared = -math.inf  # time of the packet to a wildcard that was looked at last
         self._top = -1
         self._began = 0  # the number of this life that was first is so many behind the newest
         self._missing = 0  # bit n: the number n behind the newest has not come
@@ -84,6 +97,24 @@ class Account:
             self._take(number)
         self._counted += len(fresh)
 
+    def compare(self, numbers: Remembered, others: Remembered) -> None:
+        """Learn from the latest packet to a wildcard whether what was lost is exact.
+
+        Nothing is learnt where no packet came near it in time.
+
+        Args:
+            numbers: Those that are remembered, with their times, in the order of arrival.
+            others: Those of the packets of the same sender to wildcards.
+        """
+        number = next(reversed(others), None)
+        if number is None or others[number][0] <= self._compared:
+            return
+        since = others[number][0]
+        near = next((each for each in reversed(numbers) if numbers[each][0] <= since + NEAR), None)
+        if near is not None and numbers[near][0] >= since - NEAR:
+            self._compared = since
+            self.is_exact = abs(_step(near, number)) > SPAN
+
     def note_repetition(self) -> None:
         """Learn that the newest of the numbers that are remembered is one that was counted before.
 
@@ -100,7 +131,7 @@ class Account:
         if self._top < 0:
             self._begin(number)
             return
-        step = ((number - self._top + 0x8000) & 0xFFFF) - 0x8000
+        step = _step(self._top, number)
         if 0 < step <= SPAN:
             self._advance(step)
         elif -SPAN < step <= 0 and self._missing >> -step & 1:
@@ -144,4 +175,10 @@ class Account:
     def _begin(self, number: int) -> None:
         self._top = number
         self._began = self._missing = 0
+        self.is_exact = False
         self.came += 1
+
+
+def _step(first: int, second: int) -> int:
+    """Returns by how much a number is ahead of another one, the shorter way around."""
+    return ((second - first + 0x8000) & 0xFFFF) - 0x8000

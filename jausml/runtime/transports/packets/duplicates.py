@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import OrderedDict, deque
 from itertools import islice
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .account import Account
 
@@ -21,6 +21,7 @@ SMALL = 1024
 """Bytes of payload below which a content is remembered by its hash alone."""
 
 _KEPT_BYTES = 4 << 20
+_NONE: OrderedDict[int, tuple[float, Any]] = OrderedDict()
 
 
 def pair_of(source: int, destination: int) -> int:
@@ -94,6 +95,7 @@ class DuplicateWindow:
             entry = self._accounts.get(pair)
             if entry is not None:
                 entry[2].look(numbers)
+                entry[2].compare(numbers, self.seen.get(pair_of(entry[0], 0), _NONE))
                 yield entry
 
     def _begin(self, pair: int) -> Numbers:

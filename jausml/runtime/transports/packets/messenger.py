@@ -171,6 +171,7 @@ class Messenger(Generic[Origin]):
                 late=account.late,
                 repeated=account.repeated,
                 restarts=account.restarts,
+                is_exact=account.is_exact,
             )
         return list(found.values())
 
