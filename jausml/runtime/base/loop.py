@@ -11,6 +11,7 @@ from collections import deque
 from typing import TYPE_CHECKING
 
 from .counters import Clock, Counters
+from .standstill import Standstill
 
 if TYPE_CHECKING:
     import socket
@@ -57,6 +58,7 @@ class Loop:
         now: Returns the time of the loop's clock in seconds.
         wall: Returns the time of day that goes with it, in nanoseconds since 1970 (UTC).
         stopwatch: Returns a time in seconds by which callbacks are slow.
+        standstill: Says what may have waited because the loop did not turn.
         on_failure: Told, on the thread of the loop, what would end that thread, such as SystemExit
             of user code; the loop goes on. Unless it is set, that is counted as what fails is.
     """
@@ -94,6 +96,7 @@ class Loop:
         self._cancelled = 0
         self._soon: deque[Callable[[], object]] = deque()
         self._woken = False
+        self.standstill = Standstill(self)
         self._thread: threading.Thread | None = None
         self._runner = 0
         self._stopping = False

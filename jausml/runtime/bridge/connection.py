@@ -15,6 +15,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from . import parameters
+from .backlog import Backlog
 from .joins import with_joins
 from .latency import Latency
 from .limiting import Limiting
@@ -78,6 +79,7 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         Stopping.__init__(self, name, **when_lost)
         Limiting.__init__(self)
         self._shaping = Shaping(shape, self.statistics, self.drop)
+        self._backlog = Backlog(self.statistics, self.drop, self.waited)
         self._translate = translate
         self._transcode: Transcode
         self._joined: tuple[Joined, ...] = ()
@@ -131,6 +133,10 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
     def age(self, data: bytes, origin: Any) -> int | None:
         """Returns the age of a message that arrives now in nanoseconds, None if it has no stamp."""
         raise NotImplementedError
+
+    def waited(self, origin: Any) -> float | None:  # noqa: ARG002
+        """Returns the seconds since a message with an origin was sent; None when nobody knows."""
+        return None
 
     def make_age(self) -> Age | None:
         """Returns what tells how old a message is; None where messages are not shaped."""
@@ -231,6 +237,8 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
     def watch(self) -> None:
         """Starts to mind the source, and to measure if that is wanted."""
         super().watch()
+        if self.is_command:
+            self._backlog.open(self._ends, self.silence_timeout, self._backlog_changed)
         self._measure()
         self.choose_way()
 
@@ -239,6 +247,23 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         super().choose_way()
         if self._halt is None and not self._shaping.is_plain:
             self._switch.unusual = self._shaping.before(self._switch.unusual or self._short_way())
+        if self._halt is None and self._backlog.is_there:
+            self._switch.unusual = self._backlog.before(self._switch.unusual or self._short_way())
+
+    def _backlog_changed(self) -> None:
+        """Does first what is due after a standstill: the stop goes before whatever waited."""
+        self.judge_silence()
+        self.choose_way()
+
+    def _set_silence_timeout(self, seconds: float) -> None:
+        with self._ends.loop.lock:
+            super()._set_silence_timeout(seconds)
+            self._backlog.change(seconds)
+
+    def end(self) -> bool:
+        """Sends the safe value for good; whether messages of the source stood until now."""
+        self._backlog.close()
+        return super().end()
 
     def _short_way(self) -> Take:
         """Returns the short way once more, which nobody switches to another one."""

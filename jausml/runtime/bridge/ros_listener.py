@@ -79,7 +79,10 @@ class Listener:
         """Takes the messages of a subscription on the loop, what waits already included."""
         number = _eventfd()
         read = reader(
-            subscription, partial(os.eventfd_read, number), partial(os.eventfd_write, number)
+            subscription,
+            partial(os.eventfd_read, number),
+            self._loop.standstill,
+            partial(os.eventfd_write, number),
         )
         self._keep(number, read)
         self._listen(self._on_message, subscription.handle, number)

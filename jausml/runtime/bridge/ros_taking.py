@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from time import time_ns
+from time import monotonic, time_ns
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from ..base.standstill import Standstill
     from .topics import TopicCounts
 
 AT_ONCE = 16
@@ -48,6 +49,7 @@ class Subscription:
 def reader(
     subscription: Subscription,
     announced: Callable[[], int],
+    standstill: Standstill,
     rearm: Callable[[int], object] | None = None,
 ) -> Callable[[], None]:
     """Returns what takes the messages that wait, a limited number at once.
@@ -58,6 +60,7 @@ def reader(
     Args:
         subscription: The subscription.
         announced: Returns how many messages to take.
+        standstill: That of the loop.
         rearm: Asks for another call for so many messages. None means that `announced` is no more
             than a guess: the middleware tells by itself when more is there, and not how much.
     """
@@ -74,6 +77,8 @@ def reader(
 
     def read() -> None:
         nonlocal expected
+        if monotonic() > standstill.due:
+            standstill.end()
         left = announced()
         rest = left - AT_ONCE if left > AT_ONCE else 0
         oldest = time_ns() - age_limit

@@ -32,12 +32,14 @@ class WaitSets:
             loop: The loop whose lock is held while something is served.
             context: The context of rclpy.
         """
+        self._standstill = loop.standstill
         self._topics = _TopicSet(loop, context)
         self._events = _EventSet(loop, context)
 
     def subscription(self, subscription: Subscription) -> None:
         """Takes the messages of a subscription, what waits already included."""
-        self._topics.add(subscription.handle, reader(subscription, lambda: AT_ONCE))
+        read = reader(subscription, lambda: AT_ONCE, self._standstill)
+        self._topics.add(subscription.handle, read)
 
     def event(self, event: Any, read: Read) -> None:
         """Runs `read` when an event has something to tell."""

@@ -41,14 +41,17 @@ class _Route:
         senders: What sends to each peer that obeys.
         refusing: The peers that do not obey.
         is_whole: Whether there are peers, all obey and nothing halts the connection.
+        latest: When the last message was published, in nanoseconds by the clock of its publisher,
+            and when it was taken, by the clock of the bridge.
     """
 
-    __slots__ = ("is_whole", "refusing", "senders")
+    __slots__ = ("is_whole", "latest", "refusing", "senders")
 
     def __init__(self) -> None:
         self.senders: tuple[Send, ...] = ()
         self.refusing: tuple[JausAddress, ...] = ()
         self.is_whole = False
+        self.latest = 0, 0.0
 
 
 class TopicsToMessage(FromTopics[SourceT, TargetT]):
@@ -84,6 +87,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         self._acknowledge = acknowledge
         self._prepared: dict[JausAddress, Send] = {}
         self._route = _Route()
+        self._before = self._route.latest
         self._doubted: dict[JausAddress, float] = {}
         self._slots: dict[JausAddress, int] = {}
 
@@ -113,7 +117,8 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
             counts.arrivals += 1
             try:
                 target = transcode(data)
-                counts.heard = counts.last_arrival = now()
+                counts.heard = counts.last_arrival = at = now()
+                route.latest = stamp, at
                 if target is None:
                     drop(FILTERED)
                     return
@@ -129,6 +134,20 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
             counts.passed += 1
 
         return take
+
+    def waited(self, origin: Any) -> float | None:
+        """Returns the seconds since a message was published, by the last one before a standstill.
+
+        The clock of its publisher may be another one, so only what passed between both counts.
+        """
+        stamp, at = self._before
+        if not (stamp and origin) or self._ends.simulation is not None:
+            return None
+        return self._ends.clock.now() - at - float(origin - stamp) * 1e-9
+
+    def _backlog_changed(self) -> None:
+        self._before = self._route.latest
+        super()._backlog_changed()
 
     def _join(self, peer: JausAddress) -> None:
         self._prepared[peer] = self._sender(peer)

@@ -196,6 +196,7 @@ class TcpConnection:
             self._end("jtcp.connect_failed", "no answer")
 
     def _read(self) -> None:
+        self._loop.standstill.look()
         for _ in range(_READS_PER_WAKE_UP):
             try:
                 data = self._socket.recv(_READ_SIZE)

@@ -22,7 +22,6 @@ from .shared_port import (
     read_forwarded,
     read_present,
 )
-from .standstill import Standstill
 
 if TYPE_CHECKING:
     import socket
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
     from ...base.address import JausAddress
     from ...base.loop import Loop, Timer
     from ...base.settings import Endpoint, TransportSettings
+    from ...base.standstill import Watch
     from ..delivery import Receive, Take
     from ..packets.packet import Priority
 
@@ -52,7 +52,7 @@ class JudpTransport(DatagramTransport):
         super().__init__(settings, loop, self._port)
         self._allowed = AllowedHosts(settings, self.counters)
         self._drops = KernelDrops(self.counters)
-        self._standstill = Standstill(loop, lambda: self._port.sockets, settings.standstill)
+        self._standstill: Watch | None = None
         self._takeover: Timer | None = None
         self._drops_watch: Timer | None = None
         self._manager_watch: Timer | None = None
@@ -71,7 +71,9 @@ class JudpTransport(DatagramTransport):
             self._share_port()
             self._watch_for_manager()
             self._watch_for_drops()
-            self._standstill.start()
+            self._standstill = self.loop.standstill.watch(
+                self._settings.standstill, self._throw_away
+            )
 
     def close(self) -> None:
         """Close the sockets; messages that wait for acknowledgement are reported as lost."""
@@ -80,7 +82,8 @@ class JudpTransport(DatagramTransport):
                 if timer is not None:
                     timer.cancel()
             self._takeover = self._manager_watch = self._drops_watch = None
-            self._standstill.stop()
+            if self._standstill is not None:
+                self._standstill.cancel()
             self._drops.look()
             for sock in self._port.sockets:
                 self.loop.unregister(sock)
@@ -128,7 +131,6 @@ class JudpTransport(DatagramTransport):
             self._inbox,
             self._sender.put,
             otherwise,
-            self._standstill,
         )
 
     def receive_datagram(
@@ -233,6 +235,19 @@ class JudpTransport(DatagramTransport):
         """Count each second what the kernel has dropped."""
         self._drops.look()
         self._drops_watch = self.loop.call_later(_DROPS_INTERVAL_S, self._watch_for_drops)
+
+    def _throw_away(self, still: float) -> None:
+        """Throws away what waited while the process stood still; what is acknowledged comes again.
+
+        Any of it may be a command of long ago, and not all that obey commands have a time-out.
+        """
+        count = self._port.empty()
+        if count:
+            self.counters.count(
+                "judp.too_old",
+                f"{count} datagrams waited while this process stood still for {still:.1f} s",
+                amount=count,
+            )
 
     def _announce(self) -> None:
         if self._inbox.receivers and self._port.unicast is not None and not self._port.is_owner:

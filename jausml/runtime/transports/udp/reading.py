@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from ..packets.inbox import Inbox
     from .drops import Receiver
     from .shared_port import SharedPort
-    from .standstill import Standstill
 
 
 _LARGEST_DATAGRAM = 65535
@@ -67,7 +66,6 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
     inbox: Inbox[Endpoint],
     answer: Callable[[bytes, Endpoint], bool],
     otherwise: Callable[[bytes, Endpoint], None],
-    standstill: Standstill,
 ) -> Callable[[], None]:
     """Return what reads the datagrams that have arrived at a socket, a few at a time.
 
@@ -84,13 +82,12 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
 
     Args:
         receive: Receives from the socket, which does not block.
-        loop: Its clock and counters are used.
+        loop: Its clock, counters and standstills are used.
         port: Its own endpoints are those of this process.
         book: Where components are.
         inbox: Who receives, and what was received.
         answer: Sends an acknowledgement.
         otherwise: Takes a datagram that is not usual, and where it came from.
-        standstill: Ends what waited for too long.
     """
     clock, counters = loop.now, loop.counters
     received = counters.tally("judp.received")
@@ -98,7 +95,7 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
     seen, capacity = window.seen, window.capacity
     pack_answer, put = _ANSWER.pack, inbox.reassembly.put
     arrival = inbox.arrival
-    burst, latest, limit = 1, clock(), standstill.limit
+    burst, latest, standstill = 1, clock(), loop.standstill
 
     def prepare(data: bytes, origin: Endpoint) -> None:
         """Remember what the next datagram has in common with one that was taken as packets."""
@@ -129,9 +126,8 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
         now = clock()
         if now - latest > _PAUSE_S:
             burst = 1
-            if now - standstill.turned > limit:
-                standstill.end(now)
-                return
+            if now > standstill.due:
+                standstill.end()
         latest = now
         enough = burst
         for count in range(_DATAGRAMS_PER_TURN):

@@ -39,6 +39,8 @@ _IP_MULTICAST_ALL = 49  # Linux; the socket module does not name it
 _NEIGHBOURS_OFFSET = 50_000
 _NEIGHBOURS = 32
 
+_MOST_DATAGRAMS = 1 << 16
+
 
 def neighbour_ports(port: int) -> range:
     """Return the ports that processes take which share a port and do not own it.
@@ -117,6 +119,10 @@ class SharedPort:
         self.multicast = self.unicast = self.former = None
         self.endpoints = frozenset()
 
+    def empty(self) -> int:
+        """Throws away what waits in the sockets; returns how many datagrams that were."""
+        return sum(map(_emptied, self.sockets))
+
     def _explain(self, error: OSError) -> str:
         if error.errno != errno.EADDRINUSE:
             return str(error.strerror)
@@ -188,6 +194,16 @@ class SharedPort:
             sock.close()
             raise
         return sock
+
+
+def _emptied(sock: socket.socket) -> int:
+    """Throws away what waits in a socket, which may be filled meanwhile; returns how much."""
+    for count in range(_MOST_DATAGRAMS):
+        try:
+            sock.recv(1)
+        except OSError:
+            return count
+    return _MOST_DATAGRAMS
 
 
 def forwarded_frame(sender: Endpoint, datagram: bytes) -> bytes:

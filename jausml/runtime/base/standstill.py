@@ -1,0 +1,192 @@
+"""What waited while the loop did not turn, and whom that concerns."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+_LOOKS = 4
+"""Beats in the shortest time that somebody wants to know of."""
+
+_SHORTEST = 0.02
+"""Seconds below which nothing is a standstill: a beat costs some microseconds."""
+
+_RELAYED = 0.1
+"""Seconds for what relays of the host have held, which may have stood still as well."""
+
+_MOST_TURNS = 256
+"""Turns in which a socket gives all that it can hold, also while more comes without a pause."""
+
+
+class Waiting(Protocol):
+    """What a loop offers to whoever waits."""
+
+    now: Callable[[], float]
+
+    def call_soon(self, callback: Callable[[], object]) -> None:
+        """Run a callback in the next turn."""
+
+    def call_later(self, delay_s: float, callback: Callable[[], None]) -> Cancellable:
+        """Run a callback after a delay in seconds."""
+
+    def is_idle(self) -> bool:
+        """Tell whether nothing waits to be served."""
+
+
+class Cancellable(Protocol):
+    """A callback that is planned."""
+
+    def cancel(self) -> None:
+        """Keep it from running."""
+
+
+class Watch:
+    """Somebody who is to know of a standstill; see `Standstill.watch`."""
+
+    __slots__ = ("_standstill", "began", "caught_up", "limit")
+
+    def __init__(
+        self,
+        standstill: Standstill,
+        limit: float,
+        began: Callable[[float], None],
+        caught_up: Callable[[], None],
+    ) -> None:
+        """Use ``Standstill.watch`` instead."""
+        self._standstill = standstill
+        self.limit, self.began, self.caught_up = limit, began, caught_up
+
+    def change(self, limit: float) -> None:
+        """Want to know of other standstills from now on.
+
+        Args:
+            limit: Seconds that are one; 0 for none.
+        """
+        self.limit = limit
+        self._standstill.arrange()
+
+    def cancel(self) -> None:
+        """Want to know of nothing any more."""
+        self._standstill.forget(self)
+
+
+class Standstill:
+    """Notices that a loop did not turn for long, before it serves what waited meanwhile.
+
+    What waits in a socket does not say since when, and to have the kernel tell costs each message.
+    But no message of a process that turns has waited long. So a beat notes the time while it
+    turns, and whoever reads looks at the beat first: if it is late, all that waits may be as old as
+    that. A process is stopped by a debugger or a frozen container, starved by others, or held
+    up by a callback of its own; the messages are as old in each case.
+
+    Attributes:
+        due: When the next beat is so late that somebody is to know, by the loop; whoever
+            reads later than that calls ``end`` first.
+    """
+
+    __slots__ = (
+        "_beat",
+        "_behind",
+        "_limit",
+        "_loop",
+        "_relayed",
+        "_turned",
+        "_turns",
+        "_watches",
+        "due",
+    )
+
+    def __init__(self, loop: Waiting) -> None:
+        """Notice nothing before ``watch``.
+
+        Args:
+            loop: The loop.
+        """
+        self.due = self._limit = math.inf
+        self._loop = loop
+        self._turned = self._relayed = loop.now()
+        self._watches: list[Watch] = []
+        self._behind: list[Watch] = []
+        self._beat: Cancellable | None = None
+        self._turns = 0
+
+    def watch(
+        self,
+        limit: float,
+        began: Callable[[float], None],
+        caught_up: Callable[[], None] = lambda: None,
+    ) -> Watch:
+        """Tell of standstills from now on; to be called with the lock of the loop.
+
+        Args:
+            limit: Seconds that are one; 0 for none.
+            began: Told how many seconds what waits may have waited, before it is served.
+            caught_up: Called when all of that has been served.
+        """
+        made = Watch(self, limit, began, caught_up)
+        self._watches.append(made)
+        self.arrange()
+        return made
+
+    def forget(self, watch: Watch) -> None:
+        """Tell of nothing any more; no effect when that is so already."""
+        if watch in self._watches:
+            self._watches.remove(watch)
+            self.arrange()
+
+    def arrange(self) -> None:
+        """Beat as often as the watches need it; no time passes unseen by another clock."""
+        self.look()
+        if self._beat is not None:
+            self._beat.cancel()
+            self._beat = None
+        limits = [max(each.limit, _SHORTEST) for each in self._watches if each.limit > 0]
+        is_real = self._loop.now is time.monotonic
+        self._limit = min(limits, default=math.inf) if is_real else math.inf
+        self._note_turn()
+
+    def look(self) -> None:
+        """Notice a standstill, if there was one; whoever reads calls it before."""
+        if self._loop.now() > self.due:
+            self.end()
+
+    def end(self) -> None:
+        """Tell of a standstill that ends now."""
+        now = self._loop.now()
+        still = now - self._turned
+        self._turned, self.due = now, now + self._limit
+        told = [each for each in self._watches if 0 < each.limit < still]
+        if told and not self._behind:
+            self._loop.call_later(_RELAYED, self._catch_up)
+        self._behind += [each for each in told if each not in self._behind]
+        self._relayed, self._turns = now + _RELAYED, 0
+        for each in told:
+            each.began(still)
+
+    def _beat_once(self) -> None:
+        self.look()
+        self._note_turn()
+
+    def _note_turn(self) -> None:
+        self._turned = self._loop.now()
+        self.due = self._turned + self._limit
+        if self.due < math.inf:
+            self._beat = self._loop.call_later(self._limit / _LOOKS, self._beat_once)
+
+    def _catch_up(self) -> None:
+        """Tell that all has been served, once nothing waits for a moment."""
+        left = self._relayed - self._loop.now()
+        if left > 0:
+            self._loop.call_later(left, self._catch_up)
+            return
+        self._turns += 1
+        if not self._loop.is_idle() and self._turns < _MOST_TURNS:
+            self._loop.call_soon(self._catch_up)
+            return
+        behind, self._behind = self._behind, []
+        for each in behind:
+            each.caught_up()

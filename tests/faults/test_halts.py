@@ -1,0 +1,54 @@
+"""A bridge that stood still obeys no command that waited longer than its silence timeout.
+
+Halts around the timeout are the ones that matter: nothing has been lost by then, so that all that
+was commanded meanwhile still waits, in sockets and in the queues of ROS.
+"""
+
+from __future__ import annotations
+
+import signal
+import time
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from .rover_system import COMMANDS
+
+pytestmark = [
+    pytest.mark.live,
+    # The parser that the message packages import at their first use.
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+    pytest.mark.timeout(240),
+]
+
+SILENCE = {"drive": 0.4, "cruise": 0.5}
+"""Silence timeouts of the model in seconds."""
+
+ON_THE_WAY = 0.15
+"""Seconds that a command may be on its way besides, on a busy computer."""
+
+HALTS = (0.6, 0.7, 0.85, 1.0, 1.5, 2.5, 10.0)
+QUICK = (0.6, 0.85, 1.5)
+
+
+def halt(system, seconds):
+    """Halts the bridge; returns the ages of what was obeyed since, by connection."""
+    system.flows(time.monotonic())
+    system.signal("bridge", signal.SIGSTOP)
+    time.sleep(seconds)
+    ended_at = time.monotonic()
+    system.signal("bridge", signal.SIGCONT)
+    system.flows(ended_at)
+    return {each: system.oldest(each, ended_at) for each in COMMANDS}
+
+
+@pytest.mark.parametrize(
+    "seconds",
+    [pytest.param(each, marks=() if each in QUICK else pytest.mark.faults) for each in HALTS],
+)
+def test_what_waited_while_the_bridge_was_halted_is_not_obeyed(system, seconds, record):
+    ages = halt(system, seconds)
+    record("halts", f"{seconds:g} s", {each: round(age, 2) for each, age in ages.items()})
+    late = {each: age for each, age in ages.items() if age > SILENCE[each] + ON_THE_WAY}
+    assert not late, late

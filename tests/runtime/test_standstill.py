@@ -1,0 +1,76 @@
+"""What a loop says of the time in which it did not turn."""
+
+from __future__ import annotations
+
+import os
+import time
+
+import pytest
+
+from jausml.runtime.base.loop import Loop
+
+STILL = 0.3
+
+
+@pytest.fixture
+def loop():
+    with Loop() as made:
+        yield made
+
+
+def turn(loop: Loop, seconds: float) -> None:
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        loop.run_once(0.01)
+
+
+def test_who_asked_is_told_before_what_waited_is_served(loop: Loop) -> None:
+    told: list[object] = []
+    own, other = os.pipe()
+
+    def read() -> None:
+        loop.standstill.look()
+        told.append(os.read(own, 1))
+
+    loop.register(own, read)
+    loop.standstill.watch(STILL / 3, told.append, lambda: told.append("caught up"))
+    turn(loop, 0.1)
+    os.write(other, b"x")
+    time.sleep(STILL)
+    turn(loop, 0.5)
+    loop.unregister(own)
+    os.close(own)
+    os.close(other)
+    still, *rest = told
+    assert isinstance(still, float) and still >= STILL
+    assert rest == [b"x", "caught up"]
+
+
+def test_a_callback_that_takes_long_is_a_standstill_too(loop: Loop) -> None:
+    told: list[float] = []
+    loop.standstill.watch(STILL / 3, told.append)
+    turn(loop, 0.1)
+    loop.call_soon(lambda: time.sleep(STILL))
+    turn(loop, 2 * STILL)
+    assert len(told) == 1
+    assert told[0] >= STILL
+
+
+def test_only_those_are_told_whose_time_has_passed(loop: Loop) -> None:
+    told: list[str] = []
+    short = loop.standstill.watch(STILL / 3, lambda _: told.append("short"))
+    loop.standstill.watch(100.0, lambda _: told.append("long"))
+    loop.standstill.watch(0.0, lambda _: told.append("never"))
+    turn(loop, 0.1)
+    time.sleep(STILL)
+    turn(loop, 0.1)
+    assert told == ["short"]
+    short.change(0.0)
+    time.sleep(STILL)
+    turn(loop, 0.1)
+    short.change(STILL / 3)
+    turn(loop, 0.1)
+    short.cancel()
+    time.sleep(STILL)
+    turn(loop, 0.1)
+    assert told == ["short"]
