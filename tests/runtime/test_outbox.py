@@ -403,5 +403,18 @@ def test_who_answers_and_never_acknowledges_is_known_for_it(line, acknowledged):
 
 
 def traffic_to(line, peer):
-    line.messenger.inbox.attach(OWN, lambda _message: None)
+    if OWN not in line.messenger.inbox.receivers:
+        line.messenger.inbox.attach(OWN, lambda _message: None)
     return [each for each in line.messenger.traffic() if each.peer == peer]
+
+
+def test_who_begins_its_numbers_anew_more_than_once_is_known_for_it(line):
+    traffic_to(line, PEER)
+    for life in range(4):
+        for number in range(1, 11):
+            packet = Packet(OWN, PEER, STATUS + bytes([life, number]), number)
+            line.messenger.inbox.take(packet, "here", line.clock.time)
+            line.pass_time(0.1)
+        (traffic,) = [each for each in line.messenger.traffic() if each.peer == PEER]
+        assert (traffic.came, traffic.restarts) == (10 * (life + 1), life)
+        assert line.quirks.has(PEER, Quirk.NUMBERS_ANEW) is (life > 1)
