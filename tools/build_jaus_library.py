@@ -29,6 +29,7 @@ MOVES_NOTHING = frozenset(
     [
         "AddNoGoZone",
         "CancelEvent",
+        "ControlDigitalVideoSensorStream",
         "CreateEvent",
         "DeleteElement",
         "RegisterServices",
@@ -40,16 +41,18 @@ MOVES_NOTHING = frozenset(
         "SetEmergency",
         "SetGeomagneticProperty",
         "SetGlobalPose",
+        "SetIlluminationState",
         "SetLocalPose",
         "SetTime",
+        "SetVisualSensorConfiguration",
         "Standby",
         "UpdateEvent",
         "UpdateUGVSummary",
     ]
 )
 """Commands that set nothing in motion: they state where the vehicle is, what time it is or what is
-stored, or they stop. Elements of lists move nothing until ExecuteList (AS6009). CreateCommandEvent
-is none of them: what it carries is obeyed."""
+stored, they switch lamps or cameras, or they stop. Elements of lists move nothing until ExecuteList
+(AS6009). CreateCommandEvent is none of them: what it carries is obeyed."""
 
 
 @dataclass(frozen=True)

@@ -280,10 +280,16 @@ def system_of(scope: Scope) -> system.System | None:
     return next(found, None)
 
 
-def stop_in(used: bridge.AttributeMap, *, to_ros: bool) -> bool:
-    """Tells whether a map says what happens when whoever commands is lost."""
-    stop = used.stopRos if to_ros else used.stopJaus
-    return stop is not None or bool(used.holdReason)
+def lacks_stop(offer: Offer, used: bridge.AttributeMap) -> bool:
+    """Tells whether a command that moves something has no stop in a map, for a lost source.
+
+    Args:
+        offer: The message and its direction.
+        used: The map that carries it.
+    """
+    message = offer.message
+    moves = offer.exchange == MESSAGE and is_command(message) and message.moves
+    return moves and (used.stopRos if offer.to_ros else used.stopJaus) is None
 
 
 def profile_of(scope: Scope, end: ros.TopicEndpoint | bridge.Topic) -> dict[str, str]:

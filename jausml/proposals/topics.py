@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 from jausml.metamodel.classes import ros
 from jausml.model.names import name_of
 from jausml.model.words import words
-from jausml.proposals.bridging import is_served, offer_of, stop_in
+from jausml.proposals.bridging import is_served, lacks_stop, offer_of
 from jausml.semantics.answers import told_by_command
 from jausml.semantics.commands import is_command
 from jausml.semantics.ros_paths import ros_name
 from jausml.semantics.services import code
 from jausml.semantics.unanswered import unanswered
 from jausml.semantics.used_maps import used_maps
-from jausml.semantics.ways import EVENT, MESSAGE
+from jausml.semantics.ways import EVENT
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -75,9 +75,7 @@ class Crossing:
     @property
     def has_no_stop(self) -> bool:
         """Whether it is a command that nothing in its map stops when its source is lost."""
-        message = self.offer.message
-        moves = self.offer.exchange == MESSAGE and is_command(message) and message.moves
-        return moves and not stop_in(self.map, to_ros=self.offer.to_ros)
+        return lacks_stop(self.offer, self.map)
 
     @property
     def qos(self) -> dict[str, str]:

@@ -56,15 +56,13 @@ def holds(connection: bridge.Connection) -> bool:
     if connection.onSilence.name == "hold":
         return True
     has_stop = connection.safeValue or stop_of_map(connection) is not None
-    used = connection.map
-    return not has_stop and (bool(used.holdReason) or not used.message.moves)
+    return not has_stop and not connection.map.message.moves
 
 
 def hold_reason(connection: bridge.Connection) -> str:
     """Returns why the last command may stand; empty when nobody says it."""
-    used = connection.map
-    stated = connection.holdReason or used.holdReason
-    return stated or ("" if used.message.moves else f"{used.message.name} moves nothing")
+    message = connection.map.message
+    return connection.holdReason or ("" if message.moves else f"{message.name} moves nothing")
 
 
 def stop_of_map(connection: bridge.Connection) -> bridge.Stop | None:

@@ -97,7 +97,7 @@ def _ready_map(each: Any, model: Any) -> ReadyMap:
         ways=tuple(way for way, assignments, _ in ways if assignments),
         joins=tuple(join.name for join in each.joins),
         quantities=tuple((each.name, each.units) for each in each.quantities),
-        undecided=tuple(way for way, _, stop in ways if stop is None and not each.holdReason),
+        undecided=tuple(way for way, _, stop in ways if stop is None and each.message.moves),
     )
 
 

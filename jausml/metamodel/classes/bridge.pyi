@@ -220,13 +220,6 @@ class AttributeMap(NamedElement):
     stopJaus: Stop | None
     """The JAUS message that stops what a message of this map has set in motion."""
 
-    holdReason: str | None
-    """For a command that moves nothing, such as that of a lamp: why its last message may stand when
-    the source is lost.
-
-    Connections need not decide it then.
-    """
-
     def eContainer(self) -> MapLibrary | Bridge | None:
         """Returns the element that owns this one, None for a root."""
 

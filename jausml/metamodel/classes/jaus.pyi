@@ -198,7 +198,8 @@ class MessageDef(NamedElement):
 
     moves: bool
     """False for a command that sets nothing in motion, such as SetLocalPose, which states where the
-    vehicle is: nothing has to stop it.
+    vehicle is, or a command of a lamp: nothing has to stop it, and its last message stands when the
+    source is lost.
 
     A command of which nothing is said counts as one that moves.
     """

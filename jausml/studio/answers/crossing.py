@@ -13,9 +13,9 @@ from jausml.proposals.bridging import (
     Offer,
     bridges_of,
     is_served,
+    lacks_stop,
     offers,
     profile_of,
-    stop_in,
     system_of,
 )
 from jausml.proposals.fresh import name_among
@@ -24,7 +24,7 @@ from jausml.proposals.ready import fitting
 from jausml.semantics.ros_paths import ros_name
 from jausml.semantics.services import find_same
 from jausml.semantics.topics import resolve_topic
-from jausml.semantics.ways import EVENT, MESSAGE, TO_JAUS, TO_ROS
+from jausml.semantics.ways import EVENT, TO_JAUS, TO_ROS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -289,7 +289,7 @@ def _option(
     how = f"ready map {name_of(used)}" if used is not None else "new map"
     bridged = name_of(owner) if isinstance(owner, bridge.Bridge) else "a new bridge"
     why = f"{offer.why(name_of(component))}; {_style(offer)} through {bridged}"
-    if offer.exchange == MESSAGE and used is not None and not stop_in(used, to_ros=offer.to_ros):
+    if used is not None and lacks_stop(offer, used):
         why += "; nothing stops it when its source is lost: that is for you to decide"
     label = f"{name_of(offer.message)} by {how} ({ros_name(draft.type)})"
     return Option(label, why, draft.preview(), commands)

@@ -156,8 +156,7 @@ def _connection(attribute_map: Any, *, to_ros: bool, peer: str) -> str:
 def _hold(attribute_map: Any, *, to_ros: bool) -> list[str]:
     """Returns the decision that a map without a stop leaves to the connection: goals and lists."""
     stop = attribute_map.stopRos if to_ros else attribute_map.stopJaus
-    decided = stop is not None or attribute_map.holdReason
-    if decided or not attribute_map.message.isCommand:
+    if stop is not None or not (attribute_map.message.isCommand and attribute_map.message.moves):
         return []
     return ["    onSilence: hold", '    holdReason: "a goal stands until the next one"']
 
