@@ -39,6 +39,10 @@ DEFAULT_PACKAGES = (
     "ackermann_msgs",
     "geographic_msgs",
     "nav2_msgs",
+    "shape_msgs",
+    "stereo_msgs",
+    "trajectory_msgs",
+    "visualization_msgs",
 )
 FRAMES = ("forwardLeftUp", "eastNorthUp", "localUp", "geodetic")
 _RANGE = re.compile(r"(?P<minimum>-?[0-9.]+?)\.\.(?P<maximum>-?[0-9.]+)")

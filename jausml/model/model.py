@@ -166,13 +166,16 @@ class Model:
         made: MadeT = self._made[make]
         return made
 
-    def location(self, obj: EObject | None, feature: str | None = None) -> Location:
+    def location(
+        self, obj: EObject | None, feature: str | None = None, position: int = 0
+    ) -> Location:
         """Returns where an element, or the value of one of its features, is written.
 
         Args:
             obj: An element. One that was not read is placed where its nearest owner stands.
-            feature: Name of a feature; its XML attribute or first child element is looked for,
+            feature: Name of a feature; its XML attribute or child element is looked for,
                 and the element's own place is the answer when there is neither.
+            position: Which of several child elements, from 0.
         """
         origin = self._origin_of(obj)
         while origin is None and obj is not None:
@@ -187,7 +190,7 @@ class Model:
         if node.get(feature) is not None:
             return document.location(node, ("", feature))
         children = document.children(node, feature)
-        return document.location(children[0] if children else node)
+        return document.location(children[min(position, len(children) - 1)] if children else node)
 
     def _origin_of(self, obj: EObject | None) -> tuple[Document, Node] | None:
         return None if obj is None else self._origin.get(obj)

@@ -108,7 +108,7 @@ def _diagnostic(rule: Rule, finding: Finding, subject: Subject) -> Diagnostic:
     return Diagnostic(
         rule=rule.id,
         severity=finding.severity or rule.severity,
-        location=model.location(finding.element, finding.feature),
+        location=model.location(finding.element, finding.feature, finding.position),
         message=finding.message,
         hint=finding.hint,
         element=model.element_path(finding.element),

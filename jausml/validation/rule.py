@@ -40,6 +40,7 @@ class Finding:
         related: Elements that explain the finding.
         severity: How grave it is where that is not what the rule says of its findings: a fault of
             a published service set is one that whoever uses the set cannot fix.
+        position: At which of several values of the feature to point, from 0.
     """
 
     element: EObject
@@ -48,6 +49,7 @@ class Finding:
     hint: str = ""
     related: tuple[Note, ...] = ()
     severity: Severity | None = None
+    position: int = 0
 
 
 RuleFunction = Callable[["Subject"], Iterator[Finding]]

@@ -12,7 +12,7 @@ from jausml.model.diagnostics import Severity
 from jausml.semantics.attributes import LARGEST_SINGLE, NUMBER, Attribute
 from jausml.semantics.directions import directions
 from jausml.semantics.ranges import result_ranges, source_range
-from jausml.semantics.units import units_clash
+from jausml.semantics.units import Measure, attribute_measure, measure, result_measure, units_clash
 from jausml.validation.rule import Finding, rule
 
 if TYPE_CHECKING:
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 # The runtime takes as much for the last bits of a conversion.
 _ROUNDING = 2.0**-40
 _SINGLE_BITS = 24
+_GEODETIC = "geodetic"
+_EARTH_RADIUS = 6378137.0
 # A zero that is missed by less than this part of the range makes no difference to anyone.
 _NEGLIGIBLE = 1e-6
 
@@ -101,12 +103,15 @@ def precision_loss(subject: Subject) -> Iterator[Finding]:
     """Rounding in the target keeps within the `precision` that an assignment states.
 
     An integer is rounded to 1, a scaled JAUS field of n bits to its range / (2^n - 1), a float32 to
-    24 bits of its largest value. Without a stated precision only a target that makes one number of
-    all values is reported.
+    24 bits of its largest value. Without a stated precision three losses are reported: a target
+    that makes one number of all values, a latitude or longitude in a float32, which moves a
+    position on the ground, and a quantity with a unit that becomes a ROS integer. Whoever accepts
+    one of them states it as the precision.
 
-    Bad: `target="Yaw" precision="1e-5"`, where Yaw has 16 bits for 2 pi: steps of 9.6e-5 radian
+    Bad: `target="Yaw" precision="1e-5"`, where Yaw has 16 bits for 2 pi: steps of 9.6e-5 radian;
+    `target="longitude" source="Longitude"`, where longitude is a float32: off by 0.85 m
 
-    Good: `precision="1e-4"`
+    Good: `precision="1e-4"`; a float64
     """
     for placed, ends in _assignments(subject):
         precision = placed.assignment.precision
@@ -124,6 +129,10 @@ def precision_loss(subject: Subject) -> Iterator[Finding]:
                 message = f"'{placed.assignment.source}' gives {_text(end.given)},"
                 message += f" all of which '{end.path}' rounds to one number"
                 yield Finding(placed.assignment, message, "target", "scale it")
+            elif error and not precision and (loss := _silent_loss(placed, end, error)):
+                message = f"'{end.path}' is off by up to {loss} from rounding"
+                hint = "take a float64, or state the precision that is enough"
+                yield Finding(placed.assignment, message, "target", hint)
 
 
 @rule("JML439", Severity.INFO, "zero that cannot be sent")
@@ -207,6 +216,27 @@ def _rounding_error(placed: Placed[bridge.FieldAssignment], end: _End) -> float:
     if not 0.0 < largest < LARGEST_SINGLE:
         return 0.0
     return math.ldexp(0.5, math.frexp(largest)[1] - _SINGLE_BITS)
+
+
+def _silent_loss(placed: Placed[bridge.FieldAssignment], end: _End, error: float) -> str:
+    """What rounding loses of a position on the earth or of a quantity, empty where it is harmless.
+
+    Args:
+        placed: The assignment.
+        end: A target of it, without a stated precision.
+        error: What rounding loses, in the unit of the target.
+    """
+    given = attribute_measure(end.attribute) or result_measure(placed)
+    if not isinstance(given, Measure) or not end.attribute.is_ros:
+        return ""
+    ends = (end.attribute, *placed.source_attributes)
+    angle = measure("rad")
+    if end.attribute.is_single and angle is not None and given.unit.is_compatible(angle.unit):
+        if any(each.frame == _GEODETIC for each in ends):
+            return f"{error * given.unit.factor * _EARTH_RADIUS:.2g} m on the ground"
+    elif end.attribute.integral and not any(each.integral for each in placed.source_attributes):
+        return f"{error:g} {given.text}" if given.unit.dimension else ""
+    return ""
 
 
 def _is_cut(attribute: Attribute) -> bool:

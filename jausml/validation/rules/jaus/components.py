@@ -268,7 +268,8 @@ def services_unique(subject: Subject) -> Iterator[Finding]:
             if len(services) > 1:
                 versions = ", ".join(str(service.version) for service in services)
                 message = f"'{component.name}' provides {urn} more than once (versions {versions})"
-                yield Finding(component, message, "provides")
+                second = [at for at, each in enumerate(component.provides) if each.urn == urn][1]
+                yield Finding(component, message, "provides", position=second)
 
 
 def provider_name(provider: Provider) -> str:
