@@ -6,15 +6,13 @@ import os
 import re
 import signal
 import time
-from contextlib import suppress
-from pathlib import Path
 
 import pytest
 
 pytest.importorskip("rclpy")
 
 from jausml.runtime.guardian.ward import TOO_SOON
-from tests.live.bridge_support import wait_for
+from tests.live.bridge_support import guardian_of, wait_for
 
 from .conftest import running
 
@@ -100,25 +98,14 @@ def test_the_guardian_is_silent_where_a_bridge_ends_in_good_order(path, tmp_path
         assert speeches(system) == []
 
 
-def guardian_of(system):
-    """Returns the process id of the guardian of the bridge."""
-    bridge = system.running["bridge"].popen.pid
-    for each in Path("/proc").glob("[0-9]*/cmdline"):
-        with suppress(OSError):
-            words = each.read_bytes().split(b"\0")
-            if b"guardian.process" in each.read_bytes() and words[-2] == str(bridge).encode():
-                return int(each.parent.name)
-    raise AssertionError("no guardian")
-
-
 def test_a_guardian_that_dies_is_replaced_and_one_that_dies_soon_is_not(path, tmp_path):
     with running(path, tmp_path / "logs") as system:
         log = system.running["bridge"].log
         time.sleep(max(0.0, TOO_SOON + 1.0))  # a life that is long enough
-        first = guardian_of(system)
+        first = guardian_of(system.running["bridge"].popen.pid)
         os.kill(first, signal.SIGKILL)
         wait_for(lambda: "another one is started" in log.read_text(), "another guardian")
-        second = guardian_of(system)
+        second = guardian_of(system.running["bridge"].popen.pid)
         assert second != first
         os.kill(second, signal.SIGKILL)
         wait_for(lambda: "nothing stops the robot" in log.read_text(), "the end of guarding")

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -48,6 +49,20 @@ def generate_text(folder: Path, name: str, text: str) -> list[str]:
     document = folder / f"{name}.ros2jaus"
     document.write_text(text, encoding="utf-8")
     return generate(folder, document)
+
+
+def guardian_of(bridge: int) -> int:
+    """Returns the process id of the guardian of a bridge.
+
+    Raises:
+        AssertionError: It has none.
+    """
+    for each in Path("/proc").glob("[0-9]*/cmdline"):
+        with suppress(OSError):
+            words = each.read_bytes().split(b"\0")
+            if b"guardian.process" in b" ".join(words) and words[-2] == str(bridge).encode():
+                return int(each.parent.name)
+    raise AssertionError("no guardian")
 
 
 def wait_for(condition, what: str, seconds: float = PATIENCE):

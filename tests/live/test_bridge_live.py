@@ -171,8 +171,9 @@ def test_diagnostics_name_each_connection(system):
     assert int(counts["sent to it"]) > 0
     assert [each for each in statuses if each not in accounts] == [
         *("odometry", "speed", "pose", "drive", "cruise", "estimate"),
-        "jaus state",
+        *("jaus state", "guardian"),
     ]
+    assert statuses["guardian"].message == "watches 2 connections, 0 goals"
     odometry = {value.key: value.value for value in statuses["odometry"].values}
     assert float(odometry["declared rate (Hz)"]) == 20.0
     assert int(odometry["messages passed"]) > 0

@@ -12,6 +12,7 @@ MATCHING = {
     "MessageCode": "0x[0-9A-Fa-f]{4}",
     "JausAddress": r"[0-9]{1,5}\.[0-9]{1,3}\.[0-9]{1,3}",
     "ServiceVersion": r"[0-9]{1,3}\.[0-9]{1,3}",
+    "Endpoint": r"[0-9A-Za-z]([0-9A-Za-z.\-]{0,9}[0-9A-Za-z])?(:[0-9]{1,5})?",
     "PackageName": r"[a-z][a-z0-9_\-]*",
 }
 TEXT = st.text(

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 import signal
-from contextlib import suppress
-from pathlib import Path
 
 import pytest
 
@@ -14,7 +12,7 @@ pytest.importorskip("rclpy")
 from jausml.runtime.clients.control_state import ControlState
 from jausml.runtime.services.element_list import ListElement, chain
 
-from ..bridge_support import wait_for
+from ..bridge_support import guardian_of, wait_for
 from .list_system import PATIENCE, ROBOT, facts, order, pass_by, wait_goal
 
 pytestmark = [
@@ -195,16 +193,6 @@ def test_the_guardian_stops_the_robot_of_a_bridge_that_cannot(system, operator, 
         # It goes on when it is told to, and is guarded again.
         operator.execute()
         assert wait_goal(system, 2)["x"] == [1.0, 2.0]
-
-
-def guardian_of(bridge):
-    """Returns the process id of the guardian of a process."""
-    for each in Path("/proc").glob("[0-9]*/cmdline"):
-        with suppress(OSError):
-            words = each.read_bytes().split(b"\0")
-            if b"guardian.process" in b" ".join(words) and words[-2] == str(bridge).encode():
-                return int(each.parent.name)
-    raise AssertionError("no guardian")
 
 
 def test_a_bridge_that_starts_again_cancels_the_goal_of_its_former_life(system, operator):
