@@ -56,9 +56,21 @@ def read_input(path: str | os.PathLike[str]) -> bytes:
         OSError: It cannot be read, is no regular file or too large; `strerror` says which.
         ValueError: No file can have this name.
     """
-    most = _most_mib()
     with open_input(path) as file:
-        data = file.read((most << 20) + 1)
+        return bounded(file.read((_most_mib() << 20) + 1), path)
+
+
+def bounded(data: bytes, path: str | os.PathLike[str]) -> bytes:
+    """Returns what a file holds, whoever read it, if it is not too large.
+
+    Args:
+        data: What it holds.
+        path: The file.
+
+    Raises:
+        OSError: It is larger than the limit (`EFBIG`).
+    """
+    most = _most_mib()
     if len(data) > most << 20:
         reason = f"it is larger than {most} MiB ({LIMIT} sets the limit)"
         raise OSError(errno.EFBIG, reason, os.fspath(path))

@@ -24,13 +24,13 @@ class RuleInfo:
 _RULES = {
     "JML001": RuleInfo(
         "unreadable file",
-        "The file does not exist, is a folder, a pipe or a device, may not be read, or is larger "
-        "than 64 MiB (JAUSML_MAX_FILE_MIB sets another limit).",
+        "The file does not exist, is a folder, a pipe or a device, or may not be read.",
     ),
     "JML002": RuleInfo(
         "file too large",
-        "The file exceeds the size limit, which bounds the memory that a model may take. Split it: "
-        "a model may refer to elements of other files by href.",
+        "The file is larger than 64 MiB, which bounds the memory that a model may take. Split it: "
+        "a model may refer to elements of other files by href. The environment variable "
+        "JAUSML_MAX_FILE_MIB sets another limit.",
     ),
     "JML003": RuleInfo("empty file", "The file has no content at all."),
     "JML004": RuleInfo(

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from jausml.metamodel import FeatureKind
 from jausml.model.notation import Fault, Notation
-from jausml.model.xmi.parsing import MAX_BYTES
 from jausml.text.keywords import snake_case
 from jausml.text.rules import TEXT_RULES
 
@@ -103,8 +102,6 @@ def decode(data: bytes) -> tuple[str, Fault | None]:
     Args:
         data: The bytes of the file.
     """
-    if len(data) > MAX_BYTES:
-        return "", Fault("JML714", f"the file is larger than {MAX_BYTES // (1024 * 1024)} MiB")
     if not data.removeprefix(codecs.BOM_UTF8):
         hint = "write a component, a bridge or a map, or remove the file"
         return "", Fault("JML714", "the file is empty", hint)

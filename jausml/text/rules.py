@@ -89,8 +89,7 @@ _RULES = {
     ),
     "JML714": RuleInfo(
         "no text",
-        "The file is not UTF-8 text, is empty, or is larger than any model. Good: save it as "
-        "UTF-8.",
+        "The file is not UTF-8 text, or is empty. Good: save it as UTF-8.",
     ),
     "JML715": RuleInfo(
         "connection that may mean several things",

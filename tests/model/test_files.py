@@ -5,8 +5,10 @@ import codecs
 import pytest
 from reader_support import XMLNS, zoo
 
-from jausml.model import Location
+from jausml.model import Location, read_models
+from jausml.model.inputs import LIMIT
 from jausml.model.xmi import parsing
+from jausml.text.notation import NOTATIONS
 
 
 def rules(result):
@@ -26,8 +28,6 @@ def test_folder(documents):
 
 
 def test_no_files():
-    from jausml.model import read_models
-
     result = read_models([])
     assert (result.diagnostics, result.model.roots, result.model.root) == ([], [], None)
 
@@ -46,9 +46,17 @@ def test_same_file_twice(documents):
     assert len(documents.read("a.xmi", "./a.xmi").model.documents) == 1
 
 
-def test_too_large(documents, monkeypatch):
-    monkeypatch.setattr(parsing, "MAX_BYTES", 100)
-    assert rules(documents.one(zoo())) == ["JML002"]
+@pytest.mark.parametrize("is_open", [False, True], ids=["stored", "open in an editor"])
+@pytest.mark.parametrize("name", ["a.xmi", "a.ros2jaus"])
+def test_too_large(tmp_path, monkeypatch, name, is_open):
+    monkeypatch.setenv(LIMIT, "1")
+    data = bytes((1 << 20) + 1)
+    path = tmp_path / name
+    path.write_bytes(b"" if is_open else data)
+    result = read_models([path], contents={path: data} if is_open else {}, notations=NOTATIONS)
+    (found,) = result.diagnostics
+    assert found.rule == "JML002"
+    assert LIMIT in found.message
 
 
 def nested(depth):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,7 +12,7 @@ from jausml.metamodel import Metamodels, load_metamodels
 from jausml.model.collector import without_collector
 from jausml.model.diagnostics import Diagnostic, Location, Severity
 from jausml.model.documents import Document
-from jausml.model.inputs import read_input
+from jausml.model.inputs import bounded, read_input
 from jausml.model.model import Model
 from jausml.model.names import NameFinder
 from jausml.model.notation import Explanation
@@ -262,8 +263,12 @@ class _Reading:
             self._shelf.note(document.path)
         try:
             held = self._contents.get(document.path)
-            document.data = read_input(document.path) if held is None else held
+            path = document.path
+            document.data = read_input(path) if held is None else bounded(held, path)
         except (OSError, ValueError) as error:
+            if isinstance(error, OSError) and error.errno == errno.EFBIG:
+                self._problems.report("JML002", Location(document.display), str(error.strerror))
+                return None
             return getattr(error, "strerror", None) or str(error)
         notation = self._notation_of(document.path)
         if notation is not None:

@@ -1,6 +1,6 @@
 """Parser of XML text: light nodes with positions, by expat.
 
-The parse refuses what could read other files or exhaust memory (DOCTYPE, depth, size) and knows the
+The parse refuses what could read other files or exhaust memory (DOCTYPE, depth) and knows the
 usual accidents: merge conflict markers and Git LFS pointers in place of a model.
 """
 
@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import Any
 from xml.parsers import expat
 
-MAX_BYTES = 128 * 1024 * 1024
 MAX_DEPTH = 200
 
 _SEPARATOR = " "
@@ -235,9 +234,6 @@ class _TreeBuilder:
 
 def _accident(data: bytes) -> ParseFault | None:
     """Recognises files that are no XML for a reason that can be told."""
-    if len(data) > MAX_BYTES:
-        limit = MAX_BYTES // (1024 * 1024)
-        return ParseFault("JML002", f"the file is larger than {limit} MiB")
     if not data.strip():
         return ParseFault("JML003", "the file is empty")
     if data.startswith(_LFS_POINTER):
