@@ -121,8 +121,8 @@ def stranger(port):
         def make(host, *, acknowledges):
             made = Stranger(port, host, acknowledges=acknowledges)
             stack.callback(made.sock.close)
-            if acknowledges:
-                stack.enter_context(made.taking())
+            # Else the kernel throws away what there is no room for, and nobody knows how much came.
+            stack.enter_context(made.taking())
             return made
 
         yield make
@@ -154,8 +154,7 @@ def test_events_of_invented_ids(robot, start, stranger, attack):
     shares = counted(before, late)
     assert min(shares) >= 0.9, shares
     if not acknowledges:
-        attacker.take()
-        assert attacker.received <= 3 * attacker.sent
+        assert 0 < attacker.received <= 3 * attacker.sent
     late.send(SetEmergency(emergency_code=1), ROBOT)
     wait_for(lambda: robot.status is Status.EMERGENCY, "stop", 30)
 
