@@ -33,9 +33,11 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes.ecore import EObject
     from jausml.semantics.subject import Subject
 
-# The parts of services and actions are named SetBool_Request and the like.
+_DEEPEST = 10_000
+"""Most messages that a quality of service keeps without a word."""
 _LONGEST = 2.0**63 / 1e9
 """Longest time in seconds: ROS 2 counts nanoseconds in 64 bits."""
+# The parts of services and actions are named SetBool_Request and the like.
 _TYPE_NAME = re.compile("[A-Z][A-Za-z0-9]*(_Request|_Response|_Goal|_Result|_Feedback)?")
 _LOWER_CASE = re.compile("[a-z](?:_?[a-z0-9]+)*")
 _LOWER_CASE_HINT = "lower case, words joined by one underscore"
@@ -137,9 +139,10 @@ def qos_compatible(subject: Subject) -> Iterator[Finding]:
 def qos_values(subject: Subject) -> Iterator[Finding]:
     """The depth is 1 or more with keep_last; a time is not negative, and 0 means none.
 
-    ROS 2 counts nanoseconds in 64 bits: no time is longer than 292 years.
+    ROS 2 counts nanoseconds in 64 bits: no time is longer than 292 years. More than 10000 messages
+    are a warning: a receiver that is late gets what was said long ago, and memory keeps it all.
 
-    Bad: `<qos depth="0"/>`
+    Bad: `<qos depth="0"/>`, `<qos depth="2000000"/>`
 
     Good: `<qos depth="1"/>`
     """
@@ -147,6 +150,10 @@ def qos_values(subject: Subject) -> Iterator[Finding]:
         lowest = 1 if profile.history.name == "keep_last" else 0
         if profile.depth < lowest:
             yield Finding(profile, f"depth {profile.depth} is below {lowest}", "depth")
+        elif profile.depth > _DEEPEST:
+            message = f"depth {profile.depth} keeps more messages than {_DEEPEST}"
+            hint = "1 to 100 is usual: what is late is of no use"
+            yield Finding(profile, message, "depth", hint, severity=Severity.WARNING)
         for feature, value in (
             ("deadline", profile.deadline),
             ("lifespan", profile.lifespan),
