@@ -312,7 +312,8 @@ def test_whatever_is_told_the_state_can_be_shown(events):
     assert json.loads(json.dumps(as_values(state), allow_nan=False))["health"]
     for index in range(len(COLUMNS)):
         shown = arranged(state, index)
-        assert set(map(id, shown)) == set(map(id, state.connections.values()))
+        assert {each.key for each in shown} == state.connections.keys()
+        assert len(shown) == len(state.connections)
         assert len(arranged(state, index, is_reversed=True)) == len(shown)
     cells = [text for each in state.connections.values() for text in row(each)]
     cells += [text for each in state.components.values() for text in component_row(each)]
@@ -351,6 +352,13 @@ def test_order_by_a_number_has_the_greatest_first_and_the_unknown_last():
     assert names(arranged(state, 2)) == ["fast", "slow", "mute"]
     assert names(arranged(state, 2, is_reversed=True)) == ["slow", "fast", "mute"]
     assert names(arranged(state, 1)) == ["fast", "mute", "slow"]
+
+
+def test_ages_in_tables_grow_while_the_bridge_says_nothing():
+    mute = status("mute", values=(("declared rate (Hz)", "5"),))
+    state = fold_time(fold_statuses(SystemState(), [status(), mute], 10.0), 12.0)
+    ages = {each.name: each.age for each in arranged(state, 0)}
+    assert ages == {"odometry": 2.031, "mute": None}
 
 
 def test_filter_takes_parts_of_names_in_any_case():

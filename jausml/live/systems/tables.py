@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.peers.rendering import printable
@@ -135,6 +135,8 @@ def arranged(
 ) -> list[ConnectionState]:
     """Returns the connections whose names hold a text, in the order of a column.
 
+    Their ages are those of the moment: they grow while their bridge says nothing.
+
     Args:
         state: The state.
         column: Index of the column.
@@ -144,7 +146,7 @@ def arranged(
     words = wanted.casefold().split()
     found = sorted(
         (
-            each
+            replace(each, age=state.age_of(each))
             for each in state.connections.values()
             if all(word in shown_name(each).casefold() for word in words)
         ),
