@@ -33,7 +33,8 @@ export type Dialog =
       /** Revision of which the refs are. */
       base: number;
     }
-  | { kind: "ends"; from: GraphEnd; ends: LegalEnd[] }
+  /** The ends are null while they are looked for. */
+  | { kind: "ends"; from: GraphEnd; ends: LegalEnd[] | null }
   | {
       kind: "connect";
       source: GraphEnd;

@@ -189,6 +189,20 @@ test("where a line may end lights up until it is drawn, also if the answer comes
   expect(state().legal).toBeNull();
 });
 
+test("a search for ends is open at once, and once closed no late answer opens it again", async () => {
+  const server = serveGraph();
+  const ends = [{ node: "base", port: "/odom", label: "", why: "" }];
+  server.answer("ends", () => ({ ends }));
+  const found = actions.offerEnds(nodeKey("ocu"));
+  expect(state().dialog).toMatchObject({ kind: "ends", ends: null });
+  await found;
+  expect(state().dialog).toMatchObject({ kind: "ends", ends });
+  const late = actions.offerEnds(nodeKey("ocu"));
+  update({ dialog: null });
+  await late;
+  expect(state().dialog).toBeNull();
+});
+
 test("renaming begins with the name of the model, not with what the box shows", async () => {
   const server = serveGraph();
   const field = { feature: "name", values: ["operator"], changeable: true };

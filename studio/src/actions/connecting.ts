@@ -1,5 +1,6 @@
 // Connecting two ends, by a line that is drawn or by a search.
 
+import { flushSync } from "react-dom";
 import { keyOfEnd } from "../canvas/navigation";
 import type { ConnectOption, GraphEnd } from "../protocol";
 import { type PartKey, partOf } from "../selection";
@@ -24,8 +25,12 @@ export async function offerEnds(key = active(state())): Promise<void> {
   const from = key ? endOf(key) : null;
   if (!from) return say("Choose a box or a row first.");
   const { file, view } = state();
+  // It is there at once: what is typed before the answer comes is for it, and not for the diagram.
+  const dialog = { kind: "ends" as const, from, ends: null };
+  flushSync(() => update({ dialog }));
   const answer = await tried(ask("ends", { file, view, ...from }));
-  if (answer) update({ dialog: { kind: "ends", from, ends: answer.ends } });
+  if (state().dialog !== dialog) return;
+  update({ dialog: answer ? { ...dialog, ends: answer.ends } : null });
 }
 
 export function endOf(key: PartKey): GraphEnd | null {

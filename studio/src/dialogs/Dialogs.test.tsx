@@ -62,6 +62,23 @@ test("the ends that are allowed are searched as one types", async () => {
   expect(server.params("connect")[0]).toMatchObject({ target: { node: "base", port: "/pose" } });
 });
 
+test("what is typed while the ends are looked for is not lost, and Enter waits for them", async () => {
+  const dialog = { kind: "ends" as const, from: { node: "ocu", port: "pose" }, ends: null };
+  server.answer("connect", () => ({ options: [option("x")], refusal: "" }));
+  update({ dialog });
+  render(<Dialogs />);
+  await userEvent.keyboard("POSE a{Enter}");
+  expect(screen.getByText("Looking…")).toBeVisible();
+  expect(server.params("connect")).toHaveLength(0);
+  const ends = [
+    { node: "base", port: "/odom", label: "base /odom", why: "odometry" },
+    { node: "base", port: "/pose", label: "base /pose", why: "a pose" },
+  ];
+  update({ dialog: { ...dialog, ends } });
+  await waitFor(() => expect(server.params("connect")).toHaveLength(1));
+  expect(server.params("connect")[0]).toMatchObject({ target: { node: "base", port: "/pose" } });
+});
+
 test("deleting shows who refers to it, and does it when told so", async () => {
   const commands = [{ kind: "remove" as const, element: "robot.xmi#ocu" }];
   const referrers = [{ element: "robot.xmi#velocity", label: "bridge velocity" }];

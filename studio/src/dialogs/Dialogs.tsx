@@ -122,11 +122,12 @@ function Ends({ dialog }: Of<"ends">) {
   const { from, ends } = dialog;
   return (
     <Modal title="Connect to…" onClose={close}>
-      {ends.length === 0 && <p className="quiet">There is nothing that it may be connected to.</p>}
-      {ends.length > 0 && (
+      {ends?.length === 0 && <p className="quiet">There is nothing that it may be connected to.</p>}
+      {ends?.length !== 0 && (
         <Picker
           label="ends that are allowed"
-          picks={ends.map((end) => ({
+          isLooking={!ends}
+          picks={(ends ?? []).map((end) => ({
             id: `${end.node} ${end.port}`,
             text: `${end.label} ${end.why}`,
             shown: (
@@ -136,7 +137,7 @@ function Ends({ dialog }: Of<"ends">) {
             ),
           }))}
           onPick={(at) => {
-            const end = ends[at];
+            const end = ends?.[at];
             close();
             if (end) void connect(from, { node: end.node, port: end.port });
           }}

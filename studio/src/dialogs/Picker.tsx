@@ -13,11 +13,14 @@ interface Props {
   picks: Pick[];
   onPick(at: number): void;
   isSearched?: boolean;
+  /** Whether there may be more to choose soon; Enter waits for it. */
+  isLooking?: boolean;
 }
 
 /** A list to choose one of, searched as one types; arrows go, Enter takes. */
-export function Picker({ label, picks, onPick, isSearched = true }: Props) {
+export function Picker({ label, picks, onPick, isSearched = true, isLooking = false }: Props) {
   const [typed, setTyped] = useState("");
+  const [isTaken, setTaken] = useState(false);
   const id = useId();
   const list = useRef<HTMLDivElement>(null);
   const words = typed.toLowerCase().split(/\s+/).filter(Boolean);
@@ -33,6 +36,11 @@ export function Picker({ label, picks, onPick, isSearched = true }: Props) {
   useEffect(() => {
     list.current?.querySelector(`[data-at="${here}"]`)?.scrollIntoView({ block: "nearest" });
   }, [here]);
+
+  const first = shown[0];
+  useEffect(() => {
+    if (isTaken && !isLooking && first) onPick(first.index);
+  }, [isTaken, isLooking, first, onPick]);
 
   const active = shown[here] ? `${id}-${here}` : undefined;
   return (
@@ -50,8 +58,12 @@ export function Picker({ label, picks, onPick, isSearched = true }: Props) {
           onChange={(event) => {
             setTyped(event.currentTarget.value);
             keys.setActive(0);
+            setTaken(false);
           }}
-          onKeyDown={keys.onKey}
+          onKeyDown={(event) => {
+            if (event.key === "Enter" && isLooking) setTaken(true);
+            else keys.onKey(event);
+          }}
         />
       )}
       <div
@@ -78,7 +90,7 @@ export function Picker({ label, picks, onPick, isSearched = true }: Props) {
             {pick.shown}
           </div>
         ))}
-        {shown.length === 0 && <p className="quiet">Nothing fits.</p>}
+        {shown.length === 0 && <p className="quiet">{isLooking ? "Looking…" : "Nothing fits."}</p>}
       </div>
     </div>
   );
