@@ -14,6 +14,7 @@ from jausml.runtime import ComponentSettings, Guard, JausComponent, ServiceIdent
 from jausml.runtime import messages as core
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.loop import Loop
+from jausml.runtime.base.quirks import Quirks
 from jausml.runtime.services.completion import Completion
 from jausml.runtime.transports.delivery import Arrival, ReceivedMessage
 from jausml.runtime.transports.packets.packet import Priority
@@ -87,6 +88,7 @@ class Network:
         self.receive: Receive | None = None
         self.sent = 0
         self.arrival = Arrival()
+        self.quirks = Quirks()
 
     @property
     def counters(self) -> Counters:
@@ -123,6 +125,9 @@ class Network:
     def traffic(self, _address: JausAddress) -> list[PeerTraffic]:
         """Nothing is counted: what is sent ends nowhere."""
         return []
+
+    def answered(self, _address: JausAddress, _peer: JausAddress, _start: bytes) -> None:
+        """Nothing is repeated anyway."""
 
     def silence_of(self, _address: JausAddress) -> float:
         """Whoever is asked about has just spoken."""

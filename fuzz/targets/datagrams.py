@@ -14,7 +14,12 @@ from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import MAX_FRAGMENT_SIZE, TransportSettings
 from jausml.runtime.transports.packets.packet import AckNak, DataFlags, Packet, parse_datagram
 from jausml.runtime.transports.udp.judp import JudpTransport
-from jausml.runtime.transports.udp.shared_port import present_frame, read_forwarded, read_present
+from jausml.runtime.transports.udp.shared_port import (
+    FRAME,
+    present_frame,
+    read_forwarded,
+    read_present,
+)
 
 if TYPE_CHECKING:
     from jausml.runtime.base.settings import Endpoint
@@ -111,7 +116,7 @@ class ReceivePath:
 
 def expected(datagram: bytes, sender: Endpoint) -> tuple[int, dict[str, int]]:
     """Returns how many messages a datagram has, and what must be counted of the rest."""
-    if datagram[:1] == b"\0" and sender[0] == SETTINGS.interface:
+    if datagram.startswith(FRAME) and sender[0] == SETTINGS.interface:
         inner = None
         if sender == (SETTINGS.interface, SETTINGS.port):
             inner = read_forwarded(datagram)

@@ -26,9 +26,9 @@ if TYPE_CHECKING:
 # Attributes that the base class has anyway.
 _TAKEN_ATTRIBUTES = names_in(
     """
-    accept clock close component connections exchanges follow is_active list_driver list_drivers
-    loop note_unasked now on_control_lost on_not_ready open publisher parameters report ros
-    set_active settings simulation standing subscribe
+    accept at clock close component connections exchanges follow is_active list_driver
+    list_drivers loop note_guardian note_unasked now on_control_lost on_not_ready open parameters
+    publisher report ros set_active settings simulation standing subscribe ward
     """
 )
 
