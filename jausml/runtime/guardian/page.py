@@ -32,7 +32,7 @@ class Page:
 
     @staticmethod
     def descriptor() -> int:
-        """Returns the descriptor of a new page, in which the bridge has not begun to beat."""
+        """Returns the descriptor of a new page, in which nothing is in motion yet."""
         made = os.memfd_create("guardian")
         os.ftruncate(made, _SIZE)
         return made
@@ -43,7 +43,7 @@ class Page:
 
     @property
     def beat(self) -> int:
-        """When the loop of the bridge ran last, in ns of the monotonic clock; 0 before it began."""
+        """When the bridge was there last, in ns of the monotonic clock; 0 before anything moved."""
         return int(_U64.unpack_from(self._memory, _BEAT)[0])
 
     @beat.setter
@@ -61,7 +61,7 @@ class Page:
 
     @property
     def simulated(self) -> int:
-        """Simulated time at the last beat in ns; 0 where ROS has that of the system."""
+        """Simulated ns when the bridge was there last; 0 where ROS has that of the system."""
         return int(_I64.unpack_from(self._memory, _SIMULATED)[0])
 
     @simulated.setter

@@ -152,12 +152,13 @@ class Guardian:
         poll = select.poll()
         poll.register(self._channel, select.POLLIN)
         poll.register(self._death, select.POLLIN)
-        last = time.monotonic()
+        last, was_halted = time.monotonic(), False
         while not self._is_over:
             ready = {descriptor for descriptor, _ in poll.poll(POLL * 1000)}
             now = time.monotonic()
-            # Who was halted itself, with the bridge perhaps, looks again before it judges.
-            was_halted, last = now - last > 4 * POLL, now
+            # Who was halted itself, with the bridge perhaps, looks again before it judges; once, as
+            # a slow machine must not keep it from that.
+            was_halted, last = now - last > 4 * POLL and not was_halted, now
             if self._death in ready:
                 self._read()
                 if not self._is_over:
@@ -224,9 +225,8 @@ class Guardian:
         return [number for number in self._stops if self._page.is_armed(number)]
 
     def _age(self) -> float:
-        """Seconds since the loop of the bridge ran; 0 before it began."""
-        beat = self._page.beat
-        return (time.monotonic_ns() - beat) / 1e9 if beat else 0.0
+        """Seconds since the bridge was there; very long before anything was in motion."""
+        return (time.monotonic_ns() - self._page.beat) / 1e9
 
     def _judge(self) -> None:
         """Says what is due as the bridge does not run its loop."""

@@ -139,6 +139,7 @@ class Ward:
             if armed:
                 guarded.hand()
                 self._number(self._page)
+                self._mark(self._page)
             self._page.arm(guarded.number, armed)
 
     # ------------------------------------------------------------------ for goals
@@ -154,7 +155,7 @@ class Ward:
         content = {"id": goal.hex(), "service": service, "library": library}
         with self._loop.lock:
             self._goals[goal.hex()] = content
-            self._begin()
+            self._mark(self._begin())
             self.send("goal", content)
 
     def close_goal(self, goal: bytes) -> None:
@@ -211,7 +212,7 @@ class Ward:
         except OSError as error:  # it is gone, which the next beat finds, or reads nothing
             LOGGER.warning("the guardian was not told of %s: %s", kind, error)
 
-    def _begin(self) -> None:
+    def _begin(self) -> Page:
         if self._page is None:
             self._page_descriptor = Page.descriptor()
             self._page = Page(self._page_descriptor)
@@ -219,6 +220,7 @@ class Ward:
             self._start()
         if self._timer is None:
             self._timer = self._loop.call_later(0.0, self._beat)
+        return self._page
 
     def _start(self) -> None:
         """Starts a guardian, and hands everything over."""
@@ -256,8 +258,7 @@ class Ward:
         if page is None:
             return
         self._timer = self._loop.call_later(PERIOD, self._beat)
-        page.simulated = self._now()
-        page.beat = time.monotonic_ns()
+        self._mark(page)
         taken = page.taken
         if taken != self._taken:
             self._taken = taken
@@ -269,6 +270,14 @@ class Ward:
                 each.hand()
         if self._process is not None and self._process.poll() is not None:
             self._replace(self._process.returncode)
+
+    def _mark(self, page: Page) -> None:
+        """Notes that the bridge is there: with each beat, and before anything is in motion.
+
+        What is armed has a beat, so that a bridge is missed that stands still before its loop ran.
+        """
+        page.simulated = self._now()
+        page.beat = time.monotonic_ns()
 
     def _number(self, page: Page) -> None:
         """Notes the sequence numbers that datagrams should have now."""

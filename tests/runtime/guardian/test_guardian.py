@@ -18,7 +18,7 @@ from jausml.runtime.guardian.page import Page, frame, read_frame
 ROOT = Path(__file__).parents[3]
 PATIENCE = 20.0
 BRIDGE = """
-import sys, time
+import os, signal, sys, time
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.guardian.ward import Ward, stops
 
@@ -33,7 +33,9 @@ with Loop() as loop:
         guarded = ward.guard(lambda: stops(0.2, [], [content]))
         if life != "at rest":
             guarded.arm(True)
-    print("runs", flush=True)
+        print("runs", flush=True)
+        if life == "halted":  # before its loop has done anything
+            os.kill(os.getpid(), signal.SIGSTOP)
     for line in sys.stdin:
         if line == "disarm\\n":
             with loop.lock:
@@ -135,6 +137,13 @@ def test_the_stop_is_said_when_the_bridge_stands_still(bridge):
     halted.process.send_signal(signal.SIGCONT)
     assert halted.said() == "taken"
     assert halted.has_guardian()
+
+
+def test_the_stop_is_said_of_a_bridge_that_stands_still_before_its_loop_ran(bridge):
+    halted = bridge("halted")
+    assert halted.stop() == STOP
+    halted.process.send_signal(signal.SIGCONT)
+    assert halted.said() == "taken"
 
 
 def test_the_stop_is_said_when_the_loop_hangs(bridge):
