@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from jausml.editing.commands import Command
     from jausml.editing.records import Entry
     from jausml.studio.desk import Desk
+    from jausml.studio.keeping import KeptEdit
 
 
 @dataclass(frozen=True)
@@ -124,19 +125,28 @@ def edit(
 
 
 def _carried_out(
-    desk: Desk, commands: Sequence[Command], label: str, base: int, *, is_first: bool = True
+    desk: Desk,
+    commands: Sequence[Command],
+    label: str,
+    base: int,
+    kept: KeptEdit | None = None,
 ) -> dict[str, Any]:
     project = desk.project
     try:
-        made = project.do(commands, label, base, is_first=is_first)
+        # Who does it again has seen what others did, and means it.
+        made = project.do(commands, label, base, is_first=kept is None)
     except EditError as error:
-        if error.conflict and desk.keep(commands, label, base, str(error)):
+        if error.conflict and (kept or desk.keep(commands, label, base, str(error))):
             message = f"{error}. It is kept: do it again or discard it"
             raise EditError(message, conflict=True) from error
         raise
     finally:
         # What it met on its way is told, whether it was done or not.
         desk.tell_outside(desk.project.met())
+    if kept is not None:
+        # Only now, whatever kept it from being done.
+        desk.kept.discard(kept.number)
+        desk.tell_kept()
     desk.changed(made)
     return {"revision": project.revision, "entry": shown.entry(made), "created": made.created}
 
@@ -149,12 +159,7 @@ def _again(desk: Desk, asked: Kept) -> dict[str, Any]:
     edit = desk.kept.find(asked.number)
     if edit is None:
         raise EditError("this edit is kept no more")
-    desk.kept.discard(edit.number)
-    try:
-        # Who does it again has seen what others did, and means it.
-        return _carried_out(desk, edit.commands, edit.label, edit.base, is_first=False)
-    finally:
-        desk.tell_kept()
+    return _carried_out(desk, edit.commands, edit.label, edit.base, edit)
 
 
 def _discard(desk: Desk, asked: Kept) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import resource
 import signal
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -69,6 +70,36 @@ def test_an_edit_that_met_another_is_kept_until_it_is_done_or_discarded(
     assert page.ask("plan", file=FILE)["freshness"]["state"] == "current"
     with pytest.raises(RefusedError, match="no more"):
         page.ask("kept.again", number=kept["number"])
+
+
+def test_an_edit_that_cannot_be_stored_when_it_is_done_again_stays_kept(
+    page: Page, server: Server, folder: Path
+) -> None:
+    ref, base = begin(page, folder)
+    theirs = TEXT.replace("1.1.2", "1.1.55")
+    (folder / FILE).write_text(theirs, encoding="utf-8")
+    with pytest.raises(RefusedError, match="is kept"):
+        page.ask("edit", commands=[addressed(ref, "1.1.77")], label="Set", base=base)
+    (kept,) = page.ask("kept")["edits"]
+    with full_disk(server):
+        with pytest.raises(RefusedError, match="cannot be written"):
+            page.ask("kept.again", number=kept["number"])
+        assert page.ask("kept")["edits"] == [kept]
+        assert (folder / FILE).read_text(encoding="utf-8") == theirs
+    page.ask("kept.again", number=kept["number"])
+    assert (folder / FILE).read_text(encoding="utf-8") == TEXT.replace("1.1.2", "1.1.77")
+    assert page.ask("kept")["edits"] == []
+
+
+@contextmanager
+def full_disk(server: Server) -> Iterator[None]:
+    """Lets a studio store nothing as long as the context lasts, as a full disk does."""
+    _, most = resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE)
+    before = resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (0, most))
+    try:
+        yield
+    finally:
+        resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, before)
 
 
 @contextmanager
