@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from lsprotocol import types
-from pygls.exceptions import JsonRpcInvalidParams
+from pygls.exceptions import JsonRpcException, JsonRpcInvalidParams
 from pygls.lsp.server import LanguageServer
+from pygls.protocol import LanguageServerProtocol
 from pygls.uris import from_fs_path, to_fs_path
 
 from jausml import __version__
@@ -77,7 +78,10 @@ def make_server(root: Path | None = None) -> LanguageServer:
         root: The folder outside of which it reads nothing but the library; None for no limit.
     """
     server = LanguageServer(
-        "jausml", __version__, text_document_sync_kind=types.TextDocumentSyncKind.Full
+        "jausml",
+        __version__,
+        text_document_sync_kind=types.TextDocumentSyncKind.Full,
+        protocol_cls=_Protocol,
     )
     desk = _Desk(server, Workbench(root=root))
     triggers = types.CompletionOptions(trigger_characters=[".", "/", ":", ">", "("])
@@ -97,6 +101,18 @@ def make_server(root: Path | None = None) -> LanguageServer:
         # pygls writes on what it registers, and a method cannot be written on.
         server.feature(method, options)(partial(answer))
     return server
+
+
+class _Protocol(LanguageServerProtocol):
+    """Answers a request whose parameters are none of its method, which pygls only notes."""
+
+    def structure_message(self, data: dict[str, Any]) -> Any:
+        try:
+            return super().structure_message(data)
+        except JsonRpcException as error:
+            if "id" in data and "method" in data:
+                self._send_response(data["id"], error=error.to_response_error())
+            raise
 
 
 class _Desk:

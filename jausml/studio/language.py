@@ -99,7 +99,9 @@ class LanguageSocket:
         protocol = self._server.protocol
         try:
             protocol.handle_message(json.loads(text, object_hook=protocol.structure_message))
-        except (JsonRpcException, AttributeError, KeyError, TypeError, ValueError):
+        except JsonRpcException:
+            return  # the server has answered
+        except (AttributeError, KeyError, TypeError, ValueError):
             fault = RpcError(rpc.INVALID_PARAMS, f"{request.method} has other parameters")
             self._outgoing.tell(rpc.refusal(fault, request.id))
 

@@ -178,6 +178,20 @@ def test_other_open_texts_count_as_they_are_open(opened, uri, folder):
     assert opened.problems(uri, 6) == []
 
 
+@pytest.mark.parametrize(
+    "params",
+    [
+        {"textDocument": {"uri": "untitled:1"}, "position": {"line": -1, "character": 0}},
+        {"textDocument": {"uri": "untitled:1"}, "position": "here"},
+        {"textDocument": {"uri": "untitled:1"}, "position": {"line": 2**40, "character": 0}},
+        {},
+    ],
+)
+def test_parameters_that_are_none_are_refused(client, params):
+    with pytest.raises(ValueError, match="Invalid Params"):
+        client.ask("textDocument/hover", **params)
+
+
 def test_the_session_ends(folder, client_class):
     assert client_class(folder).end() == 0
 

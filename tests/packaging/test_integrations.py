@@ -50,6 +50,13 @@ def test_it_is_what_the_schema_of_its_system_says(schema, file, tmp_path):
     assert CliRunner().invoke(checker.main, [*options, str(wrong)]).exit_code == 1
 
 
+@pytest.mark.parametrize("file", ["action.yml", ".github/workflows/ci.yml"])
+def test_what_it_runs_of_others_cannot_change(file):
+    used = re.findall(r"uses: (.*)", (ROOT / file).read_text(encoding="utf-8"))
+    assert used
+    assert [each for each in used if not re.fullmatch(r"\S+@[0-9a-f]{40} # v[\d.]+", each)] == []
+
+
 @pytest.fixture
 def repository(tmp_path, monkeypatch):
     """A repository of models, and the current folder: a clean one and one with a warning."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from jausml.metamodel.classes import bridge
 from jausml.model.diagnostics import Severity
 from jausml.semantics import stops
+from jausml.semantics.flows import flow_of
 from jausml.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
@@ -129,6 +130,45 @@ def timeouts_outlast_periods(subject: Subject) -> Iterator[Finding]:
         message = f"'{connection.name}' counts as silent after {seconds:g} s"
         message += f", but its messages come every {1 / rate:g} s"
         yield Finding(connection, message, "silenceTimeout")
+
+
+@rule("JML497", Severity.WARNING, "topic that several commands stop")
+def one_command_of_a_topic(subject: Subject) -> Iterator[Finding]:
+    """One connection with a stop commands a topic.
+
+    Of two, the one whose source falls silent or loses control sends its stop into what the other
+    one commands: the robot halts, or jerks. Topics are compared by their full names, in all bridges
+    of a system.
+
+    Bad: connections of SetVelocityCommand and of SetTravelSpeed with `<topics name="cmd_vel"/>`
+
+    Good: `teleop_vel` and `planner_vel`, and a multiplexer that knows who drives (twist_mux)
+    """
+    for group in subject.systems(("name", "namespace")):
+        commanding: dict[str, bridge.Connection] = {}
+        for owner in group:
+            if not isinstance(owner, bridge.Bridge):
+                continue
+            for each in owner.bridgeConnections:
+                if not _stops_a_topic(subject, each):
+                    continue
+                for topic in sorted(flow_of(each, owner).topics):
+                    first = commanding.setdefault(topic, each)
+                    if first is not each:
+                        message = f"'{each.name}' and '{first.name}' command {topic}, and the stop"
+                        message += " of the one ends what the other commands"
+                        hint = "give each a topic, and let a multiplexer decide who drives"
+                        note = Note(first, f"'{first.name}'", "topics")
+                        yield Finding(each, message, "topics", hint, (note,))
+
+
+def _stops_a_topic(subject: Subject, connection: bridge.Connection) -> bool:
+    needs = ("name", "map", "direction", "topics", "safeValue", "onSilence")
+    if not subject.is_read(connection, needs) or connection.map is None:
+        return False
+    is_sound = subject.is_intact(connection.map.message, connection.map.type)
+    to_ros = connection.direction.name == "jausToRos"
+    return is_sound and to_ros and stops.is_command(connection) and stops.has_stop(connection)
 
 
 def _declared_rate(connection: bridge.Connection) -> float:

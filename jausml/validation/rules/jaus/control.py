@@ -98,6 +98,32 @@ def _takes_commands(subject: Subject, connection: _Connection) -> bool:
     return message is not None and subject.is_intact(message) and is_command(message)
 
 
+@rule("JML368", Severity.INFO, "controllers of one authority")
+def authorities_differ(subject: Subject) -> Iterator[Finding]:
+    """Of several controllers of a component, one has more authority than the other.
+
+    A component that is controlled obeys nobody else but who has more authority (AS5710,
+    AccessControl, RequestControl): between equals, whoever asked first keeps control until it is
+    released, and the other one is told that it is not available.
+
+    Bad: two components with `controls="vehicle"`
+
+    Good: `authority="200"` at the one that may take over
+    """
+    first: dict[tuple[jaus.Component, int], tuple[jaus.Component, EObject]] = {}
+    told: set[tuple[jaus.Component, jaus.Component]] = set()
+    for component in subject.instances(jaus.Component):
+        for place, feature, target in _controlled(component):
+            other, note = first.setdefault((target, component.authority), (component, place))
+            if other is component or (component, target) in told:
+                continue
+            told.add((component, target))
+            message = f"'{component.name}' and '{other.name}' control '{target.name}' with one"
+            message += f" authority, {component.authority}: whoever asks first keeps it"
+            hint = "raise the authority of the one that may take over"
+            yield Finding(place, message, feature, hint, (Note(note, f"'{other.name}'"),))
+
+
 @rule("JML365", Severity.ERROR, "component that is its own peer")
 def no_own_peers(subject: Subject) -> Iterator[Finding]:
     """The peers of a connection are other components than the one that has it.
