@@ -222,7 +222,8 @@ class Reader:
             return Freshness("current", revision)
         faults = [fault for each in old for fault in self._faults(each.file, files)]
         names = " and ".join(each.file for each in old)
-        since = min(each.good_since if each.is_stale else 0 for each in old)
+        were_read = all(each.is_stale for each in old)
+        since = min(each.good_since for each in old) if were_read else None
         if any(map(_has_markers, old)):
             why = f"{names} has marks of a merge: decide between both sides first"
             return Freshness("conflict", since, why, tuple(faults))

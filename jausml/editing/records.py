@@ -127,13 +127,13 @@ class Freshness:
         state: `current`, or why it is of the past: `stale` when it is of an earlier revision,
             `unreadable` when a file cannot be read as it is, `conflict` when two changes of it
             have not been brought together.
-        since: Revision of the project of whose files it is; 0 where they never could be read.
+        since: Revision of the project of whose files it is; None where they never could be read.
         why: What keeps it from being current, for people; empty when it is.
         faults: What is wrong with files that cannot be read.
     """
 
     state: Literal["current", "stale", "unreadable", "conflict"]
-    since: int
+    since: int | None
     why: str = ""
     faults: tuple[Diagnostic, ...] = ()
 

@@ -28,23 +28,24 @@ export type Dialog =
       kind: "delete";
       commands: Command[];
       label: string;
-      referrers: Referrer[];
+      /** Null while they are looked for. */
+      referrers: Referrer[] | null;
       diff: string;
       /** Revision of which the refs are. */
       base: number;
     }
-  /** The ends are null while they are looked for. */
+  /** Ends, ways to connect and names are null while they are looked for. */
   | { kind: "ends"; from: GraphEnd; ends: LegalEnd[] | null }
   | {
       kind: "connect";
       source: GraphEnd;
       target: GraphEnd;
-      options: ConnectOption[];
+      options: ConnectOption[] | null;
       refusal: string;
       revision?: number;
     }
   | { kind: "hosts"; boxes: string[] }
-  | { kind: "rename"; element: Ref; name: string; base: number }
+  | { kind: "rename"; element: Ref; name: string | null; base: number }
   | { kind: "diff"; title: string; diff: string };
 
 /** Something that another program did to a file. */
@@ -88,8 +89,8 @@ export interface Studio {
   problems: Problems | null;
   live: LiveState | null;
   dialog: Dialog | null;
-  /** The part whose name is being edited in place. */
-  renaming: { key: PartKey; element: Ref; name: string; base: number } | null;
+  /** The part whose name is being edited in place; the name is null while it is asked for. */
+  renaming: { key: PartKey; element: Ref; name: string | null; base: number } | null;
   outside: Outside[];
   /** Edits that were not done since others have changed the same. */
   kept: KeptEdit[];

@@ -115,7 +115,9 @@ test("delete asks first where others refer to it", async () => {
   const referrers = [{ element: "robot.xmi#r", label: "bridge.velocity" }];
   server.answer("edit", ({ dry }) => (dry ? { ...DONE, referrers, diff: "-a" } : DONE));
   actions.select([nodeKey("ocu")]);
-  await actions.removeSelected();
+  const asked = actions.removeSelected();
+  expect(state().dialog).toMatchObject({ kind: "delete", label: "Remove ocu", referrers: null });
+  await asked;
   expect(state().dialog).toMatchObject({ kind: "delete", label: "Remove ocu", referrers });
   expect(server.params("edit").map((each) => each.dry)).toEqual([true]);
 });
@@ -201,6 +203,38 @@ test("a search for ends is open at once, and once closed no late answer opens it
   update({ dialog: null });
   await late;
   expect(state().dialog).toBeNull();
+});
+
+test("what is no longer wanted when the answer comes neither opens nor is done", async () => {
+  const server = serveGraph({ ...smallGraph(), edges: [edge("drive", ["ocu", ""], ["base", ""])] });
+  const field = { feature: "name", values: ["operator"], changeable: true };
+  server.answer("form", () => ({ readonly: false, fields: [field] }) as never);
+  server.answer("connect", () => ({ options: [], refusal: "no" }));
+  const help = { kind: "help" as const };
+  const opened: [() => Promise<void>, object][] = [
+    [actions.removeSelected, { kind: "delete", referrers: null }],
+    [() => actions.beginRename(edgeKey("drive")), { kind: "rename", name: null }],
+    [
+      () => actions.connect({ node: "ocu", port: "" }, { node: "base", port: "" }),
+      { kind: "connect", options: null },
+    ],
+  ];
+  actions.select([nodeKey("ocu")]);
+  for (const [begin, dialog] of opened) {
+    for (const then of [null, help]) {
+      const late = begin();
+      expect(state().dialog).toMatchObject(dialog);
+      update({ dialog: then });
+      await late;
+      expect(state().dialog).toEqual(then);
+    }
+  }
+  expect(server.params("edit").filter((each) => !each.dry)).toEqual([]);
+  const late = actions.beginRename(nodeKey("ocu"));
+  expect(state().renaming).toMatchObject({ key: nodeKey("ocu"), name: null });
+  update({ renaming: null });
+  await late;
+  expect(state().renaming).toBeNull();
 });
 
 test("renaming begins with the name of the model, not with what the box shows", async () => {

@@ -58,11 +58,6 @@ export async function newModel(file: string): Promise<void> {
   if (await edit([create], `Create ${file}`)) await openFile(file);
 }
 
-/** Tells what an edit would do, without doing it. */
-export function dryRun(commands: Command[], label: string): Promise<EditResult | undefined> {
-  return tried(ask("edit", { commands, label, dry: true, base: revisionOf(state()) }));
-}
-
 export async function undo(): Promise<void> {
   const result = await tried(ask("undo", {}));
   if (!result) return;

@@ -1,18 +1,21 @@
 // Connecting two ends, by a line that is drawn or by a search.
 
-import { flushSync } from "react-dom";
 import { keyOfEnd } from "../canvas/navigation";
-import type { ConnectOption, GraphEnd } from "../protocol";
+import type { ConnectOption, GraphEnd, LegalEnd } from "../protocol";
 import { type PartKey, partOf } from "../selection";
 import { active, say, state, update } from "../store";
-import { ask, tried } from "./asking";
+import { ask } from "./asking";
 import { edit } from "./changing";
+import { openFor } from "./opening";
 
 /** Offers how two ends may be connected. */
 export async function connect(source: GraphEnd, target: GraphEnd): Promise<void> {
   const { file, view } = state();
-  const answer = await tried(ask("connect", { file, view, source, target }));
-  if (answer) update({ dialog: { kind: "connect", source, target, ...answer } });
+  const dialog = { kind: "connect" as const, source, target, options: null, refusal: "" };
+  await openFor(dialog, ask("connect", { file, view, source, target }), (answer) => ({
+    ...dialog,
+    ...answer,
+  }));
 }
 
 export async function take(option: ConnectOption, base?: number): Promise<void> {
@@ -25,12 +28,9 @@ export async function offerEnds(key = active(state())): Promise<void> {
   const from = key ? endOf(key) : null;
   if (!from) return say("Choose a box or a row first.");
   const { file, view } = state();
-  // It is there at once: what is typed before the answer comes is for it, and not for the diagram.
   const dialog = { kind: "ends" as const, from, ends: null };
-  flushSync(() => update({ dialog }));
-  const answer = await tried(ask("ends", { file, view, ...from }));
-  if (state().dialog !== dialog) return;
-  update({ dialog: answer ? { ...dialog, ends: answer.ends } : null });
+  const fill = ({ ends }: { ends: LegalEnd[] }) => ({ ...dialog, ends });
+  await openFor(dialog, ask("ends", { file, view, ...from }), fill);
 }
 
 export function endOf(key: PartKey): GraphEnd | null {

@@ -8,6 +8,7 @@ export * from "./connecting";
 export * from "./copying";
 export * from "./filtering";
 export * from "./listening";
+export * from "./opening";
 export * from "./placing";
 export * from "./removing";
 export * from "./renaming";

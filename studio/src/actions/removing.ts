@@ -2,10 +2,11 @@
 
 import type { Command, Ref } from "../protocol";
 import { partOf } from "../selection";
-import { active, revisionOf, say, state, update } from "../store";
+import { active, revisionOf, say, state } from "../store";
 import { ask, tried } from "./asking";
-import { dryRun, edit } from "./changing";
+import { edit } from "./changing";
 import { selected } from "./choosing";
+import { openFor } from "./opening";
 
 /** Removes elements; asks first where others refer to them. */
 export async function remove(elements: Ref[], what: string): Promise<void> {
@@ -13,14 +14,13 @@ export async function remove(elements: Ref[], what: string): Promise<void> {
   if (!commands.length) return;
   const label = `Remove ${what}`;
   const base = revisionOf(state());
-  const dry = await dryRun(commands, label);
-  if (!dry) return;
-  const referrers = dry.referrers ?? [];
-  if (!referrers.length) {
-    await edit(commands, label, base);
-    return;
-  }
-  update({ dialog: { kind: "delete", commands, label, referrers, diff: dry.diff ?? "", base } });
+  const dialog = { kind: "delete" as const, commands, label, referrers: null, diff: "", base };
+  let isDone = false;
+  await openFor(dialog, ask("edit", { commands, label, dry: true, base }), (dry) => {
+    isDone = !dry.referrers?.length;
+    return isDone ? null : { ...dialog, referrers: dry.referrers ?? [], diff: dry.diff ?? "" };
+  });
+  if (isDone) await edit(commands, label, base);
 }
 
 /** Removes what is selected. */

@@ -1,11 +1,12 @@
 // Giving elements other names.
 
-import type { Ref } from "../protocol";
+import type { Form, Ref } from "../protocol";
 import { elementOf, has, partOf } from "../selection";
 import { active, revisionOf, say, state, update } from "../store";
 import { ask, tried } from "./asking";
 import { edit } from "./changing";
 import { select } from "./choosing";
+import { openFor } from "./opening";
 
 /** Begins to rename what the keyboard stands on. */
 export async function beginRename(key = active(state())): Promise<void> {
@@ -13,18 +14,29 @@ export async function beginRename(key = active(state())): Promise<void> {
   const element = graph && key ? elementOf(graph, key) : "";
   if (!key || !element) return say("What is selected has no name to change.");
   const base = revisionOf(state());
-  const form = await tried(ask("form", { element }));
-  if (!form) return;
-  const field = form.fields.find((each) => each.feature === "name");
-  if (!field?.changeable || form.readonly) {
-    return say("What is selected has no name that can be changed here.");
-  }
-  const name = field.values[0] ?? "";
+  const asked = ask("form", { element });
   if (partOf(key).of === "edge" || partOf(key).of === "group") {
-    update({ dialog: { kind: "rename", element, name, base } });
-  } else {
-    update({ renaming: { key, element, name, base } });
+    const dialog = { kind: "rename" as const, element, name: null, base };
+    await openFor(dialog, asked, (form) => {
+      const name = nameIn(form);
+      return name === null ? null : { ...dialog, name };
+    });
+    return;
   }
+  const renaming = { key, element, name: null, base };
+  update({ renaming });
+  const form = await tried(asked);
+  if (state().renaming !== renaming) return; // it was left meanwhile
+  const name = form ? nameIn(form) : null;
+  update({ renaming: name === null ? null : { ...renaming, name } });
+}
+
+/** The name that a form lets one change; null where there is none, which the user is told. */
+function nameIn(form: Form): string | null {
+  const field = form.fields.find((each) => each.feature === "name");
+  if (field?.changeable && !form.readonly) return field.values[0] ?? "";
+  say("What is selected has no name that can be changed here.");
+  return null;
 }
 
 /** @param base Revision of which the ref is: that of when it was begun. */

@@ -101,7 +101,7 @@ function Name({ partKey, text, className }: { partKey: PartKey; text: string; cl
     return (
       <NameInput
         name={renaming.name}
-        onDone={(name) => void rename(renaming.element, renaming.name, name, renaming.base)}
+        onDone={(name) => void rename(renaming.element, renaming.name ?? "", name, renaming.base)}
         onCancel={() => update({ renaming: null })}
       />
     );

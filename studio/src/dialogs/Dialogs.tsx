@@ -1,4 +1,4 @@
-import { type FormEvent, useState } from "react";
+import { type FormEvent, useEffect, useRef, useState } from "react";
 import { choose, connect, edit, newModel, placeOn, rename, take } from "../actions";
 import { hostsOf } from "../canvas/frames";
 import { HELP } from "../keyboard/keys";
@@ -6,6 +6,7 @@ import { type Dialog, state, update, useStudio } from "../store";
 import { Diff } from "./Diff";
 import { Modal } from "./Modal";
 import { Picker } from "./Picker";
+import { useName } from "./useName";
 
 type Of<K extends Dialog["kind"]> = { dialog: Extract<Dialog, { kind: K }> };
 
@@ -74,9 +75,20 @@ function Help() {
 
 function Delete({ dialog }: Of<"delete">) {
   const { commands, label, referrers, diff, base } = dialog;
+  const agree = useRef<HTMLButtonElement>(null);
+  useEffect(() => {
+    if (referrers) agree.current?.focus();
+  }, [referrers]);
   function onDelete() {
     close();
     void edit(commands, label, base);
+  }
+  if (!referrers) {
+    return (
+      <Modal title={`${label}?`} onClose={close} isShort>
+        <p className="quiet">Looking who refers to it…</p>
+      </Modal>
+    );
   }
   return (
     <Modal title={`${label}?`} onClose={close}>
@@ -110,7 +122,7 @@ function Delete({ dialog }: Of<"delete">) {
         <button type="button" onClick={close}>
           Keep it
         </button>
-        <button type="button" className="best" onClick={onDelete}>
+        <button ref={agree} type="button" className="best" onClick={onDelete}>
           Delete
         </button>
       </footer>
@@ -138,7 +150,6 @@ function Ends({ dialog }: Of<"ends">) {
           }))}
           onPick={(at) => {
             const end = ends?.[at];
-            close();
             if (end) void connect(from, { node: end.node, port: end.port });
           }}
         />
@@ -148,10 +159,13 @@ function Ends({ dialog }: Of<"ends">) {
 }
 
 function Connect({ dialog }: Of<"connect">) {
-  const options = [...dialog.options].sort((a, b) => Number(b.is_best) - Number(a.is_best));
-  if (!options.length) {
+  const isLooking = !dialog.options;
+  const options = [...(dialog.options ?? [])].sort((a, b) => Number(b.is_best) - Number(a.is_best));
+  // A field into which one has begun to type stays.
+  const [isSearched] = useState(isLooking || options.length > 8);
+  if (!isLooking && !options.length) {
     return (
-      <Modal title="This cannot be connected" onClose={close}>
+      <Modal key="refusal" title="This cannot be connected" onClose={close}>
         <p role="alert">{dialog.refusal || "No rule allows it."}</p>
         <footer>
           <button type="button" className="best" onClick={close}>
@@ -166,7 +180,8 @@ function Connect({ dialog }: Of<"connect">) {
       {dialog.refusal && <p>{dialog.refusal}</p>}
       <Picker
         label="ways to connect"
-        isSearched={options.length > 8}
+        isSearched={isSearched}
+        isLooking={isLooking}
         picks={options.map((option, at) => ({
           id: `${at} ${option.label}`,
           text: `${option.label} ${option.why} ${option.preview}`,
@@ -207,25 +222,29 @@ function Hosts({ dialog }: Of<"hosts">) {
 }
 
 function Rename({ dialog }: Of<"rename">) {
-  const [name, setName] = useState(dialog.name);
+  const { element, name, base } = dialog;
+  const { field, text, setText, take } = useName(
+    name,
+    (typed) => void rename(element, name ?? "", typed, base),
+  );
   function onSubmit(event: FormEvent) {
     event.preventDefault();
-    void rename(dialog.element, dialog.name, name.trim(), dialog.base);
+    take();
   }
   return (
-    <Modal title={`Rename ${dialog.name}`} onClose={close}>
+    <Modal title={name === null ? "Rename…" : `Rename ${name}`} onClose={close}>
       <form onSubmit={onSubmit}>
         <label>
           New name{" "}
           <input
+            ref={field}
             spellCheck={false}
-            value={name}
-            onFocus={(event) => event.currentTarget.select()}
-            onChange={(event) => setName(event.currentTarget.value)}
+            value={text}
+            onChange={(event) => setText(event.currentTarget.value)}
           />
         </label>
         <footer>
-          <button type="submit" className="best" disabled={!name.trim()}>
+          <button type="submit" className="best" disabled={name !== null && !text.trim()}>
             Rename
           </button>
         </footer>

@@ -5,12 +5,14 @@ interface Props {
   onClose(): void;
   children: ReactNode;
   isWide?: boolean;
+  /** Whether it is gone before one looks, as a rule: it holds the keys at once, and is seen later. */
+  isShort?: boolean;
 }
 
 const FIRST = "input, [role='listbox'][tabindex='0'], .best";
 
 /** A dialog that holds the focus until it is closed, and gives it back. */
-export function Modal({ title, onClose, children, isWide = false }: Props) {
+export function Modal({ title, onClose, children, isWide = false, isShort = false }: Props) {
   const dialog = useRef<HTMLDialogElement>(null);
   const id = useId();
   // Before anything else happens: the next key is for the dialog.
@@ -20,7 +22,7 @@ export function Modal({ title, onClose, children, isWide = false }: Props) {
     if (element && !element.open) {
       element.showModal();
       // It would begin with the first button, which closes it.
-      element.querySelector<HTMLElement>(FIRST)?.focus();
+      (element.querySelector<HTMLElement>(FIRST) ?? element).focus();
     }
     return () => {
       element?.close();
@@ -30,7 +32,8 @@ export function Modal({ title, onClose, children, isWide = false }: Props) {
   return (
     <dialog
       ref={dialog}
-      className={isWide ? "wide" : ""}
+      tabIndex={-1}
+      className={isWide ? "wide" : isShort ? "short" : ""}
       aria-labelledby={id}
       onCancel={(event) => {
         event.preventDefault();

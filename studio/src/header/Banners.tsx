@@ -43,14 +43,13 @@ function Worth() {
     return <p className="banner error">× {graphFault}. The diagram is that of before.</p>;
   if (!isOld && !file?.stale) return null;
   const why = isOld ? freshness.why : `${file?.path} cannot be read as it is now`;
-  const shows = isOld && freshness.since === 0 ? "nothing for certain" : "how it was before";
+  const since = isOld ? freshness.since : null;
+  const shows = isOld && since === null ? "nothing for certain" : "how it was before";
   return (
     <p className="banner warning" role="status">
       ! {why}. The diagram shows {freshness?.state === "conflict" ? "what the file says" : shows}
-      {isOld && freshness.since > 0 && freshness.state !== "conflict"
-        ? ` (revision ${freshness.since})`
-        : ""}
-      ; nothing is generated from it.
+      {since !== null && freshness?.state !== "conflict" ? ` (revision ${since})` : ""}; nothing is
+      generated from it.
     </p>
   );
 }

@@ -97,6 +97,10 @@ test("a picture that is not of the files as they are says so", () => {
   act(() => update({ freshness: { state: "unreadable", since: 3, why } }));
   expect(screen.getByRole("status")).toHaveTextContent(why);
   expect(screen.getByRole("status")).toHaveTextContent("revision 3");
+  act(() => update({ freshness: { state: "unreadable", since: 0, why } }));
+  expect(screen.getByRole("status")).toHaveTextContent("how it was before (revision 0)");
+  act(() => update({ freshness: { state: "unreadable", since: null, why } }));
+  expect(screen.getByRole("status")).toHaveTextContent("shows nothing for certain");
   act(() => update({ freshness: { state: "current", since: 4, why: "" } }));
   expect(screen.queryByRole("status")).toBeNull();
 });

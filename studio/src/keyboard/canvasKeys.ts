@@ -9,7 +9,7 @@ import type { Graph, LayoutKey, Point } from "../protocol";
 import { indexOf, nodeKey, type PartKey, partOf, portKey } from "../selection";
 import { active, state } from "../store";
 import { isTyping, nameOfKey } from "./keys";
-import { PART_KEYS } from "./partKeys";
+import { PART_KEYS, press } from "./partKeys";
 
 const DIRECTIONS: Record<string, Direction> = {
   ArrowLeft: "left",
@@ -46,7 +46,7 @@ export function useCanvasKeys(graph: Graph, setMoved: SetMoved) {
       const doing = zooming ?? ENDS_OF_ROWS[name] ?? PART_KEYS[name];
       if (!doing) return;
       event.preventDefault();
-      void doing();
+      press(doing);
     },
     [graph, flow, nudge],
   );

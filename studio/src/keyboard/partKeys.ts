@@ -15,6 +15,7 @@ import {
 } from "../actions";
 import { frameAround } from "../canvas/frames";
 import { FIT_EVENT } from "../canvas/Tools";
+import { FIELDS } from "../panels/base/fields";
 import { groupKey, nodeKey } from "../selection";
 import { active, state, update } from "../store";
 
@@ -40,6 +41,11 @@ export const PART_KEYS: Record<string, () => void> = {
   Escape: leave,
 };
 
+/** Does what a key is for, and shows it at once: the very next key is for what this one opens. */
+export function press(doing: () => unknown): void {
+  flushSync(() => void doing());
+}
+
 function selectAll(): void {
   select((state().graph?.nodes ?? []).map((node) => nodeKey(node.id)));
 }
@@ -58,10 +64,9 @@ function leave(): void {
   else select([]);
 }
 
-/** To the first field of the form. */
+/** To the first field of the form; while that is read, to where it comes, which hands on. */
 function openForm(): void {
-  // The very next key is for the field.
   flushSync(() => update({ right: "form" }));
-  const form = document.querySelector(".right [role='tabpanel']");
-  form?.querySelector<HTMLElement>("input, select, textarea, button")?.focus();
+  const panel = document.querySelector<HTMLElement>(".right [role='tabpanel']");
+  if (panel) (panel.querySelector<HTMLElement>(FIELDS) ?? panel).focus();
 }

@@ -22,8 +22,8 @@ export interface FileInfo {
 export interface Freshness {
   /** Generating and verdicts take `current` alone. */
   state: "current" | "stale" | "unreadable" | "conflict";
-  /** Revision of which the answer is; 0 where the files never could be read. */
-  since: number;
+  /** Revision of which the answer is; null where the files never could be read. */
+  since: number | null;
   /** What keeps it from being current, for people. */
   why: string;
 }

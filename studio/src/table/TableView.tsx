@@ -2,7 +2,7 @@ import { type KeyboardEvent, useMemo, useState } from "react";
 import { select } from "../actions";
 import { liveText, Mark, severityOf, told } from "../canvas/marks";
 import { isTyping, nameOfKey } from "../keyboard/keys";
-import { PART_KEYS } from "../keyboard/partKeys";
+import { PART_KEYS, press } from "../keyboard/partKeys";
 import type { Graph, LiveState } from "../protocol";
 import { useStudio } from "../store";
 import { boxRows, type Column, lineRows, type Row, sorted } from "./rows";
@@ -70,7 +70,7 @@ function Sheet({ caption, columns, rows }: { caption: string; columns: Column[];
     if (row) {
       select([row.key]);
       event.currentTarget.querySelectorAll<HTMLElement>("tr")[to ?? 0]?.focus();
-    } else if (to === undefined) doing?.();
+    } else if (doing) press(doing);
   }
 
   function sortBy(column: Column) {

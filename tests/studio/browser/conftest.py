@@ -97,7 +97,7 @@ def open_studio(chromium, tmp_path_factory):
         opened.append(studio)
         return page_of(studio.address, **options)
 
-    def page_of(address, **options):
+    def page_of(address, prepare=None, **options):
         size = {"width": 1440, "height": 900}
         context = chromium.new_context(**{"viewport": size, "reduced_motion": "reduce", **options})
         contexts.append(context)
@@ -112,6 +112,8 @@ def open_studio(chromium, tmp_path_factory):
         page.on("request", note_request)
         page.on("pageerror", lambda error: complaints.append(f"page error: {error}"))
         page.on("console", lambda said: _note(said, complaints))
+        if prepare is not None:
+            prepare(page)
         page.goto(address)
         return page
 

@@ -1,7 +1,8 @@
-import { useState } from "react";
+import { useEffect, useRef, useState } from "react";
 import { change, choose, messageOf, remove } from "../../actions";
 import type { ChildKind, Command, FormChildren, FormField, Ref } from "../../protocol";
 import { revisionOf, useStudio } from "../../store";
+import { FIELDS } from "../base/fields";
 import { Fault, Help, Quiet } from "../base/parts";
 import { useAnswer } from "../base/useAnswer";
 import { ChildrenRow } from "./ChildrenRow";
@@ -18,6 +19,14 @@ export function PropertyForm() {
     isPending,
   } = useAnswer("form", element ? { element } : null, revision, `${choice}`);
   const [fault, setFault] = useState("");
+  const shown = useRef<HTMLFormElement>(null);
+  const isRead = form !== null;
+  useEffect(() => {
+    const panel = isRead && shown.current?.closest("[role='tabpanel']");
+    if (panel && panel === document.activeElement) {
+      panel.querySelector<HTMLElement>(FIELDS)?.focus(); // whoever asked for the form waits there
+    }
+  }, [isRead]);
 
   if (!element) return <Quiet>Choose something in the diagram to see its properties.</Quiet>;
   if (form === null && error) return <Fault>{error}</Fault>;
@@ -65,6 +74,7 @@ export function PropertyForm() {
 
   return (
     <form
+      ref={shown}
       className="property-form"
       aria-label={`Properties of ${form.title}`}
       onSubmit={(event) => event.preventDefault()}

@@ -1,0 +1,34 @@
+import { type RefObject, useEffect, useRef, useState } from "react";
+
+interface Typed {
+  /** Of the field in which the name is typed. */
+  field: RefObject<HTMLInputElement | null>;
+  text: string;
+  setText(text: string): void;
+  /** Takes what was typed. */
+  take(): void;
+}
+
+/**
+ * A name that is typed, perhaps before the present one is known: taking waits for that.
+ *
+ * @param name The present name, null until it is known.
+ */
+export function useName(name: string | null, onDone: (name: string) => void): Typed {
+  const [typed, setText] = useState<string | null>(null);
+  const [isTaken, setTaken] = useState(false);
+  const field = useRef<HTMLInputElement>(null);
+  const text = typed ?? name ?? "";
+
+  useEffect(() => {
+    if (name !== null && isTaken) onDone(text.trim());
+  }, [name, isTaken, text, onDone]);
+
+  const isUntouched = typed === null;
+  useEffect(() => {
+    if (name !== null && isUntouched) field.current?.select();
+  }, [name, isUntouched]);
+
+  const take = () => (name === null ? setTaken(true) : onDone(text.trim()));
+  return { field, text, setText, take };
+}

@@ -1,0 +1,139 @@
+"""Keys while the server has not answered: they are for what they opened, and nothing opens late."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from browsers import BROWSER
+from desktop import Desktop
+from playwright.sync_api import expect
+
+pytestmark = [BROWSER, pytest.mark.ports, pytest.mark.timeout(300)]
+
+
+class Line:
+    """The line between a page and its real server, whose answers can be held."""
+
+    def __init__(self, page):
+        self._held = None
+        self._page = page
+        page.route_web_socket(re.compile("/socket$"), self._connect)
+
+    def _connect(self, socket):
+        server = socket.connect_to_server()
+        server.on_message(lambda message: self._pass(socket, message))
+
+    def _pass(self, socket, message):
+        if self._held is None:
+            socket.send(message)
+        else:
+            self._held.append((socket, message))
+
+    def hold(self):
+        """Holds all that the server says from now on."""
+        self._held = []
+
+    def release(self):
+        """Lets through what was held, in its order; waits for an answer first."""
+        while not any('"id"' in message for _, message in self._held):
+            self._page.wait_for_timeout(20)
+        held, self._held = self._held, None
+        for socket, message in held:
+            socket.send(message)
+
+
+@pytest.fixture
+def slow(open_studio, example):
+    """A desk, and its line."""
+    lines = []
+    page = open_studio(example, prepare=lambda page: lines.append(Line(page)))
+    desk = Desktop(page)
+    expect(desk.box("vehicle")).to_be_visible()
+    return desk, lines[0]
+
+
+def choose(desk, name):
+    desk.keyboard.press("Control+f")
+    desk.keyboard.type(name)
+    desk.keyboard.press("Enter")
+    desk.keyboard.press("Escape")
+    expect(desk.diagram).to_be_focused()
+
+
+def test_a_name_that_is_typed_before_the_present_one_is_known(slow, example):
+    desk, line = slow
+    choose(desk, "logger")
+    line.hold()
+    desk.keyboard.press("F2")
+    desk.keyboard.type("recorder")
+    desk.keyboard.press("Enter")
+    line.release()
+    expect(desk.box("recorder")).to_have_count(1)
+    assert b'name="recorder"' in example.read_bytes()
+
+
+def test_keys_after_an_end_was_picked_are_for_the_ways_to_connect(slow, example):
+    desk, line = slow
+    choose(desk, "vehicle")
+    desk.keyboard.press("c")
+    ends = desk.dialog("Connect to…")
+    desk.keyboard.type("velocity_controller dead")
+    expect(ends.get_by_role("option")).to_have_count(1)
+    before = example.read_bytes()
+    line.hold()
+    desk.keyboard.press("Enter")
+    expect(desk.dialog("Connect how?")).to_be_visible()
+    desk.keyboard.press("Delete")  # of the field, not of the vehicle
+    desk.keyboard.press("Enter")
+    line.release()
+    expect(desk.row("bridge", "dead_reckoning")).to_have_count(1)
+    expect(desk.box("vehicle")).to_have_count(1)
+    assert before != example.read_bytes()
+
+
+def test_nothing_is_removed_that_was_let_go_while_its_referrers_were_looked_for(slow, example):
+    desk, line = slow
+    before = example.read_bytes()
+    for key in ("Escape", "Enter"):
+        choose(desk, "vehicle")
+        line.hold()
+        desk.keyboard.press("Delete")
+        expect(desk.dialog(re.compile("Remove"))).to_have_count(1)
+        desk.keyboard.press(key)
+        line.release()
+        if key == "Enter":  # nothing was agreed to that could not be seen
+            expect(desk.dialog(re.compile("Remove"))).to_contain_text("Delete")
+            desk.keyboard.press("Escape")
+        expect(desk.page.get_by_role("dialog")).to_have_count(0)
+    assert example.read_bytes() == before
+
+
+def test_what_was_closed_does_not_open_over_another_dialog(slow):
+    desk, line = slow
+    choose(desk, "vehicle")
+    line.hold()
+    desk.keyboard.press("c")
+    expect(desk.dialog("Connect to…")).to_be_visible()
+    desk.keyboard.press("Escape")
+    desk.keyboard.press("?")
+    keys = desk.dialog(re.compile("Keys"))
+    expect(keys).to_be_visible()
+    line.release()
+    expect(desk.page.get_by_role("dialog")).to_have_count(1)
+    expect(keys).to_be_visible()
+
+
+def test_the_form_takes_the_keyboard_when_it_is_read(slow):
+    desk, line = slow
+    form = desk.page.get_by_role("form", name="Properties of")
+    choose(desk, "logger")
+    expect(form).to_be_visible()
+    line.hold()
+    desk.keyboard.press("ArrowLeft")
+    expect(form).to_have_count(0)
+    desk.keyboard.press("Enter")
+    desk.keyboard.press("Delete")
+    expect(desk.page.get_by_role("dialog")).to_have_count(0)
+    line.release()
+    expect(form.locator(":focus")).to_have_count(1)
