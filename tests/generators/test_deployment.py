@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import signal
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -436,6 +438,86 @@ def test_scripts_are_of_their_shell(name, workspace):
     shell = script.read_text(encoding="utf-8").splitlines()[0].removeprefix("#!")
     done = subprocess.run([shell, "-n", str(script)], capture_output=True, text=True, timeout=60)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+FIRST_PROCESS = ["unshare", "--map-root-user", "--pid", "--fork", "--kill-child", "--mount-proc"]
+COMMANDING = """
+import signal, sys
+from jausml.runtime.base.loop import Loop
+from jausml.runtime.guardian.ward import Ward, stops
+
+with Loop() as loop:
+    ward = Ward(loop, dict, lambda: 0, lambda: None)
+    loop.start()
+    with loop.lock:
+        slot = ward.slot(lambda: 4660)
+        endpoint = ("127.0.0.1", int(sys.argv[1]))
+        content = {"data": b"stop..".hex(), "endpoint": endpoint, "slot": slot}
+        ward.guard(lambda: stops(0.2, [], [content])).arm(True)
+    print("runs", flush=True)
+    signal.pause()
+"""
+
+
+@pytest.fixture
+def container(workspace, tmp_path):
+    """Starts a bridge that commands, as the first process of a container does."""
+    made = []
+    (tmp_path / "commanding.py").write_text(COMMANDING, encoding="utf-8")
+    programs = Path(sys.executable).parent
+    setup = f"export PYTHONPATH={tmp_path}:{ROOT}\nexport PATH={programs}:$PATH\n"
+    (tmp_path / "setup.bash").write_text(setup, encoding="utf-8")
+
+    def start(port):
+        if subprocess.run([*FIRST_PROCESS, "true"], capture_output=True).returncode:
+            pytest.skip("namespaces of processes are not allowed here (unshare --pid)")
+        start = workspace / "rover_deployment" / "start.sh"
+        line = [*FIRST_PROCESS, "bash", str(start), "commanding", str(port)]
+        environment = {**os.environ, "JAUS_WORKSPACE": str(tmp_path)}
+        pipe = subprocess.PIPE
+        made.append(subprocess.Popen(line, env=environment, stdout=pipe))
+        assert made[-1].stdout.readline() == b"runs\n"
+        return made[-1]
+
+    yield start
+    for each in made:
+        each.kill()
+        each.communicate(timeout=60)
+
+
+def bridge_in(container):
+    """The process that the first one of a container has started, as seen from outside."""
+    first = children(container.pid)[0]
+    return next(each for each in children(first) if b"commanding" in command(each))
+
+
+def children(process):
+    there = Path(f"/proc/{process}/task/{process}/children")
+    return [int(each) for each in there.read_text(encoding="utf-8").split()]
+
+
+def command(process):
+    return Path(f"/proc/{process}/cmdline").read_bytes()
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSEGV])
+def test_in_a_container_the_guardian_outlives_its_bridge(container, number):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as vehicle:
+        vehicle.bind(("127.0.0.1", 0))
+        vehicle.settimeout(20)
+        first = container(vehicle.getsockname()[1])
+        os.kill(bridge_in(first), number)
+        assert vehicle.recv(100) == b"stop\x34\x12"
+        assert first.wait(60) == 128 + number
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_in_a_container_signals_are_for_the_bridge(container, number):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as vehicle:
+        vehicle.bind(("127.0.0.1", 0))
+        first = container(vehicle.getsockname()[1])
+        os.kill(children(first.pid)[0], number)
+        assert first.wait(60) == 128 + signal.SIGTERM
 
 
 # As much of `ros2 security` as the script uses, with the files that sros2 makes.

@@ -120,12 +120,14 @@ class _Told:
 class Guardian:
     """One guardian of one bridge."""
 
-    def __init__(self, channel: socket.socket, page: Page, bridge: int) -> None:
+    def __init__(self, channel: socket.socket, page: Page, death: int, bridge: int) -> None:
         """Watches nothing before `run`.
 
         Args:
             channel: What the bridge hands over comes here.
             page: The shared memory.
+            death: Descriptor of the process that the bridge is, which it opened itself: it may be
+                gone before this one runs.
             bridge: Process id of the bridge.
         """
         self._channel = channel
@@ -138,7 +140,7 @@ class Guardian:
         self._ros: Rcl | None = None
         self._cancel: Any = None
         self._is_over = False
-        self._death = os.pidfd_open(bridge)
+        self._death = death
 
     def run(self) -> None:
         """Watches until the bridge ends or says that nothing is left to do."""
@@ -350,12 +352,13 @@ def _log(text: str) -> None:
     sys.stderr.flush()
 
 
-def main(channel: str, page: str, bridge: str) -> int:
+def main(channel: str, page: str, death: str, bridge: str) -> int:
     """Guards one bridge.
 
     Args:
         channel: Descriptor of the socket.
         page: Descriptor of the shared memory.
+        death: Descriptor of the process of the bridge.
         bridge: Process id of the bridge.
 
     Returns:
@@ -366,10 +369,8 @@ def main(channel: str, page: str, bridge: str) -> int:
         signal.signal(number, signal.SIG_IGN)
     with socket.socket(fileno=int(channel)) as own:
         try:
-            Guardian(own, Page(int(page)), int(bridge)).run()
+            Guardian(own, Page(int(page)), int(death), int(bridge)).run()
         except RclError as error:
             _log(f"cannot speak ROS: {error}")
             return EXIT_OF_ROS
-        except ProcessLookupError:  # the bridge was gone before it could be watched
-            return 0
     return 0

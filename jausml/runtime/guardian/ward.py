@@ -227,18 +227,8 @@ class Ward:
         own, other = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         with other:
             own.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4 * MOST_OF_A_FRAME)
-            passed = (other.fileno(), self._page_descriptor)
-            runtime = str(Path(__file__).parents[1])
-            line = [sys.executable, "-I", "-S", "-c", _RUN, runtime, *map(str, passed)]
             try:
-                self._process = subprocess.Popen(  # noqa: S603 - itself
-                    [*line, str(os.getpid())],
-                    pass_fds=passed,
-                    stdin=subprocess.DEVNULL,
-                    stdout=subprocess.DEVNULL,
-                    # Signals to a group, as of a terminal, are for the bridge.
-                    start_new_session=True,
-                )
+                self._process = self._spawn(other)
             except OSError as error:
                 own.close()
                 self._give_up(f"cannot be started: {error}")
@@ -252,6 +242,24 @@ class Ward:
             each.hand(again=True)
         for goal in self._goals.values():
             self.send("goal", goal)
+
+    def _spawn(self, channel: socket.socket) -> subprocess.Popen[bytes]:
+        # It is told of our death by a descriptor of ours: we may be gone before it runs.
+        death = os.pidfd_open(os.getpid())
+        passed = (channel.fileno(), self._page_descriptor, death)
+        runtime = str(Path(__file__).parents[1])
+        line = [sys.executable, "-I", "-S", "-c", _RUN, runtime, *map(str, passed)]
+        try:
+            return subprocess.Popen(  # noqa: S603 - itself
+                [*line, str(os.getpid())],
+                pass_fds=passed,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                # Signals to a group, as of a terminal, are for the bridge.
+                start_new_session=True,
+            )
+        finally:
+            os.close(death)
 
     def _beat(self) -> None:
         page = self._page

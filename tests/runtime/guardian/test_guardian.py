@@ -58,6 +58,9 @@ class Bridge:
         pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True, "bufsize": 1}
         self.process = subprocess.Popen(line, cwd=ROOT, **pipes)
         assert self.said() == "runs"
+        if life == "killed":  # before its guardian has done anything
+            self.process.kill()
+            self.process.wait()
         self.guardian = self._guardian()
 
     def _guardian(self):
@@ -128,6 +131,11 @@ def test_the_stop_is_said_thrice_when_the_bridge_dies(bridge, number):
     assert [dying.stop(), dying.stop(), dying.stop()] == [STOP] * 3
     dying.wait_alone()
     assert dying.stop(0.0) is None
+
+
+def test_the_stop_is_said_when_the_bridge_died_before_its_guardian_ran(bridge):
+    dying = bridge("killed")
+    assert [dying.stop(), dying.stop(), dying.stop()] == [STOP] * 3
 
 
 def test_the_stop_is_said_when_the_bridge_stands_still(bridge):
