@@ -7,7 +7,6 @@ a stop. Then, and never otherwise: a bridge that ends in good order has said its
 
 from __future__ import annotations
 
-import os
 import select
 import signal
 import socket
