@@ -55,6 +55,17 @@ export interface Outside {
   isConflict: boolean;
 }
 
+/** What was typed into a field that is not shown now, and could not be taken. */
+export interface Draft {
+  element: Ref;
+  /** Feature and which of its values; one draft for each. */
+  field: string;
+  /** How people call the field. */
+  what: string;
+  text: string;
+  why: string;
+}
+
 export interface Said {
   text: string;
   isError: boolean;
@@ -94,6 +105,7 @@ export interface Studio {
   outside: Outside[];
   /** Edits that were not done since others have changed the same. */
   kept: KeptEdit[];
+  drafts: Draft[];
   /** When the live state came, in milliseconds since 1970. */
   liveAt: number;
   said: Said;
@@ -131,6 +143,7 @@ export const BEGINNING: Studio = {
   renaming: null,
   outside: [],
   kept: [],
+  drafts: [],
   liveAt: 0,
   said: { text: "", isError: false, number: 0 },
   clip: [],

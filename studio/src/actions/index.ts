@@ -6,6 +6,7 @@ export * from "./changing";
 export * from "./choosing";
 export * from "./connecting";
 export * from "./copying";
+export * from "./drafting";
 export * from "./filtering";
 export * from "./listening";
 export * from "./opening";

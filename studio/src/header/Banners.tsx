@@ -1,6 +1,6 @@
-import { discard, doAgain } from "../actions";
+import { choose, discard, doAgain, dropDraft } from "../actions";
 import type { KeptEdit } from "../protocol";
-import { update, useStudio } from "../store";
+import { type Draft, update, useStudio } from "../store";
 
 /** What stands above all else: a lost connection, a file that is not what it was. */
 export function Banners() {
@@ -8,6 +8,7 @@ export function Banners() {
   const refusal = useStudio((studio) => studio.refusal);
   const outside = useStudio((studio) => studio.outside);
   const kept = useStudio((studio) => studio.kept);
+  const drafts = useStudio((studio) => studio.drafts);
   return (
     <div className="banners">
       {link === "lost" && (
@@ -23,6 +24,9 @@ export function Banners() {
       <Worth />
       {kept.map((each) => (
         <Kept key={each.number} edit={each} />
+      ))}
+      {drafts.map((each) => (
+        <Typed key={`${each.element} ${each.field}`} draft={each} />
       ))}
       {outside.map((each) => (
         <Outside key={each.file} file={each.file} diff={each.diff} isConflict={each.isConflict} />
@@ -67,6 +71,21 @@ function Kept({ edit }: { edit: KeptEdit }) {
         Do it all the same
       </button>
       <button type="button" onClick={() => void discard(edit)}>
+        Discard
+      </button>
+    </p>
+  );
+}
+
+/** What was typed into a field that is not shown, and could not be taken. */
+function Typed({ draft: { element, field, what, text, why } }: { draft: Draft }) {
+  return (
+    <p className="banner error" role="status">
+      × Typed, and not taken: {what}: “{text}”. {why && `${why}.`}
+      <button type="button" onClick={() => choose(element)}>
+        Go there
+      </button>
+      <button type="button" onClick={() => dropDraft(element, field)}>
         Discard
       </button>
     </p>

@@ -1,10 +1,13 @@
 import { useId, useState } from "react";
-import type { FormField } from "../../protocol";
+import type { FormField, Ref } from "../../protocol";
 import { Help, Messages } from "../base/parts";
 import { ValueInput } from "./ValueInput";
 import { moved, shownAs } from "./values";
 
 interface Props {
+  element: Ref;
+  /** How people call the element. */
+  of: string;
   field: FormField;
   /** Sets all values of the field; none unsets it. Resolves to why it was refused, or nothing. */
   onSet: (values: string[]) => Promise<string>;
@@ -12,7 +15,7 @@ interface Props {
 }
 
 /** A feature of an element: label, value or list of values, help and what is wrong with it. */
-export function FieldRow({ field, onSet, onJump }: Props) {
+export function FieldRow({ element, of, field, onSet, onJump }: Props) {
   const [why, setWhy] = useState("");
   const id = useId();
   const problems = [...(why ? [why] : []), ...field.problems];
@@ -24,7 +27,7 @@ export function FieldRow({ field, onSet, onJump }: Props) {
     return refusal;
   }
 
-  const shared = { field, describedBy: `${id}-problems`, isWrong, onFault: setWhy };
+  const shared = { element, of, field, describedBy: `${id}-problems`, isWrong, onFault: setWhy };
   const isSet = field.values.length > 0;
   return (
     <div className={`field field-${field.kind}`} data-feature={field.feature}>
@@ -76,6 +79,8 @@ export function FieldRow({ field, onSet, onJump }: Props) {
 }
 
 interface ListProps {
+  element: Ref;
+  of: string;
   field: FormField;
   labelledBy: string;
   describedBy: string;

@@ -1,7 +1,9 @@
 import { act, render, screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { beforeEach, describe, expect, it } from "vitest";
+import { choose } from "../../actions";
 import { CallError } from "../../connection";
+import { Banners } from "../../header/Banners";
 import type { Form, FormField } from "../../protocol";
 import { state, update } from "../../store";
 import { type FakeServer, PROJECT, serve } from "../../testing/fakeServer";
@@ -211,6 +213,37 @@ describe("the property form", () => {
     await waitFor(() => expect(server.params("form")).toHaveLength(2));
     await userEvent.type(rate, "6{Enter}");
     expect(commands()).toEqual([set("rate", "1056")]);
+  });
+
+  it("keeps a wrong number while another element is shown, and has it in its field again", async () => {
+    render(<Banners />);
+    const rate = await screen.findByLabelText("rate");
+    await userEvent.clear(rate);
+    await userEvent.type(rate, "1o");
+    act(() => choose("robot.xmi#other"));
+    const kept = await screen.findByText(/Typed, and not taken: rate of drive: “1o”. .*no number/);
+    act(() => choose(ELEMENT));
+    await waitFor(() => expect(screen.getByLabelText("rate")).toHaveValue("1o"));
+    await waitFor(() => expect(kept).not.toBeInTheDocument());
+    expect(await screen.findByText("'1o' is no number")).toBeVisible();
+    act(() => choose("robot.xmi#other"));
+    await userEvent.click(await screen.findByRole("button", { name: "Discard" }));
+    expect(state().drafts).toEqual([]);
+    expect(commands()).toEqual([]);
+  });
+
+  it("keeps what the server refuses when another element is shown by then", async () => {
+    let refuse: (error: Error) => void = () => {};
+    server.answer("edit", () => new Promise((_, no) => (refuse = no)) as never);
+    const rate = await screen.findByLabelText("rate");
+    await userEvent.clear(rate);
+    await userEvent.type(rate, "20{Enter}");
+    act(() => choose("robot.xmi#other"));
+    expect(state().drafts).toEqual([]);
+    act(() => refuse(new Error("the disk is full")));
+    await waitFor(() =>
+      expect(state().drafts).toMatchObject([{ text: "20", why: "the disk is full" }]),
+    );
   });
 
   it("tells a wrong number where it is, and sends nothing", async () => {

@@ -100,6 +100,8 @@ export function PropertyForm() {
       {form.fields.map((each) => (
         <FieldRow
           key={`${choice} ${each.feature}`}
+          element={element}
+          of={form.title}
           field={form.readonly ? { ...each, changeable: false } : each}
           onSet={(values) => set(each, values)}
           onJump={(target) => choose(target)}

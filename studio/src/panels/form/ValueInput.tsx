@@ -1,10 +1,14 @@
-import { type KeyboardEvent, useId, useState } from "react";
-import type { FormField } from "../../protocol";
+import { type KeyboardEvent, useEffect, useId, useRef, useState } from "react";
+import { draftOf, dropDraft, keepDraft } from "../../actions";
+import type { FormField, Ref } from "../../protocol";
 import { Combobox } from "../base/Combobox";
 import { fault, shownAs } from "./values";
 
 interface Props {
   id?: string;
+  element: Ref;
+  /** How people call the element. */
+  of: string;
   field: FormField;
   /** Which value of the field; past the last one: a new one. */
   index: number;
@@ -91,7 +95,7 @@ function Reference({ id, field, index, label, describedBy, isWrong, onChange }: 
 }
 
 /** What is typed. */
-interface Draft {
+interface Typing {
   text: string;
   /** It was handed on, and is not to be handed on again when the focus goes. */
   isSent: boolean;
@@ -100,9 +104,24 @@ interface Draft {
   given: string;
 }
 
-function Typed({ id, field, index, label, describedBy, isWrong, onChange, onFault }: Props) {
+function Typed(props: Props) {
+  const { id, element, of, field, index, label, describedBy, isWrong, onChange, onFault } = props;
   const given = field.values[index] ?? "";
-  const [typed, setDraft] = useState<Draft | null>(null);
+  const place = `${field.feature} ${index}`;
+  const [typed, setDraft] = useState<Typing | null>(() => {
+    const text = draftOf(element, place)?.text;
+    return text === undefined || text === given
+      ? null
+      : { text, isSent: false, over: given, given };
+  });
+  const isShown = useKept(typed, (text) => {
+    keepDraft({ element, field: place, what: `${label} of ${of}`, text, why: fault(field, text) });
+  });
+  useEffect(() => {
+    const kept = draftOf(element, place);
+    if (kept) onFault(kept.why || fault(field, kept.text));
+    dropDraft(element, place); // it is in the field now
+  }, [element, place, field, onFault]);
   const [known, setKnown] = useState(field.values);
   const usual = useId();
   const shown = typed?.text ?? given;
@@ -132,7 +151,9 @@ function Typed({ id, field, index, label, describedBy, isWrong, onChange, onFaul
     setDraft(sent);
     // What was refused may be sent again, unless something else was typed meanwhile.
     void Promise.resolve(onChange(text)).then((refusal) => {
-      if (refusal) setDraft((now) => (now === sent ? { ...sent, isSent: false } : now));
+      if (!refusal) return;
+      if (isShown.current) setDraft((now) => (now === sent ? { ...sent, isSent: false } : now));
+      else keepDraft({ element, field: place, what: `${label} of ${of}`, text, why: `${refusal}` });
     });
   }
 
@@ -190,4 +211,26 @@ function Typed({ id, field, index, label, describedBy, isWrong, onChange, onFaul
       )}
     </>
   );
+}
+
+/**
+ * Keeps what is typed and was not taken when the field goes, as when another element is chosen.
+ *
+ * @returns Whether the field is there.
+ */
+function useKept(typed: Typing | null, keep: (text: string) => void) {
+  const last = useRef({ typed, keep });
+  const isShown = useRef(true);
+  useEffect(() => {
+    last.current = { typed, keep };
+  });
+  useEffect(() => {
+    isShown.current = true;
+    return () => {
+      isShown.current = false;
+      const { typed, keep } = last.current;
+      if (typed && !typed.isSent) keep(typed.text);
+    };
+  }, []);
+  return isShown;
 }
