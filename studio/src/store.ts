@@ -57,7 +57,8 @@ export interface Outside {
 
 /** What was typed into a field that is not shown now, and could not be taken. */
 export interface Draft {
-  element: Ref;
+  /** Empty where it is of none. */
+  element: Ref | "";
   /** Feature and which of its values; one draft for each. */
   field: string;
   /** How people call the field. */

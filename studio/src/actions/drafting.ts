@@ -3,7 +3,7 @@
 import type { Ref } from "../protocol";
 import { type Draft, state, update } from "../store";
 
-function others(element: Ref, field: string): Draft[] {
+function others(element: Ref | "", field: string): Draft[] {
   return state().drafts.filter((each) => each.element !== element || each.field !== field);
 }
 
@@ -12,10 +12,10 @@ export function keepDraft(draft: Draft): void {
   update({ drafts: [...others(draft.element, draft.field), draft] });
 }
 
-export function draftOf(element: Ref, field: string): Draft | undefined {
+export function draftOf(element: Ref | "", field: string): Draft | undefined {
   return state().drafts.find((each) => each.element === element && each.field === field);
 }
 
-export function dropDraft(element: Ref, field: string): void {
+export function dropDraft(element: Ref | "", field: string): void {
   if (draftOf(element, field)) update({ drafts: others(element, field) });
 }

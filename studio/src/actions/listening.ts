@@ -1,9 +1,10 @@
 // What the server tells without being asked.
 
 import type { Link, Listener } from "../connection";
-import type { Notification, Notifications, Problems, Project } from "../protocol";
+import type { KeptEdit, Notification, Notifications, Problems, Project } from "../protocol";
 import { type Outside, say, state, update } from "../store";
 import { ask } from "./asking";
+import { keepDraft } from "./drafting";
 import { openFile, refresh } from "./showing";
 
 export const listener: Listener = {
@@ -59,6 +60,22 @@ function noteOutside(change: Outside): void {
   update({ outside: [...outside.filter((each) => each.file !== change.file), change] });
 }
 
+/** Keeps the words of edits that a server before this one kept: they ended with it. */
+function noteLost(edits: KeptEdit[]): void {
+  for (const { number, label, commands } of state().kept) {
+    if (edits.some((each) => each.number === number && each.label === label)) continue;
+    const values = commands.flatMap((each) => (each.kind === "set" ? each.values : []));
+    const named = commands.find((each) => "element" in each);
+    keepDraft({
+      element: named && "element" in named ? named.element : "",
+      field: `kept ${number}`,
+      what: label,
+      text: values.join(", "),
+      why: "The server that kept it has ended",
+    });
+  }
+}
+
 function spoken({ fault, problems }: Problems): string {
   if (fault) return `Not checked: ${fault}.`;
   const count = (severity: string) => problems.filter((each) => each.severity === severity).length;
@@ -72,7 +89,10 @@ async function begin(project: Project): Promise<void> {
   update({ project });
   // Without an answer the next one that is kept tells of all.
   ask("kept", {}).then(
-    ({ edits }) => update({ kept: edits }),
+    ({ edits }) => {
+      noteLost(edits);
+      update({ kept: edits });
+    },
     () => undefined,
   );
   const { file, view } = state();

@@ -81,10 +81,13 @@ function Kept({ edit }: { edit: KeptEdit }) {
 function Typed({ draft: { element, field, what, text, why } }: { draft: Draft }) {
   return (
     <p className="banner error" role="status">
-      × Typed, and not taken: {what}: “{text}”. {why && `${why}.`}
-      <button type="button" onClick={() => choose(element)}>
-        Go there
-      </button>
+      × Typed, and not taken: {what}
+      {text && `: “${text}”`}. {why && `${why}.`}
+      {element && (
+        <button type="button" onClick={() => choose(element)}>
+          Go there
+        </button>
+      )}
       <button type="button" onClick={() => dropDraft(element, field)}>
         Discard
       </button>

@@ -1,4 +1,4 @@
-import { act, render, screen } from "@testing-library/react";
+import { act, render, screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { beforeEach, expect, test } from "vitest";
 import { listener } from "../actions";
@@ -89,6 +89,19 @@ test("an edit that was not done stays with its values until somebody decides", a
   expect(server.params("kept.discard")).toEqual([{ number: 4 }]);
   act(() => listener.onNotification("kept", { edits: [] }));
   expect(screen.queryByRole("status")).toBeNull();
+});
+
+test("an edit that was kept is told although the server that kept it has ended", async () => {
+  server.answer("kept", () => ({ edits: [] }));
+  render(<Banners />);
+  const command = { kind: "set" as const, element: "r#a", feature: "rate", values: ["25"] };
+  const edit = { number: 4, label: "Set rate", commands: [command], why: "changed", files: ["r"] };
+  act(() => listener.onNotification("kept", { edits: [edit] }));
+  act(() => listener.onLink("open", PROJECT, ""));
+  await waitFor(() => expect(state().kept).toEqual([]));
+  const told = screen.getByText(/Typed, and not taken: Set rate: “25”. The server .* ended/);
+  await userEvent.click(within(told).getByRole("button", { name: "Discard" }));
+  expect(state().drafts).toEqual([]);
 });
 
 test("a picture that is not of the files as they are says so", () => {
