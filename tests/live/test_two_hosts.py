@@ -158,7 +158,11 @@ class Deployment:
 
     def arrives(self):
         """Waits until the speeds of vehicle and trailer have crossed both networks."""
-        wait_for(self.has_arrived, "speed of vehicle and trailer", PATIENCE)
+        try:
+            wait_for(self.has_arrived, "speed of vehicle and trailer", PATIENCE)
+        except AssertionError as error:
+            said = "".join(f"\n--- {each}\n{self.log(each).read_text()}" for each in UNITS)
+            raise AssertionError(f"{error}{said}") from error
 
     def has_arrived(self):
         for name, process in self.processes.items():

@@ -26,7 +26,7 @@ GOAL_PATIENCE = 1.5
 """Seconds without a beat after which goals are cancelled: what is cancelled cannot be taken up."""
 
 SAID_FOR = 1.0
-"""Seconds for which stops are said to whoever is found."""
+"""Seconds for which stops are said to whoever is found, and goals are cancelled."""
 
 SOUGHT_FOR = 5.0
 """Seconds for which whoever listens to a topic is looked for, where nobody was found before.
@@ -113,6 +113,23 @@ class _Told:
     topic: Topic
     rivals: int
     times: dict[int, int] = field(default_factory=dict)
+    last: float = 0.0
+
+
+@dataclass
+class _Cancel:
+    """What was asked of the server of an action.
+
+    Attributes:
+        canceller: What asks.
+        goal: The goal that shall end.
+        first: When it was asked first, 0 before its server was found.
+        last: When it was asked last.
+    """
+
+    canceller: Any
+    goal: bytes
+    first: float = 0.0
     last: float = 0.0
 
 
@@ -277,7 +294,7 @@ class Guardian:
             self._send(outlet, datagrams)
             sent = 1
             told = [self._told(each) for each in topics]
-            cancels = [(self._canceller(service), goal) for goal, service in goals.items()]
+            cancels = [_Cancel(self._canceller(each), goal) for goal, each in goals.items()]
             while (past := time.monotonic() - begun) < SOUGHT_FOR:
                 if sent < TIMES and past >= sent * AGAIN:
                     self._send(outlet, datagrams)
@@ -287,7 +304,7 @@ class Guardian:
                     self._publish(each)
                 if not (wanting or cancels or sent < TIMES):
                     break
-                cancels = [each for each in cancels if not self._cancelled(*each)]
+                cancels = [each for each in cancels if not self._is_cancelled(each)]
                 if is_halted and self._age() <= POLL * 2:
                     break  # the bridge lives, and from here on its word counts
                 time.sleep(_PAUSE)
@@ -320,8 +337,12 @@ class Guardian:
     def _canceller(self, service: str) -> Any:
         return self._known_ros.canceller(service, self._cancel)
 
-    def _cancelled(self, canceller: Any, goal: bytes) -> bool:
-        return self._known_ros.cancel(canceller, goal)
+    def _is_cancelled(self, wanted: _Cancel) -> bool:
+        """Asks once more; for a while, as the server may not have found the asker yet."""
+        now = time.monotonic()
+        if now - wanted.last >= AGAIN and self._known_ros.cancel(wanted.canceller, wanted.goal):
+            wanted.first, wanted.last = wanted.first or now, now
+        return wanted.first > 0 and now - wanted.first >= SAID_FOR
 
     def _publish(self, told: _Told) -> None:
         """Publishes a stop once more if a subscriber may not have it."""
