@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import subprocess
+import time
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -57,6 +58,15 @@ class NetworkHost:
         return self._holder.communicate(timeout=60)[1].decode().strip()
 
 
+def _await_wire(host: NetworkHost) -> None:
+    """Waits until the interface runs: DDS never looks again at one that does not yet."""
+    end = time.monotonic() + 30
+    while "LOWER_UP" not in host.run("ip", "-br", "link", "show", "up", "dev", "wire"):
+        if time.monotonic() > end:
+            raise OSError("the interface of a host does not run")
+        time.sleep(0.01)
+
+
 @contextmanager
 def two_hosts(first: str, second: str) -> Iterator[tuple[NetworkHost, NetworkHost]]:
     """Makes two hosts with these addresses in a network of 24 bits.
@@ -76,6 +86,8 @@ def two_hosts(first: str, second: str) -> Iterator[tuple[NetworkHost, NetworkHos
         for host in hosts:
             host.run("ip", "address", "add", f"{host.address}/24", "dev", "wire")
             host.run("ip", "link", "set", "wire", "up")
+        for host in hosts:
+            _await_wire(host)
         yield hosts[0], hosts[1]
     finally:
         for host in hosts:
