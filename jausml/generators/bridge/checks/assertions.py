@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal, python_string
 from jausml.generators.bridge.checks.check import close_to, equals, holds
-from jausml.generators.bridge.translation.values import BOOLEAN
-from jausml.generators.python.codec.jaus_fields import INTEGER
+from jausml.generators.bridge.translation.expressions import BOOLEAN, INTEGER
 
 if TYPE_CHECKING:
     from jausml.generators.bridge.checks.filling import Place, Scalar

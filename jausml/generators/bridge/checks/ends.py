@@ -11,7 +11,7 @@ from jausml.generators.bridge.checks.figures import NO_STEP, Chain, quantities_o
 from jausml.generators.bridge.checks.filling import PRESENT, JausMessage, RosMessage
 from jausml.generators.bridge.checks.overlaps import Paths
 from jausml.generators.bridge.report_joins import ReportJoinView
-from jausml.generators.python.codec.jaus_fields import TEXT
+from jausml.generators.bridge.translation.expressions import TEXT
 from jausml.generators.python.statements import call
 from jausml.metamodel.classes import bridge, ros
 from jausml.semantics.paths import source_paths

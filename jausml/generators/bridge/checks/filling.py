@@ -9,9 +9,16 @@ from typing import TYPE_CHECKING, Protocol
 
 from jausml.generation.literals import python_literal
 from jausml.generators.bridge.checks.check import store
+from jausml.generators.bridge.translation.body import conditions
+from jausml.generators.bridge.translation.expressions import BOOLEAN, INTEGER, REAL, TEXT
+from jausml.generators.bridge.translation.printing import (
+    condition_text,
+    expression_text,
+    place_text,
+)
 from jausml.generators.bridge.translation.ros_fields import INTEGER_RANGES, RosStart, ros_field
-from jausml.generators.bridge.translation.values import BOOLEAN, ros_kind
-from jausml.generators.python.codec.jaus_fields import INTEGER, REAL, TEXT, JausStart, jaus_field
+from jausml.generators.bridge.translation.values import ros_kind
+from jausml.generators.python.codec.jaus_fields import JausStart, jaus_field
 from jausml.generators.python.names import snake_case
 from jausml.generators.python.statements import call
 from jausml.semantics.jaus_paths import JausPlace, message_place
@@ -19,6 +26,8 @@ from jausml.semantics.jaus_paths import JausPlace, message_place
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from jausml.generators.bridge.translation import places
+    from jausml.generators.bridge.translation.expressions import Expression
     from jausml.generators.bridge.translation.ros_fields import RosField
     from jausml.generators.python.codec.jaus_fields import JausField
     from jausml.generators.python.codec.messages import MessageView
@@ -153,13 +162,13 @@ class JausMessage:
         low, high = found.limits if found.kind in {REAL, INTEGER} else (-math.inf, math.inf)
         return Place(
             path,
-            found.code,
+            place_text(found.value),
             found.kind,
             (low, high),
             found.values,
             self._step(path),
             tuple((name, str(value)) for name, value in found.listed),
-            tuple(each.holds for each in found.conditions),
+            tuple(map(condition_text, conditions(found.conditions))),
         )
 
     def _step(self, path: str) -> float:
@@ -169,23 +178,24 @@ class JausMessage:
     def fill(self, values: Mapping[str, Scalar]) -> list[str]:
         """Returns the statements that make the message with some values."""
         lines = [f"{self.name} = {self.message.class_name}()"]
-        made: set[str] = set()
+        made: set[places.Place] = set()
         for path, value in values.items():
             field = self.field(path)
-            for place, code in field.containers:
-                lines += _made(place, code, made)
+            for place, container in field.containers:
+                lines += _made(place, container, made)
             lines.append(self.set(field, value))
         return lines
 
     def set(self, field: JausField, value: Scalar) -> str:
         """Returns the statement that gives a field a value."""
+        place = place_text(field.place)
         if value is PRESENT:
-            return store(field.place, f"{field.class_name}()")
+            return store(place, f"{field.class_name}()")
         number = float(value) if field.is_float and not isinstance(value, str) else value
         code = value if isinstance(value, Code) else python_literal(number)
         if field.index is None:
-            return store(field.place, code)
-        return store(field.place, call(field.class_name, str(field.index), code))
+            return store(place, code)
+        return store(place, call(field.class_name, str(field.index), code))
 
 
 @dataclass(frozen=True)
@@ -210,7 +220,7 @@ class RosMessage:
         """Returns the attribute at the end of a path."""
         found = self.field(path)
         limits = INTEGER_RANGES.get(found.type, (-math.inf, math.inf))
-        return Place(path, found.place, ros_kind(found), limits, names=found.constants)
+        return Place(path, place_text(found.place), ros_kind(found), limits, names=found.constants)
 
     def fill(self, values: Mapping[str, Scalar]) -> list[str]:
         """Returns the statements that make the message with some values."""
@@ -232,9 +242,9 @@ class RosMessage:
         """Returns the statement that gives a field a value."""
         found = self.field(path)
         if isinstance(value, Code):
-            return store(found.place, value)
+            return store(place_text(found.place), value)
         is_real = ros_kind(found) == REAL and not isinstance(value, str)
-        return store(found.place, python_literal(float(value) if is_real else value))
+        return store(place_text(found.place), python_literal(float(value) if is_real else value))
 
     def _sequences(self, path: str) -> list[tuple[str, int]]:
         """The sequences on a path, which are empty in a new message, with the index in each."""
@@ -254,20 +264,20 @@ class RosMessage:
         found = self.field(prefix)
         if found.message_type is None:
             zero = _ZEROS.get(ros_kind(replace(found, is_array=False)), "0")
-            return f"{found.place} = [{zero}] * {count}"
+            return f"{place_text(found.place)} = [{zero}] * {count}"
         name = self.type_name(found.message_type)
-        return f"{found.place} = [{', '.join([f'{name}()'] * count)}]"
+        return f"{place_text(found.place)} = [{', '.join([f'{name}()'] * count)}]"
 
 
-def _made(place: str, code: str, made: set[str]) -> list[str]:
+def _made(place: places.Place, value: Expression, made: set[places.Place]) -> list[str]:
     """The statements that make a container or an element that is not there yet."""
     if place in made:
         return []
     made.add(place)
-    found = _ELEMENT.fullmatch(place)
-    if found is None:
-        return [store(place, code)]
-    places = [f"{found['list']}[{index}]" for index in range(int(found["index"]))]
-    missing = [each for each in places if each not in made]
+    text, last = expression_text(value), place.steps[-1]
+    if isinstance(last, str):
+        return [store(place_text(place), text)]
+    held = replace(place, steps=place.steps[:-1])
+    missing = [held.at(index) for index in range(last) if held.at(index) not in made]
     made.update(missing)
-    return [call(f"{found['list']}.append", code)] * (len(missing) + 1)
+    return [call(f"{place_text(held)}.append", text)] * (len(missing) + 1)

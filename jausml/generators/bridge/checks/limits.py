@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from jausml.generators.bridge.checks.assertions import has_value, is_absent
 from jausml.generators.bridge.checks.check import Check, tidy
 from jausml.generators.bridge.checks.filling import JausMessage, short_name
-from jausml.generators.python.codec.jaus_fields import INTEGER, REAL
+from jausml.generators.bridge.translation.expressions import INTEGER, REAL
 from jausml.generators.python.statements import long_string
 
 if TYPE_CHECKING:

@@ -12,8 +12,8 @@ from jausml.generators.bridge.checks.assertions import is_there
 from jausml.generators.bridge.checks.check import Check, store, tidy
 from jausml.generators.bridge.checks.filling import Code, JausMessage, short_name
 from jausml.generators.bridge.checks.limits import chain_gain
+from jausml.generators.bridge.translation.expressions import INTEGER, REAL
 from jausml.generators.bridge.translation.ros_fields import ros_field
-from jausml.generators.python.codec.jaus_fields import INTEGER, REAL
 from jausml.generators.python.names import Scope
 from jausml.generators.python.statements import call
 from jausml.semantics.conversions.conversion import QUATERNION

@@ -12,9 +12,15 @@ from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any
 
 from jausml.generators.bridge.checks.filling import PRESENT, Place, Scalar, ValueTextError
+from jausml.generators.bridge.translation.expressions import (
+    BITS,
+    BOOLEAN,
+    INTEGER,
+    QUATERNION,
+    TEXT,
+    TIME,
+)
 from jausml.generators.bridge.translation.ros_fields import PathError
-from jausml.generators.bridge.translation.values import BOOLEAN, QUATERNION, TIME
-from jausml.generators.python.codec.jaus_fields import BITS, INTEGER, TEXT
 from jausml.semantics import attributes
 from jausml.semantics.conversions import NoValueError, conversion
 from jausml.semantics.conversions.authored import LookUp

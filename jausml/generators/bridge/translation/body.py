@@ -1,180 +1,148 @@
-"""The statements of a method while they are written."""
+"""The steps of a translation while they are made."""
 
 from __future__ import annotations
 
-import re
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from jausml.generation.literals import python_string
-from jausml.generators.bridge.translation.values import Limit
-from jausml.generators.python.names import Scope
-from jausml.generators.python.statements import Assign, Do, If, Raise, Statement, call, rendered
+from jausml.generators.bridge.translation.expressions import Read
+from jausml.generators.bridge.translation.places import Condition, Local, Named, Place
+from jausml.generators.bridge.translation.steps import Choose, Let, Require, Step
+from jausml.generators.bridge.translation.values import Policy
+from jausml.generators.python.names import snake_case
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from jausml.generators.python.codec.jaus_fields import Condition
+    from jausml.generators.bridge.translation.expressions import Expression
+    from jausml.generators.bridge.translation.places import Way
     from jausml.metamodel.classes import bridge
-
-_POLICIES = {
-    "clamp": "clamp",
-    "dropField": "drop_field",
-    "dropMessage": "drop_message",
-    "error": "error",
-}
-# Functions and modules that the module of a bridge imports; no local hides them.
-IMPORTED = frozenset({"arithmetic", "by_name", "conversions", "set_quaternion", "set_time"})
-OWN_NAMES = IMPORTED | {"self", "source", "target"}
 
 
 @dataclass
 class Body:
-    """Statements of a method.
+    """Steps of a translation.
 
     Attributes:
-        owner: Python path of the connection, e.g. `self.speed`.
+        owner: Attribute of the bridge that is the connection, e.g. `speed`.
         policy: Out-of-range policy of the connection, as a literal of the metamodel.
-        statements: The statements of the present block.
-        local_names: Names of local variables.
+        steps: The steps of the present block.
     """
 
     owner: str = ""
     policy: str = "clamp"
-    statements: list[Statement] = field(default_factory=list)
-    local_names: Scope = field(default_factory=lambda: Scope(OWN_NAMES))
-    _required: list[str] = field(default_factory=list)
-    _names: dict[str, str] = field(default_factory=dict)
-
-    @property
-    def lines(self) -> tuple[str, ...]:
-        """The lines of all statements."""
-        return tuple(rendered(self.statements))
-
-    def tried(self) -> Body:
-        """Returns the body of a block in this one that may be given up without a trace."""
-        return replace(self.deeper(), local_names=self.local_names.copy(), _names=dict(self._names))
+    steps: list[Step] = field(default_factory=list)
+    _required: list[Way] = field(default_factory=list)
+    _locals: dict[Place, Local] = field(default_factory=dict)
 
     def deeper(self) -> Body:
-        """Returns the body of a block in this one, whose statements are added when complete."""
-        return replace(self, statements=[], _required=list(self._required))
+        """Returns the body of a block in this one, whose steps are added when complete."""
+        return replace(self, steps=[], _required=list(self._required))
 
-    def limit(self, assignment: bridge.FieldAssignment) -> Limit:
-        """Returns what keeps the value of an assignment within its target."""
+    def policy_of(self, assignment: bridge.FieldAssignment) -> Policy:
+        """Returns what becomes of the value of an assignment that does not fit its target."""
         own = assignment.outOfRange.name
         if own != "asConnection":
-            return self.limit_of(own)
-        limit = self.limit_of(self.policy)
-        if self.policy == "clamp":
-            return replace(limit, identifiers=self.limit_of("dropMessage").path)
-        return limit
+            return self.named_policy(own)
+        identifiers = "drop_message" if self.policy == "clamp" else ""
+        return replace(self.named_policy(self.policy), identifiers=identifiers)
 
-    def limit_of(self, policy: str) -> Limit:
-        """Returns the limit of a policy, which is a literal of the metamodel."""
-        return Limit(f"{self.owner}.{_POLICIES[policy]}", drops_field=policy == "dropField")
+    def named_policy(self, name: str) -> Policy:
+        """Returns a policy by its literal of the metamodel."""
+        return Policy(self.owner, snake_case(name))
 
     @property
-    def whole_limit(self) -> Limit:
-        """The limit of what is no field that could be dropped alone."""
-        return self.limit_of("dropMessage" if self.policy == "dropField" else self.policy)
+    def whole_policy(self) -> Policy:
+        """The policy of what is no field that could be dropped alone."""
+        return self.named_policy("dropMessage" if self.policy == "dropField" else self.policy)
 
-    # -- statements ------------------------------------------------------------------------------
+    # -- steps -----------------------------------------------------------------------------------
 
-    def add(self, *statements: Statement) -> None:
-        """Adds statements."""
-        self.statements += statements
+    def add(self, *steps: Step) -> None:
+        """Adds steps."""
+        self.steps += steps
 
-    def store(self, code: str, place: str, remark: str = "") -> None:
-        """Adds an assignment to a place; a remark becomes a comment."""
-        self.add(Assign(place, code, remark))
-
-    def do(self, expression: str) -> None:
-        """Adds an expression for what it does."""
-        self.add(Do(expression))
-
-    def local(self, name: str, code: str) -> str:
-        """Gives a value a local name, which is returned.
+    def local(self, hint: str, value: Expression) -> Local:
+        """Gives a value a variable, which is returned.
 
         Args:
-            name: What it should be called.
-            code: The value.
+            hint: What it should be called.
+            value: The value.
         """
-        claimed = self.local_names.claim(name)
-        self.store(code, claimed)
-        return claimed
+        local = Local(hint)
+        self.add(Let((local,), value))
+        return local
 
-    def name_of(self, place: str) -> str:
-        """Returns the name of a local variable for an element of a list, always the same."""
-        if place not in self._names:
-            words = re.sub(r"\[([0-9]+)\]$", r"_\1", place.rpartition(".")[2])
-            self._names[place] = self.local_names.claim(words)
-        return self._names[place]
+    def local_of(self, place: Place) -> Local:
+        """Returns the variable for an element of a list, always the same."""
+        if place not in self._locals:
+            self._locals[place] = Local(place.last)
+        return self._locals[place]
 
     # -- blocks ----------------------------------------------------------------------------------
 
     @contextmanager
-    def inside(self, test: str) -> Iterator[None]:
-        """Puts what is added meanwhile under a condition.
+    def where(self, *alternatives: tuple[Condition, ...]) -> Iterator[None]:
+        """Puts what is added meanwhile under conditions.
 
-        A condition that the statement before has too is not said again.
+        Conditions that the step before has too are not said again.
+
+        Args:
+            *alternatives: Each of conditions that hold together.
         """
-        outer, known = self.statements, len(self._required)
+        outer, known = self.steps, len(self._required)
         last = outer[-1] if outer else None
-        again = isinstance(last, If) and last.test == test and not last.otherwise
-        self.statements = list(last.body) if isinstance(last, If) and again else []
+        again = isinstance(last, Choose) and last.conditions == alternatives
+        self.steps = list(last.steps) if isinstance(last, Choose) and again else []
         yield
-        block = If(test, tuple(self.statements))
-        self.statements = outer
+        block = Choose(alternatives, tuple(self.steps))
+        self.steps = outer
         if again:
             outer.pop()
         outer.append(block)
         del self._required[known:]
 
     @contextmanager
-    def given(self, conditions: Sequence[Condition]) -> Iterator[None]:
+    def given(self, ways: Sequence[Way]) -> Iterator[None]:
         """Puts what is added meanwhile under the condition that values are there."""
-        wanted = [each for each in conditions if each.holds not in self._required]
-        names = [index for index, each in enumerate(wanted) if each.is_name]
-        if names:
-            first = names[0]
+        wanted = [each for each in ways if each not in self._required]
+        first = next((at for at, each in enumerate(wanted) if isinstance(each, Named)), None)
+        if first is not None:
             with self.given(wanted[:first]):
                 self._name(wanted[first])
                 with self.given(wanted[first + 1 :]):
                     yield
         elif wanted:
-            with self.inside(" and ".join(each.holds for each in wanted)):
+            with self.where(conditions(wanted)):
                 yield
         else:
             yield
 
-    def _name(self, condition: Condition) -> None:
-        """Gives a name in the present block, once."""
-        assignment = Assign(condition.name, condition.place)
-        if assignment not in self.statements:
-            self.add(assignment)
+    def _name(self, way: Way) -> None:
+        """Gives what was found a variable in the present block, once."""
+        if isinstance(way, Named):
+            step = Let((way.local,), Read(way.place))
+            if step not in self.steps:
+                self.add(step)
 
-    def require(self, conditions: Sequence[Condition], path: str) -> None:
+    def require(self, ways: Sequence[Way], path: str) -> None:
         """Adds the refusal of messages that lack a field.
 
         Args:
-            conditions: What holds when it is there.
+            ways: What holds when it is there.
             path: Path of the field.
         """
-        for condition in conditions:
-            if condition.holds not in self._required:
-                self._required.append(condition.holds)
-                if condition.is_name:
-                    self._name(condition)
-                else:
-                    self.refuse(condition.fails, "AbsentFieldError", path)
+        for each in ways:
+            if each in self._required:
+                continue
+            self._required.append(each)
+            if isinstance(each, Named):
+                self._name(each)
+            else:
+                self.add(Require(each, "AbsentFieldError", path))
 
-    def refuse(self, test: str, error: str, text: str) -> None:
-        """Adds the raise of an error under a condition.
 
-        Args:
-            test: The condition.
-            error: Class of the error.
-            text: What is wrong.
-        """
-        self.add(If(test, (Raise(call(error, python_string(text))),)))
+def conditions(ways: Sequence[Way]) -> tuple[Condition, ...]:
+    """Returns the conditions alone."""
+    return tuple(each for each in ways if not isinstance(each, Named))

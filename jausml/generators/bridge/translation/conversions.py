@@ -5,27 +5,41 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation.literals import python_literal
-from jausml.generators.bridge.translation.formulas import ExpressionStatements
+from jausml.generators.bridge.translation import expressions
+from jausml.generators.bridge.translation.expressions import (
+    BITS,
+    BOOLEAN,
+    INTEGER,
+    QUATERNION,
+    REAL,
+    TIME,
+    Authored,
+    Cast,
+    Constant,
+    Convert,
+    Expression,
+    Limit,
+    Negative,
+    Now,
+    Operand,
+    Read,
+    Setting,
+    UserCall,
+)
+from jausml.generators.bridge.translation.places import Local, Place
+from jausml.generators.bridge.translation.steps import Let
 from jausml.generators.bridge.translation.tables import look_up
 from jausml.generators.bridge.translation.values import (
-    BOOLEAN,
     INPUT_TYPES,
     NUMBERS,
     PYTHON_TYPES,
-    QUATERNION,
-    TIME,
     AssignmentError,
     Value,
 )
-from jausml.generators.python.codec.jaus_fields import BITS, INTEGER, REAL
 from jausml.generators.python.names import snake_case
-from jausml.generators.python.statements import call
 from jausml.languages.expressions import occurrences, parse_expression, source_names
-from jausml.semantics.conversions import conversion_of
-from jausml.semantics.conversions.authored import Expression, LookUp, User, WithUnits
+from jausml.semantics.conversions import authored, conversion_of, numbers
 from jausml.semantics.conversions.conversion import MAXIMUM
-from jausml.semantics.conversions.numbers import Clamp, Limit, Linear, Scale
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -40,9 +54,6 @@ _RESULTS = {
     "builtin_interfaces/Time": TIME,
     "TimeStamp": BITS,
 }
-
-# Characters of a source that may stand in an expression without a name of its own.
-_SHORT = 40
 
 
 class Chain:
@@ -109,13 +120,12 @@ class Chain:
         if step is None:
             return list(values)
         factor, offset = step
-        function, arguments = (Linear.name, (factor, offset)) if offset else (Scale.name, (factor,))
-        numbers = tuple(python_literal(each) for each in arguments)
+        known, given = (numbers.Linear, (factor, offset)) if offset else (numbers.Scale, (factor,))
+        arguments = tuple(Constant(each, REAL) for each in given)
         return [
             replace(
                 each,
-                code=call(f"conversions.{function}", each.code, *numbers),
-                kind=REAL,
+                expression=Convert(known.name, (each.expression,), arguments),
                 limits=None,
                 known=(),
                 is_computed=True,
@@ -142,13 +152,13 @@ class Chain:
         self, conversion: Any, values: list[Value], paths: list[str], *, is_last: bool
     ) -> list[Value]:
         match conversion_of(conversion):
-            case WithUnits():
+            case authored.WithUnits():
                 return values
-            case LookUp():
+            case authored.LookUp():
                 return [self._look_up(conversion, values, is_last=is_last)]
-            case Expression():
+            case authored.Expression():
                 return [self._expression(conversion, values, paths)]
-            case User():
+            case authored.User():
                 return self._user(conversion, values, is_last=is_last)
         return self._call(conversion, values)
 
@@ -157,39 +167,42 @@ class Chain:
         known = conversion_of(conversion)
         if len(values) != len(known.inputs):
             raise AssignmentError(f"{known.name} does not take {len(values)} values")
-        arguments = [python_literal(float(each)) for each in conversion.arguments]
+        arguments: tuple[Expression, ...] = tuple(
+            Constant(float(each), REAL) for each in conversion.arguments
+        )
         if conversion.quantity is not None:
             is_maximum = MAXIMUM in known.arguments
-            arguments = [self._surroundings.quantity(conversion.quantity, is_maximum=is_maximum)]
-        if known.needs_clock:
-            arguments.append("near=self.now()")
-        if isinstance(known, (Clamp, Limit)):
-            code = self._limited(values[0], arguments)
-        else:
-            code = call(f"conversions.{known.name}", *(each.code for each in values), *arguments)
+            name = self._surroundings.quantity(conversion.quantity, is_maximum=is_maximum)
+            arguments = (Setting(name),)
         kinds = [_RESULTS[output] for output in known.outputs]
-        return self._results(code, kinds, values)
+        if isinstance(known, numbers.Clamp | numbers.Limit):
+            return self._results(self._limited(values[0], arguments), kinds, values)
+        inputs = tuple(each.expression for each in values)
+        near = Now() if known.needs_clock else None
+        return self._results(Convert(known.name, inputs, arguments, near, kinds[0]), kinds, values)
 
-    def _limited(self, value: Value, ends: Sequence[str]) -> str:
-        """A call of the connection, which counts what the map limits on purpose."""
+    def _limited(self, value: Value, ends: Sequence[Expression]) -> Expression:
+        """The limit of the connection that counts what the map limits on purpose."""
         *_, maximum = ends
-        minimum = ends[0] if len(ends) > 1 else f"-{maximum}"
-        clamp = self._body.limit_of(Clamp.name).path
-        field = python_literal(self._target_paths[0])
-        return call(f"{clamp}.within", field, value.code, minimum, maximum)
+        minimum = ends[0] if len(ends) > 1 else _opposite(maximum)
+        policy = self._body.named_policy(numbers.Clamp.name)
+        path, bounds = self._target_paths[0], (minimum, maximum)
+        return Limit(policy.owner, policy.name, "within", path, value.expression, bounds)
 
-    def _results(self, code: str, kinds: list[str], values: list[Value]) -> list[Value]:
-        """The results of a call; several get a local name each."""
+    def _results(self, made: Expression, kinds: list[str], values: list[Value]) -> list[Value]:
+        """The results of a conversion; several get a variable each."""
         first = replace(values[0], limits=None, listed=(), known=())
         if len(kinds) == 1:
-            return [replace(first, code=code, kind=kinds[0], is_computed=True)]
-        places = [
-            self._body.local_names.claim(snake_case(name.rpartition(".")[2]))
+            return [replace(first, expression=made, is_computed=True)]
+        locals_ = tuple(
+            Local(snake_case(name.rpartition(".")[2]))
             for name in _names_for(kinds, self._target_paths)
+        )
+        self._body.add(Let(locals_, made))
+        return [
+            replace(first, expression=Read(Place(local), kind), is_computed=False)
+            for local, kind in zip(locals_, kinds, strict=True)
         ]
-        self._body.store(code, ", ".join(places))
-        pairs = zip(places, kinds, strict=True)
-        return [replace(first, code=place, kind=kind, is_computed=False) for place, kind in pairs]
 
     def _look_up(self, conversion: Any, values: list[Value], *, is_last: bool) -> Value:
         (value,) = values
@@ -197,52 +210,64 @@ class Chain:
         listed = self._target.listed(self._target_paths[0]) if is_last else ()
         table = look_up(conversion.table, value, kind, listed, to_ros=self._to_ros)
         name = self._surroundings.constant(*table.constant)
-        code = call(f"conversions.{LookUp.name}", value.code, name)
+        found = expressions.LookUp(value.expression, name, kind)
         limits = (table.known[0], table.known[-1]) if table.known else None
-        conditions, limit = value.conditions, value.limit
         return Value(
-            code, kind, conditions, limits=limits, limit=limit, known=table.known, is_computed=True
+            found,
+            value.conditions,
+            limits=limits,
+            policy=value.policy,
+            known=table.known,
+            is_computed=True,
         )
 
     def _expression(self, conversion: Any, values: list[Value], paths: list[str]) -> Value:
         expression = parse_expression(conversion.expression or "")
         names = source_names(paths)
-        codes: dict[int, str] = {}
-        used = [each.name for each in occurrences(expression)]
-        for index in dict.fromkeys(names[name] for name in used):
-            times = sum(names[name] == index for name in used)
-            codes[index] = self._plain(values[index], paths[index], times)
-        sources = {name: codes[names[name]] for name in used}
-        code = ExpressionStatements(self._body, sources).code(expression)
-        return Value(code, REAL, values[0].conditions, limit=values[0].limit, is_computed=True)
+        used = dict.fromkeys(each.name for each in occurrences(expression))
+        by_index = {
+            at: self._operand(values[at], paths[at])
+            for at in dict.fromkeys(names[name] for name in used)
+        }
+        operands = tuple((name, by_index[names[name]]) for name in used)
+        made = Authored(expression, operands)
+        return Value(made, values[0].conditions, policy=values[0].policy, is_computed=True)
 
-    def _plain(self, value: Value, path: str, times: int) -> str:
-        """The value as Python text that stands some times in an expression."""
+    @staticmethod
+    def _operand(value: Value, path: str) -> Operand:
+        """A value as one that an expression names."""
         if value.kind not in NUMBERS:
             raise AssignmentError(f"{path}: an expression needs numbers")
         value = _real(value)
-        if len(value.code) <= _SHORT and (times == 1 or not value.is_computed):
-            return value.code
-        return self._body.local(snake_case(path.rpartition(".")[2]), value.code)
+        return Operand(
+            value.expression, snake_case(path.rpartition(".")[2]), is_computed=value.is_computed
+        )
 
     def _user(self, conversion: Any, values: list[Value], *, is_last: bool) -> list[Value]:
         # A bool is an int, and the style allows none as a parameter.
-        inputs = [
+        types = [
             "int" if value.kind == BOOLEAN else INPUT_TYPES.get(value.kind, "Any")
             for value in values
         ]
         kinds = [self._target.kind(path) for path in self._target_paths] if is_last else [REAL]
         outputs = [PYTHON_TYPES.get(kind, "Any") for kind in kinds]
         output = outputs[0] if len(outputs) == 1 else f"tuple[{', '.join(outputs)}]"
-        method = self._surroundings.user_method(conversion.method or "", inputs, output)
-        return self._results(call(method, *(each.code for each in values)), kinds, values)
+        method = self._surroundings.user_method(conversion.method or "", types, output)
+        inputs = tuple(each.expression for each in values)
+        return self._results(UserCall(method, inputs, kinds[0]), kinds, values)
 
 
 def _real(value: Value) -> Value:
-    """A number as Python's float: ROS takes no int for it, and products of int have no end."""
+    """A number as a real: ROS takes no integer for it, and products of integers have no end."""
     if value.kind not in (INTEGER, BOOLEAN):
         return value
-    return replace(value, code=call("float", value.code), kind=REAL, is_computed=True)
+    return replace(value, expression=Cast(value.expression, REAL), is_computed=True)
+
+
+def _opposite(value: Expression) -> Expression:
+    if isinstance(value, Constant):
+        return Constant(-float(value.value), REAL)
+    return Negative(value)
 
 
 def _names_for(kinds: Sequence[str], paths: Sequence[str]) -> list[str]:

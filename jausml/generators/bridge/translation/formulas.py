@@ -6,11 +6,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.generators.python.expressions import python_condition, python_expression
-from jausml.generators.python.statements import If
+from jausml.generators.python.statements import Assign, If
 from jausml.languages.expressions import Call, Conditional, Operation, Variable, operands_of
 
 if TYPE_CHECKING:
-    from jausml.generators.bridge.translation.body import Body
+    from jausml.generators.python.names import Scope
+    from jausml.generators.python.statements import Statement
     from jausml.languages.expressions import Expression
 
 # Characters of an expression that is read at a glance.
@@ -20,15 +21,17 @@ _SHORT = 48
 
 
 @dataclass(frozen=True)
-class ExpressionStatements:
+class FormulaPrinter:
     """Writes one expression.
 
     Args:
-        body: Takes the statements of steps.
+        statements: Takes the statements of steps.
+        names: Names of local variables.
         sources: Python text of the variables.
     """
 
-    body: Body
+    statements: list[Statement]
+    names: Scope
     sources: dict[str, str]
 
     def code(self, expression: Expression) -> str:
@@ -39,15 +42,15 @@ class ExpressionStatements:
 
     def _chosen(self, expression: Conditional) -> str:
         """One of two values as statements, under a name."""
-        name = self.body.local_names.claim("term")
+        name = self.names.claim("term")
         condition = self._shortened(expression.condition)
         test = python_condition(condition, self.sources).code
         branches = []
         for value in (expression.then, expression.otherwise):
-            branch = replace(self, body=self.body.deeper())
-            branch.body.store(branch.code(value), name)
-            branches.append(tuple(branch.body.statements))
-        self.body.add(If(test, *branches))
+            branch = replace(self, statements=[])
+            branch.statements.append(Assign(name, branch.code(value)))
+            branches.append(tuple(branch.statements))
+        self.statements.append(If(test, *branches))
         return name
 
     def _shortened(self, expression: Expression) -> Expression:
@@ -72,8 +75,8 @@ class ExpressionStatements:
             return operand
         if not is_certain and python_expression(operand, self.sources).functions:
             return operand
-        name = self.body.local_names.claim("term")
-        self.body.store(self.code(operand), name)
+        name = self.names.claim("term")
+        self.statements.append(Assign(name, self.code(operand)))
         self.sources[name] = name
         return Variable(name)
 

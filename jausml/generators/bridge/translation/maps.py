@@ -5,17 +5,21 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import printable
-from jausml.generators.bridge.translation.body import OWN_NAMES, Body
+from jausml.generators.bridge.translation.body import Body
+from jausml.generators.bridge.translation.expressions import New
 from jausml.generators.bridge.translation.lists import add_list
 from jausml.generators.bridge.translation.messages import add_message
+from jausml.generators.bridge.translation.places import Equal, Place
+from jausml.generators.bridge.translation.printing import printed
 from jausml.generators.bridge.translation.ros_fields import RosStart, full_name
 from jausml.generators.bridge.translation.sources import JausSource, RosSource
+from jausml.generators.bridge.translation.steps import Require, Write
 from jausml.generators.bridge.translation.surroundings import NestedTranslation
 from jausml.generators.bridge.translation.targets import JausTarget, RosTarget
 from jausml.generators.bridge.translation.translation import Translation, paths_of
 from jausml.generators.python.codec.jaus_fields import JausStart
 from jausml.generators.python.guards import CURRENT_COMMAND, may_set_limits
-from jausml.generators.python.names import Scope, snake_case
+from jausml.generators.python.names import snake_case
 from jausml.metamodel.classes import bridge, ros
 from jausml.semantics.stops import stop_assignments
 
@@ -24,6 +28,9 @@ if TYPE_CHECKING:
 
     from jausml.generators.bridge.translation.surroundings import Surroundings
     from jausml.generators.python.codec.messages import MessageView
+
+TARGET = Place("target")
+"""The message that is made."""
 
 
 def to_ros(
@@ -34,12 +41,12 @@ def to_ros(
     joins: Mapping[str, tuple[str, MessageView]],
     around: Surroundings,
 ) -> Body:
-    """Returns the statements that make `target` (ROS) from `source` (JAUS).
+    """Returns the steps that make `target` (ROS) from `source` (JAUS).
 
     Args:
         connection: The connection, whose map has the assignments.
         message: Its JAUS message.
-        owner: Python path of the connection.
+        owner: Attribute of the bridge that is the connection.
         class_name: Name of the ROS message class in the module.
         joins: Parameter and class of each joined report, by name of the join.
         around: The class and the module around.
@@ -48,7 +55,7 @@ def to_ros(
         AssignmentError: A value does not fit its target.
         PathError: A path leads nowhere.
     """
-    body = _body(owner, connection.outOfRange.name, *(name for name, _ in joins.values()))
+    body = Body(owner, connection.outOfRange.name)
     _map_to_ros(body, connection.map, message, class_name, joins, around)
     return body
 
@@ -60,12 +67,12 @@ def to_jaus(
     joins: Mapping[str, tuple[str, ros.MessageType]],
     around: Surroundings,
 ) -> Body:
-    """Returns the statements that make `target` (JAUS) from `source` (ROS).
+    """Returns the steps that make `target` (JAUS) from `source` (ROS).
 
     Args:
         connection: The connection, whose map has the assignments.
         message: Its JAUS message.
-        owner: Python path of the connection.
+        owner: Attribute of the bridge that is the connection.
         joins: Parameter and `ros.MessageType` of each joined message, by name of the join.
         around: The class and the module around.
 
@@ -73,7 +80,7 @@ def to_jaus(
         AssignmentError: A value does not fit its target.
         PathError: A path leads nowhere.
     """
-    body = _body(owner, connection.outOfRange.name, *(name for name, _ in joins.values()))
+    body = Body(owner, connection.outOfRange.name)
     _map_to_jaus(body, connection.map, message, joins, around)
     return body
 
@@ -85,12 +92,12 @@ def stop(
     class_name: str,
     around: Surroundings,
 ) -> Body:
-    """Returns the statements that make `target`, of either side, without a source.
+    """Returns the steps that make `target`, of either side, without a source.
 
     Args:
         connection: The connection.
         message: Its JAUS message.
-        owner: Python path of the connection.
+        owner: Attribute of the bridge that is the connection.
         class_name: Name of the ROS message class in the module.
         around: The class and the module around.
 
@@ -98,20 +105,16 @@ def stop(
         AssignmentError: A value does not fit its target.
         PathError: A path leads nowhere.
     """
-    body = _body(owner, connection.outOfRange.name)
+    body = Body(owner, connection.outOfRange.name)
     used = connection.map
     if connection.direction.name == "jausToRos":
         translation = _translation_to_ros(body, used, message, {}, around)
     else:
         translation = _translation_to_jaus(body, used, message, {}, around)
         class_name = message.class_name
-    body.store(f"{class_name}()", "target")
+    body.add(Write(TARGET, New(class_name)))
     translation.add(stop_assignments(connection))
     return body
-
-
-def _body(owner: str, policy: str, *parameters: str) -> Body:
-    return Body(owner, policy, local_names=Scope(OWN_NAMES | frozenset(parameters)))
 
 
 class _MapTranslation(Translation):
@@ -136,7 +139,7 @@ def _map_to_ros(
         _refuse_limits(body, attribute_map)
     translation = _translation_to_ros(body, attribute_map, message, joins, around)
     translation.require(attribute_map.toRos)
-    body.store(f"{class_name}()", "target")
+    body.add(Write(TARGET, New(class_name)))
     translation.add(attribute_map.toRos)
 
 
@@ -149,7 +152,7 @@ def _map_to_jaus(
 ) -> None:
     translation = _translation_to_jaus(body, attribute_map, message, joins, around)
     translation.require(attribute_map.toJaus)
-    body.store(f"{message.class_name}()", "target")
+    body.add(Write(TARGET, New(message.class_name)))
     translation.add(attribute_map.toJaus)
 
 
@@ -161,9 +164,8 @@ def _translation_to_ros(
     around: Surroundings,
 ) -> _MapTranslation:
     target = RosTarget(attribute_map.type, RosStart("target", attribute_map.type))
-    name = body.owner.removeprefix("self.")
-    source = JausSource(message, JausStart("source", names=body.name_of), joins=joins)
-    return _MapTranslation(body, around, attribute_map, source, target, name, _nested_method)
+    source = JausSource(message, JausStart("source", names=body.local_of), joins=joins)
+    return _MapTranslation(body, around, attribute_map, source, target, body.owner, _nested_method)
 
 
 def _translation_to_jaus(
@@ -174,13 +176,12 @@ def _translation_to_jaus(
     around: Surroundings,
 ) -> _MapTranslation:
     source = RosSource(attribute_map.type, RosStart("source", attribute_map.type), joins)
-    name = body.owner.removeprefix("self.")
     target = JausTarget(message)
-    return _MapTranslation(body, around, attribute_map, source, target, name, _nested_method)
+    return _MapTranslation(body, around, attribute_map, source, target, body.owner, _nested_method)
 
 
 def _nested_method(translation: Translation, attribute_map: bridge.AttributeMap) -> str:
-    """Returns the Python path of the method that translates a message inside another one.
+    """Returns the method that translates a message inside another one.
 
     Args:
         translation: The translation that has the message.
@@ -189,25 +190,24 @@ def _nested_method(translation: Translation, attribute_map: bridge.AttributeMap)
     around, owner = translation.surroundings, translation.body.owner
     key = (owner, attribute_map, translation.to_ros)
     if key in around.nested:
-        return f"self.{around.nested[key].name}"
-    connection = owner.removeprefix("self.")
+        return around.nested[key].name
     message = around.view_of(attribute_map.message)
     type_name = around.type_name(attribute_map.type)
     ends = (message.class_name, type_name)
     source, target = ends if translation.to_ros else ends[::-1]
-    name = around.attributes.claim(f"_{connection}_{snake_case(attribute_map.name)}")
+    name = around.attributes.claim(f"_{owner}_{snake_case(attribute_map.name)}")
     words = (f"{message.jaus_name} ({message.code_text})", full_name(attribute_map.type))
     given, made = words if translation.to_ros else words[::-1]
     about = printable(attribute_map.documentation or "")
     text = "\n\n".join(filter(None, [f"{given} to {made}.", about]))
     nested = around.nested[key] = NestedTranslation(name, source, target, text)
-    body = _body(owner, translation.body.policy)
+    body = Body(owner, translation.body.policy)
     if translation.to_ros:
         _map_to_ros(body, attribute_map, message, type_name, {}, around)
     else:
         _map_to_jaus(body, attribute_map, message, {}, around)
-    nested.lines = body.lines
-    return f"self.{name}"
+    nested.lines = printed(body.steps)
+    return name
 
 
 def _refuse_limits(body: Body, attribute_map: bridge.AttributeMap) -> None:
@@ -222,5 +222,5 @@ def _refuse_limits(body: Body, attribute_map: bridge.AttributeMap) -> None:
         for path in paths_of(assignment.source)
     }
     if "CommandType" not in carried:
-        test = f"source.command_type != {CURRENT_COMMAND}"
-        body.refuse(test, "ConversionError", "a limit, not the current command")
+        current = Equal(Place("source", ("command_type",)), CURRENT_COMMAND)
+        body.add(Require(current, "ConversionError", "a limit, not the current command"))

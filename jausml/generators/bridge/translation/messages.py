@@ -4,9 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from jausml.generators.bridge.translation.values import NO_LIMIT, Fitted
-from jausml.generators.python.codec.jaus_fields import FORMAT
-from jausml.generators.python.statements import call
+from jausml.generators.bridge.translation.expressions import (
+    FORMAT,
+    OCTETS,
+    Decode,
+    Encode,
+    Read,
+    Translate,
+)
+from jausml.generators.bridge.translation.places import Equal
+from jausml.generators.bridge.translation.steps import Require
+from jausml.generators.bridge.translation.values import NO_POLICY
 
 if TYPE_CHECKING:
     from jausml.generators.bridge.translation.translation import Translation
@@ -38,11 +46,11 @@ def _to_ros(translation: Translation, assignment: bridge.MessageAssignment) -> N
         data = field.place
         if field.kind == FORMAT:
             text = f"{field.path} carries no JAUS message"
-            body.refuse(f"{data}.format_index != 0", "ConversionError", text)
-            data = f"{data}.data"
-        decoded = call(f"{message.class_name}.decode", data)
+            body.add(Require(Equal(data.at("format_index"), 0), "ConversionError", text))
+            data = data.at("data")
+        decoded = Decode(message.class_name, Read(data, OCTETS))
         path = assignment.target.strip()
-        translation.target.put(body, path, Fitted(call(method, decoded)))
+        translation.target.put(body, path, Translate(method, decoded))
 
 
 def _to_jaus(translation: Translation, assignment: bridge.MessageAssignment) -> None:
@@ -50,8 +58,8 @@ def _to_jaus(translation: Translation, assignment: bridge.MessageAssignment) -> 
     path = assignment.target.strip()
     target: Any = translation.target
     target.prepare(body, path)
-    value: Value = translation.source.value(assignment.source.strip(), NO_LIMIT)
+    value: Value = translation.source.value(assignment.source.strip(), NO_POLICY)
     method = translation.nested_method(translation, assignment.map)
     with body.given(value.conditions):
-        payload = call(f"{call(method, value.code)}.encode")
-        target.put(body, path, target.carrier(path, payload, body.whole_limit))
+        payload = Encode(Translate(method, value.expression))
+        target.put(body, path, target.carrier(path, payload, body.whole_policy))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from jausml.generators.bridge.translation.places import Local, Place
 from jausml.metamodel.classes import ros
 from jausml.semantics.installed import package_of
 from jausml.semantics.ros_paths import fields_by_name, named_constants
@@ -27,13 +28,13 @@ class RosStart:
     """Where paths start.
 
     Attributes:
-        root: Python name of the message or element.
+        root: The message or element.
         type: The `ros.MessageType` of the message or element; None for an element without fields.
         field: The `ros.Field` of which an element without fields is one.
         label: Path of the array in the message, for counters.
     """
 
-    root: str
+    root: str | Local
     type: ros.MessageType | None
     field: ros.Field | None = None
     label: str = ""
@@ -48,8 +49,8 @@ class RosField:
         type: Primitive type (`float64`) or full name of a message type
             (`geometry_msgs/Quaternion`).
         is_array: True when the end is a whole array.
+        place: Where it stands.
         bound: Most characters of a string; 0 when nothing limits it.
-        place: The path as it stands in Python, e.g. `source.pose.covariance[7]`.
         counts: Fewest and most elements of a whole array; None when nothing limits them.
         message_type: The `ros.MessageType` of the end or of the elements of the array; None for
             primitive types.
@@ -60,8 +61,8 @@ class RosField:
     path: str
     type: str
     is_array: bool
+    place: Place
     bound: int = 0
-    place: str = ""
     counts: tuple[int, int] | None = None
     message_type: ros.MessageType | None = None
     field: ros.Field | None = None
@@ -81,7 +82,7 @@ def ros_field(message_type: ros.MessageType, path: str, start: RosStart | None =
     """
     begin = start or RosStart("source", message_type)
     current, field, is_array = begin.type, begin.field, False
-    holder = message_type
+    holder, place = message_type, Place(begin.root)
     for step in [] if path == "." else path.split("."):
         found = _STEP.fullmatch(step)
         if current is None or is_array or found is None:
@@ -89,7 +90,9 @@ def ros_field(message_type: ros.MessageType, path: str, start: RosStart | None =
         field = fields_by_name(current).get(found["name"])
         if field is None:
             raise PathError(f"{full_name(current)} has no field '{found['name']}' ('{path}')")
-        holder = current
+        holder, place = current, place.at(found["name"])
+        if found["index"] is not None:
+            place = place.at(int(found["index"]))
         is_array = field.arrayKind.name != "single" and found["index"] is None
         current = field.messageType if isinstance(field, ros.MessageField) else None
     primitive = field if current is None and isinstance(field, ros.PrimitiveField) else None
@@ -97,8 +100,8 @@ def ros_field(message_type: ros.MessageType, path: str, start: RosStart | None =
         ".".join(each for each in (begin.label, path) if each not in ("", ".")),
         primitive.type.name if primitive is not None else full_name(current or message_type),
         is_array,
+        place,
         primitive.stringBound if primitive is not None else 0,
-        begin.root if path == "." else f"{begin.root}.{path}",
         _counts(field) if is_array and field is not None else None,
         current,
         field,

@@ -25,11 +25,11 @@ class _Unnamed(Surroundings):
     claims: list[Callable[[Surroundings, str], str]] = field(default_factory=list)
 
     def frame(self, connection: str, path: str, value: str) -> str:  # noqa: ARG002 - none yet
-        """Returns what stands for the Python path of the name of a frame."""
+        """Returns what stands for the attribute of the name of a frame."""
         return self._later(lambda uses, name: uses.frame(name, path, value))
 
     def memory(self, name: str, annotation: str) -> str:
-        """Returns what stands for the Python path of an attribute that keeps a value."""
+        """Returns what stands for the attribute that keeps a value."""
         return self._later(
             lambda uses, connection: uses.memory(name.replace(_NAME, connection), annotation)
         )

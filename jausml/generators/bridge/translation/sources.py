@@ -5,27 +5,30 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
+from jausml.generators.bridge.translation.expressions import (
+    FORMAT,
+    INTEGER,
+    LIST,
+    OCTETS,
+    REAL,
+    Expression,
+    Read,
+)
+from jausml.generators.bridge.translation.places import Place, There
 from jausml.generators.bridge.translation.ros_fields import (
     INTEGER_RANGES,
     PathError,
     RosStart,
     ros_field,
 )
-from jausml.generators.bridge.translation.values import Limit, Value, real, ros_kind
-from jausml.generators.python.codec.jaus_fields import (
-    FORMAT,
-    INTEGER,
-    LIST,
-    REAL,
-    JausStart,
-    jaus_field,
-    there,
-)
+from jausml.generators.bridge.translation.values import Policy, Value, real, ros_kind
+from jausml.generators.python.codec.jaus_fields import JausStart, jaus_field
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from jausml.generators.python.codec.jaus_fields import Condition, JausField
+    from jausml.generators.bridge.translation.places import Local, Way
+    from jausml.generators.python.codec.jaus_fields import JausField
     from jausml.generators.python.codec.messages import MessageView
     from jausml.metamodel.classes import ros
 
@@ -36,12 +39,12 @@ MANY = 2**32 - 1
 class Source(Protocol):
     """Where the source paths of some assignments start."""
 
-    def value(self, path: str, limit: Limit) -> Value:
+    def value(self, path: str, policy: Policy) -> Value:
         """Returns the value at the end of a path.
 
         Args:
             path: The path.
-            limit: What keeps the value within its target.
+            policy: What becomes of the value where it does not fit its target.
 
         Raises:
             PathError: The path leads nowhere.
@@ -60,16 +63,16 @@ class Many:
     """A list as the source of assignments.
 
     Attributes:
-        code: The list, as Python text.
+        place: The list.
         path: Its path, for counters.
         conditions: What must hold for it to be there.
         start: Where paths of its elements start, without their name: JausStart or RosStart.
         counts: Fewest and most elements.
     """
 
-    code: str
+    place: Place
     path: str
-    conditions: tuple[Condition, ...]
+    conditions: tuple[Way, ...]
     start: Any
     counts: tuple[float, float]
 
@@ -79,19 +82,19 @@ class Counters:
     """The variables of a loop that are at hand besides the element.
 
     Attributes:
-        codes: Python text of `index` and `count`.
+        values: The values of `index` and `count`.
         used: Which of them were asked for.
     """
 
-    codes: Mapping[str, str]
+    values: Mapping[str, Expression]
     used: set[str] = field(default_factory=set)
 
-    def value(self, path: str, limit: Limit) -> Value | None:
+    def value(self, path: str, policy: Policy) -> Value | None:
         """Returns the value of a counter; None for other paths."""
-        if path not in self.codes:
+        if path not in self.values:
             return None
         self.used.add(path)
-        return Value(self.codes[path], INTEGER, limits=(0, MANY), limit=limit)
+        return Value(self.values[path], limits=(0, MANY), policy=policy)
 
 
 @dataclass(frozen=True)
@@ -111,7 +114,7 @@ class JausSource:
     start: JausStart = field(default_factory=lambda: JausStart("source"))
     top: JausSource | None = None
     counters: Counters = field(default_factory=lambda: Counters({}))
-    conditions: tuple[Condition, ...] = ()
+    conditions: tuple[Way, ...] = ()
     joins: Mapping[str, tuple[str, MessageView]] = field(default_factory=dict)
 
     def inlined(self) -> JausSource:
@@ -131,28 +134,27 @@ class JausSource:
             root, joined = self.joins[name]
             start = JausStart(root, names=self.start.names)
             found = jaus_field(joined, rest or ".", start)
-            conditions = (there(root), *found.conditions)
+            conditions = (There(Place(root)), *found.conditions)
             return replace(found, path=f"{name}.{found.path}", conditions=conditions)
         found = jaus_field(self.message, path, self.start)
         return replace(found, conditions=(*self.conditions, *found.conditions))
 
-    def value(self, path: str, limit: Limit) -> Value:
+    def value(self, path: str, policy: Policy) -> Value:
         """Returns the value at the end of a path."""
         try:
             found = self.field(path)
         except PathError:
-            counter = self.counters.value(path, limit)
+            counter = self.counters.value(path, policy)
             if counter is None:
                 raise
             return counter
-        code = found.code
         limits = found.brought if found.kind == INTEGER else found.limits
+        value: Expression = Read(found.value, REAL if found.is_float else found.kind)
         if found.is_float and not found.is_scaled:
             # The codec hands on what a peer sends; only here is it known what becomes of the rest.
-            code = real(limit, code, found.path, found.limits).code
-        listed = tuple((name, str(value)) for name, value in found.listed)
-        kind = REAL if found.is_float else found.kind
-        return Value(code, kind, found.conditions, found.units, limits, limit, listed)
+            value = real(policy, value, found.path, found.limits)
+        listed = tuple((name, str(each)) for name, each in found.listed)
+        return Value(value, found.conditions, found.units, limits, policy, listed)
 
     def many(self, path: str) -> Many:
         """Returns the list at the end of a path."""
@@ -163,7 +165,7 @@ class JausSource:
         return Many(found.place, found.path, found.conditions, start, found.limits)
 
     def element(
-        self, many: Many, root: str, counters: Counters, conditions: tuple[Condition, ...]
+        self, many: Many, root: Local, counters: Counters, conditions: tuple[Way, ...]
     ) -> JausSource:
         """Returns an element of a list as a source."""
         start = replace(many.start, root=root)
@@ -176,7 +178,7 @@ class JausSource:
             PathError: The field carries none.
         """
         found = self.field(path)
-        if found.kind not in {FORMAT, "octets"}:
+        if found.kind not in {FORMAT, OCTETS}:
             raise PathError(f"'{found.path}' carries no message")
         return found
 
@@ -199,40 +201,34 @@ class RosSource:
     joins: Mapping[str, tuple[str, ros.MessageType]]
     top: RosSource | None = None
     counters: Counters = field(default_factory=lambda: Counters({}))
-    conditions: tuple[Condition, ...] = ()
+    conditions: tuple[Way, ...] = ()
 
     def inlined(self) -> RosSource:
         """Returns itself, as values of ROS give no names."""
         return self
 
-    def _field(self, path: str) -> tuple[Any, tuple[Condition, ...]]:
+    def _field(self, path: str) -> tuple[Any, tuple[Way, ...]]:
         if path.startswith("/"):
             return (self.top or self)._field(path[1:])  # noqa: SLF001 - of its own class
         name, _, rest = path.partition(".")
         if self.top is None and name in self.joins:
             root, joined = self.joins[name]
             found = ros_field(joined, rest or ".", RosStart(root, joined, label=name))
-            return found, (there(root),)
+            return found, (There(Place(root)),)
         return ros_field(self.type, path, self.start), self.conditions
 
-    def value(self, path: str, limit: Limit) -> Value:
+    def value(self, path: str, policy: Policy) -> Value:
         """Returns the value at the end of a path."""
         try:
             found, conditions = self._field(path)
         except PathError:
-            counter = self.counters.value(path, limit)
+            counter = self.counters.value(path, policy)
             if counter is None:
                 raise
             return counter
         limits = None if found.is_array else INTEGER_RANGES.get(found.type)
-        return Value(
-            found.place,
-            ros_kind(found),
-            conditions,
-            limits=limits,
-            limit=limit,
-            listed=found.constants,
-        )
+        value = Read(found.place, ros_kind(found))
+        return Value(value, conditions, limits=limits, policy=policy, listed=found.constants)
 
     def many(self, path: str) -> Many:
         """Returns the array at the end of a path."""
@@ -243,7 +239,7 @@ class RosSource:
         return Many(found.place, found.path, conditions, start, found.counts or (0, MANY))
 
     def element(
-        self, many: Many, root: str, counters: Counters, conditions: tuple[Condition, ...]
+        self, many: Many, root: Local, counters: Counters, conditions: tuple[Way, ...]
     ) -> RosSource:
         """Returns an element of an array as a source."""
         start = replace(many.start, root=root)

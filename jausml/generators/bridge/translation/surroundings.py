@@ -192,7 +192,7 @@ class Surroundings:
         return self.unit_steps[key]
 
     def quantity(self, quantity: bridge.Quantity, *, is_maximum: bool) -> str:
-        """Returns the Python path of a quantity, whose value a parameter may change.
+        """Returns the attribute of a quantity, whose value a parameter may change.
 
         Args:
             quantity: The quantity.
@@ -206,10 +206,10 @@ class Surroundings:
             self.quantities[key] = QuantityView(name, *key[1:], str(about))
         if is_maximum:
             self.quantities[key] = replace(self.quantities[key], is_maximum=True)
-        return f"self.{self.quantities[key].name}"
+        return self.quantities[key].name
 
     def frame(self, connection: str, path: str, value: str) -> str:
-        """Returns the Python path of the name of a frame, which a parameter may change.
+        """Returns the attribute of the name of a frame, which a parameter may change.
 
         Args:
             connection: The connection, by its name in Python.
@@ -226,7 +226,7 @@ class Surroundings:
             name = self.attributes.claim(snake_case(parameter.replace(".", "_")))
             about = f"Frame in {path} of {connection}."
             self.frames[key] = FrameView(name, parameter, value, about)
-        return f"self.{self.frames[key].name}"
+        return self.frames[key].name
 
     def overridden(self, quantities: Iterable[bridge.Quantity]) -> dict[str, float]:
         """Returns what maps state for quantities that the bridge replaces.
@@ -251,7 +251,7 @@ class Surroundings:
         return str(quantity.name), value, str(quantity.units or found.units or "")
 
     def user_method(self, method: str, inputs: Sequence[str], output: str) -> str:
-        """Returns the Python path of a conversion that the user writes.
+        """Returns the method of a conversion that the user writes.
 
         Args:
             method: Its name in the model.
@@ -274,10 +274,10 @@ class Surroundings:
             tuple(_either(first, second) for first, second in pairs),
             _either(known.output, output, "Any"),
         )
-        return f"self.{known.name}"
+        return known.name
 
     def memory(self, name: str, annotation: str) -> str:
-        """Returns the Python path of an attribute that keeps a value; None before the first.
+        """Returns the attribute that keeps a value; None before the first.
 
         Args:
             name: What it should be called.
@@ -285,7 +285,7 @@ class Surroundings:
         """
         claimed = self.attributes.claim(f"last_{name}")
         self.memories.append(Memory(claimed, f"{annotation} | None"))
-        return f"self.{claimed}"
+        return claimed
 
 
 def _either(first: str, second: str, otherwise: str = "") -> str:

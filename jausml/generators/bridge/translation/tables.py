@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from jausml.generators.bridge.translation.expressions import BOOLEAN, INTEGER, Constant
+from jausml.generators.bridge.translation.printing import literal
 from jausml.generators.bridge.translation.values import (
-    BOOLEAN,
     PYTHON_TYPES,
     UNLIMITED,
     AssignmentError,
     constant,
 )
-from jausml.generators.python.codec.jaus_fields import INTEGER
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -54,30 +54,33 @@ def look_up(
     Raises:
         AssignmentError: An entry is no value of its side.
     """
-    pairs: dict[str, str] = {}
+    pairs: dict[str, Constant] = {}
     for entry in table.entries:
         texts = (entry.jaus, entry.ros) if to_ros else (entry.ros, entry.jaus)
-        key = _literal(str(texts[0] or ""), value.kind, value.listed, table.name)
-        pairs.setdefault(key, _literal(str(texts[1] or ""), kind, listed, table.name))
+        key = _constant(str(texts[0] or ""), value.kind, value.listed, table.name)
+        found = _constant(str(texts[1] or ""), kind, listed, table.name)
+        pairs.setdefault(literal(key), found)
     ends = "JAUS to ROS" if to_ros else "ROS to JAUS"
     about = f"Table {table.name}, {ends}."
     annotation = f"dict[{_type(value.kind)}, {_type(kind)}]"
-    items = [f"{key}: {found}" for key, found in pairs.items()]
+    items = [f"{text}: {literal(found)}" for text, found in pairs.items()]
     name = f"{table.name} to {'ros' if to_ros else 'jaus'}"
-    known = tuple(sorted({int(found) for found in pairs.values()})) if kind == INTEGER else ()
+    known: tuple[int, ...] = ()
+    if kind == INTEGER:
+        known = tuple(sorted({int(found.value or 0) for found in pairs.values()}))
     return Table((name, annotation, items, "{}", about), known)
 
 
-def _literal(text: str, kind: str, listed: Sequence[tuple[str, str]], table: str) -> str:
-    """A value of a table as a literal; names of values come before the values themselves."""
+def _constant(text: str, kind: str, listed: Sequence[tuple[str, str]], table: str) -> Constant:
+    """A value of a table; names of values come before the values themselves."""
     try:
         return constant(kind, text, UNLIMITED, f"table {table}", listed)
     except AssignmentError:
         # true and false are 1 and 0 where JAUS has no bool.
         if kind == INTEGER and text in {"true", "false"}:
-            return str(int(text == "true"))
+            return Constant(int(text == "true"), kind)
         if kind == BOOLEAN and text in {"0", "1"}:
-            return str(text == "1")
+            return Constant(text == "1", kind)
         raise
 
 

@@ -2,40 +2,46 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
-from jausml.generators.bridge.translation.ros_fields import RosStart, ros_field
-from jausml.generators.bridge.translation.values import (
-    BOOLEAN,
-    PYTHON_TYPES,
-    QUATERNION,
-    TIME,
-    AssignmentError,
-    Fitted,
-    Limit,
-    Value,
-    constant,
-    fitted_to_jaus,
-    fitted_to_ros,
-    limited,
-    ros_constant,
-    ros_kind,
-)
-from jausml.generators.python.codec.compounds import PartValue, VariantValue
-from jausml.generators.python.codec.jaus_fields import (
+from jausml.generators.bridge.translation.expressions import (
     BITS,
+    BOOLEAN,
     FORMAT,
     INTEGER,
     LIST,
     OCTETS,
+    QUATERNION,
     REAL,
     TEXT,
-    JausStart,
-    jaus_field,
+    TIME,
+    Constant,
+    Expression,
+    IfKept,
+    Limit,
+    New,
+    Read,
+    Scalar,
 )
-from jausml.generators.python.statements import call
+from jausml.generators.bridge.translation.places import Local, Place
+from jausml.generators.bridge.translation.ros_fields import RosStart, ros_field
+from jausml.generators.bridge.translation.steps import Append, Let, Write
+from jausml.generators.bridge.translation.values import (
+    PYTHON_TYPES,
+    AssignmentError,
+    Policy,
+    Value,
+    constant,
+    fitted_to_jaus,
+    fitted_to_ros,
+    number,
+    ros_constant,
+    ros_kind,
+)
+from jausml.generators.python.codec.compounds import PartValue, VariantValue
+from jausml.generators.python.codec.jaus_fields import JausStart, default_of, jaus_field
+from jausml.generators.python.codec.scalars import Bits, Blob, Fixed
 
 if TYPE_CHECKING:
     from jausml.generators.bridge.translation.body import Body
@@ -45,8 +51,7 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes import ros
 
 _TIMESTAMP = ("milliseconds", "seconds", "minutes", "hour", "day")
-_ZEROS = {REAL: "0.0", INTEGER: "0", BOOLEAN: "False", TEXT: '""', OCTETS: 'b""'}
-_ELEMENT = re.compile(r"(?P<list>.*)\[(?P<index>[0-9]+)\]")
+_ZEROS: dict[str, Scalar] = {REAL: 0.0, INTEGER: 0, BOOLEAN: False, TEXT: "", OCTETS: b""}
 
 
 @dataclass(frozen=True)
@@ -54,19 +59,19 @@ class ManyTarget:
     """A list as the target of assignments.
 
     Attributes:
-        place: The list, as Python text.
+        place: The list.
         path: Its path, for counters.
         counts: Fewest and most elements; None when nothing limits them.
         fresh: Whether the list is not there, or not empty, in a message as it is made.
-        new_element: Python text of an element without values; None where an assignment makes it.
+        new_element: An element without values; None where an assignment makes it.
         start: Where paths of its elements start, without their name: JausStart or RosStart.
     """
 
-    place: str
+    place: Place
     path: str
     counts: tuple[int, int] | None
     fresh: bool
-    new_element: str | None
+    new_element: Expression | None
     start: Any
 
 
@@ -85,10 +90,10 @@ class Target(Protocol):
     def prepare(self, body: Body, path: str) -> None:
         """Adds the statements that make what a message lacks on the way to the end of a path."""
 
-    def fitted(self, path: str, value: Value) -> Fitted:
+    def fitted(self, path: str, value: Value) -> Expression:
         """Returns a value as the end of a path takes it."""
 
-    def put(self, body: Body, path: str, value: Fitted, remark: str = "") -> None:
+    def put(self, body: Body, path: str, value: Expression, remark: str = "") -> None:
         """Adds the statement that stores a value that fits."""
 
     def constant(self, path: str, text: str) -> Value:
@@ -130,21 +135,16 @@ class RosTarget:
     def prepare(self, body: Body, path: str) -> None:
         """Adds nothing: ROS messages are complete as they are made."""
 
-    def fitted(self, path: str, value: Value) -> Fitted:
+    def fitted(self, path: str, value: Value) -> Expression:
         """Returns a value as the end of a path takes it."""
         found = self.field(path)
         if ros_kind(found) in {QUATERNION, TIME} and value.kind == ros_kind(found):
-            return Fitted(value.code)
+            return value.expression
         return fitted_to_ros(value, found)
 
-    def put(self, body: Body, path: str, value: Fitted, remark: str = "") -> None:
+    def put(self, body: Body, path: str, value: Expression, remark: str = "") -> None:
         """Adds the statement that stores a value that fits."""
-        found = self.field(path)
-        kind = ros_kind(found)
-        if kind in {QUATERNION, TIME}:
-            body.do(call(f"set_{kind}", found.place, value.code))
-        else:
-            body.store(value.code, found.place, remark)
+        body.add(Write(self.field(path).place, value, remark))
 
     def constant(self, path: str, text: str) -> Value:
         """Returns a text of the model as a value for the end of a path."""
@@ -161,7 +161,8 @@ class RosTarget:
         if not found.is_array:
             raise AssignmentError(f"{found.path} is no array")
         single = replace(found, is_array=False)
-        new = f"{type_name}()" if type_name else _ZEROS[ros_kind(single)]
+        kind = ros_kind(single)
+        new = New(type_name) if type_name else Constant(_ZEROS[kind], kind)
         counts = found.counts
         return ManyTarget(
             found.place,
@@ -172,7 +173,7 @@ class RosTarget:
             start=RosStart("", found.message_type, found.field, found.path),
         )
 
-    def element(self, many: ManyTarget, root: str) -> RosTarget:
+    def element(self, many: ManyTarget, root: Local) -> RosTarget:
         """Returns an element of an array as a target."""
         return RosTarget(self.type, replace(many.start, root=root))
 
@@ -184,12 +185,12 @@ class JausTarget:
     Attributes:
         message: The message.
         start: Where paths start.
-        made: Places of the containers that are there, with the names of those that have one.
+        made: Places of the containers that are there, with the variables of those that have one.
     """
 
     message: MessageView
     start: JausStart = field(default_factory=lambda: JausStart("target"))
-    made: dict[str, str] = field(default_factory=dict)
+    made: dict[Place, Local | None] = field(default_factory=dict)
 
     def field(self, path: str) -> JausField:
         """Returns the end of a path.
@@ -200,12 +201,12 @@ class JausTarget:
         found = jaus_field(self.message, path, self.start)
         return replace(found, place=self._named(found.place))
 
-    def _named(self, place: str) -> str:
-        """A place by the name of the innermost element of a list on the way to it."""
+    def _named(self, place: Place) -> Place:
+        """A place by the variable of the innermost element of a list on the way to it."""
         for known in reversed(self.made):
-            name = self.made[known]
-            if name and (place == known or place.startswith(f"{known}.")):
-                return f"{name}{place[len(known) :]}"
+            local = self.made[known]
+            if local is not None and place.is_within(known):
+                return place.named(known, local)
         return place
 
     def kind(self, path: str) -> str:
@@ -222,55 +223,57 @@ class JausTarget:
 
     def prepare(self, body: Body, path: str) -> None:
         """Adds the statements that make the containers on the way to the end of a path."""
-        for place, code in self.field(path).containers:
+        for place, value in self.field(path).containers:
             if place in self.made:
                 continue
-            found = _ELEMENT.fullmatch(place)
-            if found is None:
-                body.store(code, self._named(place))
-                self.made[place] = ""
+            last = place.steps[-1] if place.steps else ""
+            if isinstance(last, str):
+                body.add(Write(self._named(place), value))
+                self.made[place] = None
                 continue
-            for index in range(int(found["index"]) + 1):
-                self._append(body, found["list"], index, code)
+            for index in range(last + 1):
+                self._append(body, replace(place, steps=place.steps[:-1]), index, value)
 
-    def _append(self, body: Body, place: str, index: int, code: str) -> None:
+    def _append(self, body: Body, place: Place, index: int, value: Expression) -> None:
         """Adds an element to a list, unless it is there."""
-        element, appended = f"{place}[{index}]", self._named(place)
+        element, appended = place.at(index), self._named(place)
         if element in self.made:
             return
-        self.made[element] = ""
-        if code.endswith("()"):
-            self.made[element] = body.name_of(element)
-            body.store(code, self.made[element])
-            code = self.made[element]
-        body.do(call(f"{appended}.append", code))
+        self.made[element] = None
+        if isinstance(value, New):
+            local = self.made[element] = body.local_of(element)
+            body.add(Let((local,), value))
+            value = Read(Place(local))
+        body.add(Append(appended, value))
 
-    def fitted(self, path: str, value: Value) -> Fitted:
+    def fitted(self, path: str, value: Value) -> Expression:
         """Returns a value as the end of a path takes it."""
         found = self.field(path)
         if found.kind == BITS and found.sub_fields != _TIMESTAMP:
             raise AssignmentError(f"{found.path} is no TimeStamp")
         return fitted_to_jaus(value, found)
 
-    def put(self, body: Body, path: str, value: Fitted, remark: str = "") -> None:
+    def put(self, body: Body, path: str, value: Expression, remark: str = "") -> None:
         """Adds the statement that stores a value that fits."""
         found = self.field(path)
-        if found.index is None:
-            body.store(value.code, found.place, remark or found.units)
-            return
-        code = value.code
-        if value.can_be_none:
-            code = body.local("value", code)
-        made = call(found.class_name, str(found.index), code)
-        if value.can_be_none:
-            made = f"None if {code} is None else {made}"
-        body.store(made, found.place, remark or found.units)
+        if found.index is not None:
+            value = self._alternative(body, found, value)
+        body.add(Write(found.place, value, remark or found.units))
+
+    @staticmethod
+    def _alternative(body: Body, found: JausField, value: Expression) -> Expression:
+        """A value as the alternative of a variable field; nothing where it was dropped."""
+        index = number(int(found.index or 0))
+        if not (isinstance(value, Limit) and value.drops_field):
+            return New(found.class_name, (index, value))
+        kept = Read(Place(body.local("value", value)), value.kind)
+        return IfKept(kept, New(found.class_name, (index, kept)))
 
     def constant(self, path: str, text: str) -> Value:
         """Returns a text of the model as a value for the end of a path."""
         found = self.field(path)
-        code = constant(found.kind, text, found.limits, found.path, self.listed(path))
-        return Value(code, found.kind, limits=found.limits)
+        made = constant(found.kind, text, found.limits, found.path, self.listed(path))
+        return Value(made, limits=found.limits)
 
     def many(self, path: str) -> ManyTarget:
         """Returns the list at the end of a path."""
@@ -279,12 +282,13 @@ class JausTarget:
             raise AssignmentError(f"{found.path} is no list")
         fewest, most = int(found.limits[0]), int(found.limits[1])
         element = found.element
-        if isinstance(element, VariantValue) and len(element.options) > 1:
-            new = None
-        elif isinstance(element, PartValue | VariantValue):
-            new = f"{element.python_type}()"
-        else:
-            new = getattr(element, "default", "None")
+        new: Expression | None = None
+        if isinstance(element, PartValue | Bits):
+            new = New(element.python_type)
+        elif isinstance(element, VariantValue):
+            new = New(element.python_type) if len(element.options) == 1 else None
+        elif isinstance(element, Fixed | Blob):
+            new = default_of(element)
         return ManyTarget(
             found.place,
             found.path,
@@ -294,24 +298,24 @@ class JausTarget:
             start=JausStart("", found.element, found.path),
         )
 
-    def element(self, many: ManyTarget, root: str) -> JausTarget:
+    def element(self, many: ManyTarget, root: Local) -> JausTarget:
         """Returns an element of a list as a target."""
         return JausTarget(self.message, replace(many.start, root=root))
 
-    def carrier(self, path: str, payload: str, limit: Limit) -> Fitted:
+    def carrier(self, path: str, payload: Expression, policy: Policy) -> Expression:
         """Returns an encoded message as the field that carries it takes it.
 
         Args:
             path: Path of the field.
             payload: The bytes.
-            limit: What keeps their number within the field.
+            policy: What becomes of more of them than the field takes.
 
         Raises:
             AssignmentError: The field carries no message.
         """
         found = self.field(path)
         if found.kind == FORMAT:
-            return Fitted(call(found.class_name, "0", payload))
+            return New(found.class_name, (number(0), payload))
         if found.kind == OCTETS:
-            return limited(limit, "octets", payload, found.path, found.limits)
+            return policy.limit("octets", payload, found.path, found.limits)
         raise AssignmentError(f"{found.path} carries no message")

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from jausml.generators.bridge.ros_classes import RosClasses
 from jausml.generators.bridge.translation.alike import AlikeMaps
-from jausml.generators.bridge.translation.body import OWN_NAMES
 from jausml.generators.bridge.translation.maps import stop, to_jaus, to_ros
+from jausml.generators.bridge.translation.printing import OWN_NAMES, printed
 from jausml.generators.bridge.translation.sharing import SharedTranslations
 from jausml.generators.bridge.translation.surroundings import Surroundings
 from jausml.generators.python.names import Scope, names_in, snake_case
@@ -188,20 +188,21 @@ def _translated(
     joins = _joins(connection, uses)
 
     def make(name: str, around: Surroundings) -> tuple[str, ...]:
-        owner = f"self.{name}"
+        parameters = [each.name for each in joins]
         if is_to_ros:
             reports = {
                 str(join.name): (each.name, uses.view_of(join.message))
                 for each in joins
                 if isinstance(join := each.join, bridge.ReportJoin)
             }
-            return to_ros(connection, message, owner, ros_name, reports, around).lines
+            steps = to_ros(connection, message, name, ros_name, reports, around).steps
+            return printed(steps, parameters)
         types = {
             str(join.name): (each.name, join.type)
             for each in joins
             if isinstance(join := each.join, bridge.Join)
         }
-        return to_jaus(connection, message, owner, types, around).lines
+        return printed(to_jaus(connection, message, name, types, around).steps, parameters)
 
     alike = (maps.first(used), is_to_ros, connection.outOfRange.name)
     if any(each is not used for each in used_maps(used, to_ros=is_to_ros)):
@@ -212,7 +213,8 @@ def _translated(
     safe_lines: tuple[str, ...] = ()
     # Lists and calls, which are in no model as connections, end in ways of their own.
     if connection.eContainer() is not None and has_stop(connection):
-        safe_lines = _returned(stop(connection, message, f"self.{name}", ros_name, uses).lines)
+        made = stop(connection, message, name, ros_name, uses)
+        safe_lines = _returned(printed(made.steps))
     return Translated(name, ros_name, joins, lines, safe_lines, alike)
 
 

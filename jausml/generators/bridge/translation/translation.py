@@ -6,21 +6,32 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from jausml.generators.bridge.translation.body import conditions
 from jausml.generators.bridge.translation.conversions import Chain
+from jausml.generators.bridge.translation.expressions import (
+    BITS,
+    TEXT,
+    Convert,
+    Either,
+    Expression,
+    Limit,
+    Now,
+    Read,
+    Setting,
+)
+from jausml.generators.bridge.translation.places import Place, joined
+from jausml.generators.bridge.translation.steps import Keep, WhereKept
 from jausml.generators.bridge.translation.values import (
-    NO_LIMIT,
-    TIME,
+    NO_POLICY,
     UNLIMITED,
     AssignmentError,
-    Fitted,
     Value,
     constant,
 )
-from jausml.generators.python.codec.jaus_fields import BITS, TEXT, joined
 from jausml.generators.python.names import snake_case
-from jausml.generators.python.statements import call
 from jausml.metamodel.classes import bridge
 from jausml.semantics.conversions import UnitEffect, conversion_of
+from jausml.semantics.conversions.times import TimeToTimestamp
 from jausml.semantics.paths import place
 from jausml.semantics.units import attribute_measure, result_measure
 
@@ -28,10 +39,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from jausml.generators.bridge.translation.body import Body
+    from jausml.generators.bridge.translation.places import Way
     from jausml.generators.bridge.translation.sources import JausSource, RosSource
     from jausml.generators.bridge.translation.surroundings import Surroundings
     from jausml.generators.bridge.translation.targets import JausTarget, RosTarget
-from jausml.generators.python.codec.jaus_fields import Condition
 
 
 def paths_of(text: str) -> list[str]:
@@ -78,7 +89,7 @@ class Translation(ABC):
                 many = self.source.many(paths.pop(0))
                 self.body.require(many.conditions, many.path)
             for path in paths:
-                self.body.require(self.source.value(path, NO_LIMIT).conditions, path)
+                self.body.require(self.source.value(path, NO_POLICY).conditions, path)
 
     def add(self, assignments: Iterable[bridge.Assignment]) -> None:
         """Adds the statements of assignments."""
@@ -110,26 +121,25 @@ class Translation(ABC):
         self._store_constant(assignment.target, assignment.value)
 
     def _store_constant(self, path: str, text: str) -> None:
-        value = self.target.constant(path, text)
-        code = value.code
+        value = self.target.constant(path, text).expression
         if self.to_ros and value.kind == TEXT and path.endswith("frame_id"):
-            code = self.surroundings.frame(self.name, path, text)
-        self.target.put(self.body, path, Fitted(code))
+            value = Setting(self.surroundings.frame(self.name, path, text), TEXT)
+        self.target.put(self.body, path, value)
 
     def _clock(self, assignment: bridge.ClockAssignment) -> None:
         self.target.prepare(self.body, assignment.target)
-        value = Value("self.now()", TIME)
+        now: Expression = Now()
         if not self.to_ros:
-            value = Value(call("conversions.time_to_timestamp", "self.now()"), BITS)
-        fitted = self.target.fitted(assignment.target, value)
+            now = Convert(TimeToTimestamp.name, (now,), kind=BITS)
+        fitted = self.target.fitted(assignment.target, Value(now))
         self.target.put(self.body, assignment.target, fitted)
 
     # -- fields ----------------------------------------------------------------------------------
 
     def values_of(self, assignment: bridge.FieldAssignment) -> list[Value]:
         """Returns the values of the sources of an assignment, with what they need to be there."""
-        limit = self.body.limit(assignment)
-        return [self.source.value(path, limit) for path in paths_of(assignment.source)]
+        policy = self.body.policy_of(assignment)
+        return [self.source.value(path, policy) for path in paths_of(assignment.source)]
 
     def results_of(
         self, assignment: bridge.FieldAssignment, values: Sequence[Value]
@@ -150,60 +160,63 @@ class Translation(ABC):
         if policy == "useDefault" and len(values) > 1:
             self._field_of_some(assignment)
             return
-        conditions = _conditions(values)
-        if policy == "useDefault" and conditions:
+        ways = joined(each for value in values for each in value.conditions)
+        if policy == "useDefault" and ways:
             for path in targets:
                 self._store_constant(path, assignment.defaultValue or "")
-        if policy == "lastValue" and conditions:
-            self._field_with_memory(assignment, values, conditions)
+        if policy == "lastValue" and ways:
+            self._field_with_memory(assignment, values, ways)
             return
-        with self.body.given(conditions):
+        with self.body.given(ways):
             self._store(assignment, values)
 
     def _field_of_some(self, assignment: bridge.FieldAssignment) -> None:
         """Several sources, of which the absent ones count as the default value."""
-        source, limit = self.source.inlined(), self.body.limit(assignment)
-        values = [source.value(path, limit) for path in paths_of(assignment.source)]
-        every = [value.conditions for value in values]
-        tests = [" and ".join(each.holds for each in conditions) for conditions in every]
-        if any(not test for test in tests):
-            self._store(assignment, [self._or_default(assignment, each) for each in values])
-            return
-        with self.body.inside(" or ".join(dict.fromkeys(tests))):
+        source, policy = self.source.inlined(), self.body.policy_of(assignment)
+        values = [source.value(path, policy) for path in paths_of(assignment.source)]
+        tests = [conditions(value.conditions) for value in values]
+        if all(tests):
+            with self.body.where(*dict.fromkeys(tests)):
+                self._store(assignment, [self._or_default(assignment, each) for each in values])
+        else:
             self._store(assignment, [self._or_default(assignment, each) for each in values])
 
     def _or_default(self, assignment: bridge.FieldAssignment, value: Value) -> Value:
         if not value.conditions:
             return value
-        text, place = assignment.defaultValue or "", assignment.target
-        default = constant(value.kind, text, UNLIMITED, place, value.listed)
-        test = " and ".join(each.holds for each in value.conditions)
-        either = f"{value.code} if {test} else {default}"
-        name = self.body.local(snake_case(value.code.rpartition(".")[2]), either)
-        return replace(value, code=name, conditions=(), kind=value.kind)
+        text, target = assignment.defaultValue or "", assignment.target
+        default = constant(value.kind, text, UNLIMITED, target, value.listed)
+        either = Either(conditions(value.conditions), value.expression, default)
+        local = self.body.local(_hint(value.expression), either)
+        return replace(value, expression=Read(Place(local), value.kind), conditions=())
 
     def _field_with_memory(
         self,
         assignment: bridge.FieldAssignment,
         values: Sequence[Value],
-        conditions: Sequence[Condition],
+        ways: Sequence[Way],
     ) -> None:
         """Keeps what the last message with the sources gave, and stores that."""
         targets = paths_of(assignment.target)
-        places = [
-            self.surroundings.memory(
-                f"{self.name}_{snake_case(path.replace('.', '_'))}", self.target.value_type(path)
+        kept = [
+            Setting(
+                self.surroundings.memory(
+                    f"{self.name}_{snake_case(path.replace('.', '_'))}",
+                    self.target.value_type(path),
+                ),
+                self.target.kind(path),
             )
             for path in targets
         ]
-        with self.body.given(conditions):
-            for path, place, value in zip(
-                targets, places, self.results_of(assignment, values), strict=True
+        with self.body.given(ways):
+            for path, setting, value in zip(
+                targets, kept, self.results_of(assignment, values), strict=True
             ):
-                self.body.store(self.target.fitted(path, value).code, place)
-        for path, place in zip(targets, places, strict=True):
-            with self.body.inside(f"{place} is not None"):
-                self.target.put(self.body, path, Fitted(place))
+                self.body.add(Keep(setting.name, self.target.fitted(path, value)))
+        for path, setting in zip(targets, kept, strict=True):
+            inner = self.body.deeper()
+            self.target.put(inner, path, setting)
+            self.body.add(WhereKept(setting.name, tuple(inner.steps)))
 
     def _store(self, assignment: bridge.FieldAssignment, values: Sequence[Value]) -> None:
         results = self.results_of(assignment, values)
@@ -227,5 +240,11 @@ class Translation(ABC):
         return f"{given} to {next(each.text for each in wanted if each is not None)}"
 
 
-def _conditions(values: Sequence[Value]) -> tuple[Condition, ...]:
-    return joined(each for value in values for each in value.conditions)
+def _hint(value: Expression) -> str:
+    """What a variable for a value should be called: as what it reads is."""
+    while isinstance(value, Limit):
+        value = value.value
+    if not isinstance(value, Read):
+        return "value"
+    place = value.place
+    return snake_case(str(place.steps[-1] if place.steps else place.last))

@@ -1,7 +1,7 @@
 """Values on their way from one message to the other, and what keeps them within their target.
 
 A value carries its kind, so that the store at the end knows what is left to do: a real for a ROS
-float, a limit for a scaled JAUS field, and so on. Text of the model becomes a literal here, or
+float, a limit for a scaled JAUS field, and so on. Text of the model becomes a constant here, or
 nothing.
 """
 
@@ -11,18 +11,31 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from jausml.generation.literals import python_literal, python_string
+from jausml.generators.bridge.translation.expressions import (
+    BITS,
+    BOOLEAN,
+    INTEGER,
+    OCTETS,
+    QUATERNION,
+    REAL,
+    TEXT,
+    TIME,
+    Cast,
+    Constant,
+    Expression,
+    Limit,
+    New,
+    Ranges,
+)
 from jausml.generators.bridge.translation.ros_fields import INTEGER_RANGES
-from jausml.generators.python.codec.jaus_fields import BITS, INTEGER, OCTETS, REAL, TEXT, Limits
-from jausml.generators.python.statements import call
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from jausml.generators.bridge.translation.places import Way
     from jausml.generators.bridge.translation.ros_fields import RosField
-    from jausml.generators.python.codec.jaus_fields import Condition, JausField
+    from jausml.generators.python.codec.jaus_fields import JausField, Limits
 
-BOOLEAN, QUATERNION, TIME = "boolean", "quaternion", "time"
 NUMBERS = {REAL, INTEGER, BOOLEAN}
 PYTHON_TYPES = {
     REAL: "float",
@@ -65,40 +78,39 @@ class AssignmentError(ValueError):
 
 
 @dataclass(frozen=True)
-class Limit:
-    """What keeps values within their targets.
+class Policy:
+    """What becomes of values that do not fit their target.
 
     Attributes:
-        path: Its Python path, e.g. `self.speed.clamp`; empty for values that need none.
-        drops_field: Whether it answers None for what does not fit.
-        identifiers: Python path of the limit of identifiers and counts; empty for the same one.
+        owner: Attribute of the bridge that is the connection; empty for values that need no policy.
+        name: `clamp`, `drop_field`, `drop_message` or `error`.
+        identifiers: The policy of identifiers and counts; empty for the same one.
     """
 
-    path: str = ""
-    drops_field: bool = False
+    owner: str = ""
+    name: str = ""
     identifiers: str = ""
 
     @property
-    def of_identifiers(self) -> Limit:
-        """The limit of integers that measure nothing: the next one means something else."""
-        return replace(self, path=self.identifiers) if self.identifiers else self
+    def of_identifiers(self) -> Policy:
+        """The policy of integers that measure nothing: the next one means something else."""
+        return replace(self, name=self.identifiers) if self.identifiers else self
+
+    def limit(self, how: str, value: Expression, path: str, bounds: Sequence[float] = ()) -> Limit:
+        """Returns a value within limits.
+
+        Args:
+            how: What keeps it there; empty for two numbers.
+            value: The value.
+            path: Path of the field, for counters.
+            bounds: The numbers.
+        """
+        constants = tuple(number(each) for each in bounds)
+        return Limit(self.owner, self.name, how, path, value, constants)
 
 
-NO_LIMIT = Limit()
-"""The limit of constants, and of values that are only asked whether they are there."""
-
-
-@dataclass(frozen=True)
-class Fitted:
-    """A value as its target takes it.
-
-    Attributes:
-        code: Python expression.
-        can_be_none: Whether it is None where the value does not fit.
-    """
-
-    code: str
-    can_be_none: bool = False
+NO_POLICY = Policy()
+"""The policy of constants, and of values that are only asked whether they are there."""
 
 
 @dataclass(frozen=True)
@@ -106,26 +118,34 @@ class Value:
     """A value on its way to the target.
 
     Attributes:
-        code: Python expression.
-        kind: Kind of the value.
+        expression: The value.
         conditions: What must hold for the value to be there.
         units: Unit of the source, or words about units; empty when unknown.
         limits: Least and greatest value of a number that is not converted, when they are known.
-        limit: What keeps the value within its target.
+        policy: What becomes of it where it does not fit its target.
         listed: Names and values of the numbers that the source names.
         known: All integers that it can be; empty when they are not known.
         is_computed: Whether asking for it again would compute it again.
     """
 
-    code: str
-    kind: str
-    conditions: tuple[Condition, ...] = ()
+    expression: Expression
+    conditions: tuple[Way, ...] = ()
     units: str = ""
     limits: tuple[float, float] | None = None
-    limit: Limit = NO_LIMIT
+    policy: Policy = NO_POLICY
     listed: tuple[tuple[str, str], ...] = ()
     known: tuple[int, ...] = ()
     is_computed: bool = False
+
+    @property
+    def kind(self) -> str:
+        """Kind of the value."""
+        return self.expression.kind
+
+
+def number(value: float) -> Constant:
+    """Returns a number as a constant of its kind."""
+    return Constant(value, INTEGER if isinstance(value, int) else REAL)
 
 
 def ros_kind(target: RosField) -> str:
@@ -138,7 +158,7 @@ def ros_kind(target: RosField) -> str:
 # ---------------------------------------------------------------- fitted to the target
 
 
-def fitted_to_ros(value: Value, target: RosField) -> Fitted:
+def fitted_to_ros(value: Value, target: RosField) -> Expression:
     """Returns a value as one of a ROS field.
 
     Raises:
@@ -148,22 +168,22 @@ def fitted_to_ros(value: Value, target: RosField) -> Fitted:
     if wanted == INTEGER and value.kind in NUMBERS:
         # What measures is a real, has a unit, or is converted.
         is_identifier = value.kind == INTEGER and not (value.units or value.is_computed)
-        limit = value.limit.of_identifiers if is_identifier else value.limit
-        return _integer(value, limit, target.path, INTEGER_RANGES[target.type])
+        policy = value.policy.of_identifiers if is_identifier else value.policy
+        return _integer(value, policy, target.path, INTEGER_RANGES[target.type])
     if wanted == REAL and value.kind in {INTEGER, BOOLEAN}:
-        return Fitted(call("float", value.code))
+        return Cast(value.expression, REAL)
     if wanted == value.kind == REAL and target.type == "float32":
         return _single(value, target.path)
-    if wanted == value.kind == TEXT and value.limit.path and target.bound:
-        return limited(value.limit, "text", value.code, target.path, (0, target.bound))
+    if wanted == value.kind == TEXT and value.policy.owner and target.bound:
+        return value.policy.limit("text", value.expression, target.path, (0, target.bound))
     if wanted == BOOLEAN and value.kind in {INTEGER, REAL}:
-        return Fitted(call("bool", value.code))
+        return Cast(value.expression, BOOLEAN)
     if wanted == value.kind:
-        return Fitted(value.code)
+        return value.expression
     raise AssignmentError(f"{value.kind} does not fit {target.path} ({target.type})")
 
 
-def fitted_to_jaus(value: Value, target: JausField) -> Fitted:
+def fitted_to_jaus(value: Value, target: JausField) -> Expression:
     """Returns a value as one of a JAUS field.
 
     Raises:
@@ -172,81 +192,64 @@ def fitted_to_jaus(value: Value, target: JausField) -> Fitted:
     if target.kind == INTEGER and value.kind in NUMBERS:
         if target.values:
             return _listed(value, target)
-        limit = value.limit.of_identifiers if target.is_identifier else value.limit
-        return _integer(value, limit, target.path, target.limits)
+        policy = value.policy.of_identifiers if target.is_identifier else value.policy
+        return _integer(value, policy, target.path, target.limits)
     if target.kind == REAL and value.kind in NUMBERS:
-        code = value.code if value.kind == REAL else call("float", value.code)
+        given = value.expression if value.kind == REAL else Cast(value.expression, REAL)
         if value.limits is None or not _within(value.limits, target.limits):
-            return real(value.limit, code, target.path, target.limits)
-        return Fitted(code)
+            return real(value.policy, given, target.path, target.limits)
+        return given
     if target.kind == BITS and value.kind == BITS:
-        return Fitted(call(target.class_name, f"*{value.code}"))
+        return New(target.class_name, (value.expression,), is_spread=True)
     if target.kind == value.kind == TEXT:
-        return limited(value.limit, "text", value.code, target.path, target.limits)
+        return value.policy.limit("text", value.expression, target.path, target.limits)
     if target.kind == value.kind == OCTETS:
         return _octets(value, target)
     raise AssignmentError(f"{value.kind} does not fit {target.path}")
 
 
-def real(limit: Limit, code: str, name: str, limits: Limits) -> Fitted:
+def real(policy: Policy, value: Expression, path: str, limits: Limits) -> Expression:
     """Returns a real within limits.
 
     Args:
-        limit: What keeps it there.
-        code: The real.
-        name: Path of the field, for counters.
+        policy: What becomes of it where it is not within.
+        value: The real.
+        path: Path of the field, for counters.
         limits: Least and greatest value.
     """
     if limits == _DOUBLE:
-        return limited(limit, "finite", code, name, ())
+        return policy.limit("finite", value, path)
     if limits == _SINGLE:
-        return limited(limit, "single", code, name, ())
-    return limited(limit, "", code, name, limits)
+        return policy.limit("single", value, path)
+    return policy.limit("", value, path, limits)
 
 
-def limited(limit: Limit, method: str, code: str, name: str, limits: tuple[float, ...]) -> Fitted:
-    """Returns a value within limits.
-
-    Args:
-        limit: What keeps it there.
-        method: How; empty for numbers between two others.
-        code: The value.
-        name: Path of the field, for counters.
-        limits: The limits.
-    """
-    function = f"{limit.path}.{method}" if method else limit.path
-    arguments = (python_string(name), code, *map(python_literal, limits))
-    return Fitted(call(function, *arguments), can_be_none=limit.drops_field)
-
-
-def _integer(value: Value, limit: Limit, name: str, limits: Limits) -> Fitted:
+def _integer(value: Value, policy: Policy, path: str, limits: Limits) -> Expression:
     if value.kind == INTEGER and value.limits is not None and _within(value.limits, limits):
-        return Fitted(value.code)
-    ends = (int(limits[0]), int(limits[1]))
-    return limited(limit, "integer", value.code, name, ends)
+        return value.expression
+    return policy.limit("integer", value.expression, path, (int(limits[0]), int(limits[1])))
 
 
-def _listed(value: Value, target: JausField) -> Fitted:
+def _listed(value: Value, target: JausField) -> Expression:
     legal = (any(low <= each <= high for low, high in target.values) for each in value.known)
     if value.known and all(legal):
-        return Fitted(value.code)
-    arguments = (python_string(target.path), value.code, repr(target.values))
-    code = call(f"{value.limit.path}.listed", *arguments)
-    return Fitted(code, can_be_none=value.limit.drops_field)
+        return value.expression
+    policy, ranges = value.policy, Ranges(target.values)
+    return Limit(policy.owner, policy.name, "listed", target.path, value.expression, (ranges,))
 
 
-def _single(value: Value, name: str) -> Fitted:
+def _single(value: Value, path: str) -> Expression:
     if value.limits is not None and _within(value.limits, _SINGLE):
-        return Fitted(value.code)
-    return limited(value.limit, "single", value.code, name, ())
+        return value.expression
+    return value.policy.limit("single", value.expression, path)
 
 
-def _octets(value: Value, target: JausField) -> Fitted:
-    code = call("bytes", value.code)
+def _octets(value: Value, target: JausField) -> Expression:
+    octets = Cast(value.expression, OCTETS)
     lower, upper = target.limits
     if lower == 0 and upper >= _COUNTED_BY_32_BITS:
-        return Fitted(code)
-    return limited(value.limit, "octets", code, target.path, target.limits)
+        return octets
+    return value.policy.limit("octets", octets, target.path, target.limits)
 
 
 def _within(inner: Limits, outer: Limits) -> bool:
@@ -262,8 +265,8 @@ def constant(
     limits: Limits,
     place: str,
     listed: Sequence[tuple[str, str]] = (),
-) -> str:
-    """Returns a text of the model as a literal of a kind.
+) -> Constant:
+    """Returns a text of the model as a constant of a kind.
 
     Args:
         kind: Kind of the target.
@@ -279,17 +282,17 @@ def constant(
     text = dict(reversed(listed)).get(text, text)
     if kind in {REAL, INTEGER}:
         try:
-            number = float(text) if kind == REAL else int(text, 0)
+            found = float(text) if kind == REAL else int(text, 0)
         except ValueError as error:
             raise AssignmentError(f"{text!a} is no number ({place})") from error
-        is_unknown = math.isnan(number) and limits == UNLIMITED
-        if not limits[0] <= number <= limits[1] and not is_unknown:
+        is_unknown = math.isnan(found) and limits == UNLIMITED
+        if not limits[0] <= found <= limits[1] and not is_unknown:
             raise AssignmentError(f"{text!a} is out of the range of {place}")
-        return python_literal(number)
+        return Constant(found, kind)
     if kind == BOOLEAN and text in {"true", "false"}:
-        return python_literal(text == "true")
+        return Constant(text == "true", kind)
     if kind == TEXT:
-        return python_string(text)
+        return Constant(text, kind)
     raise AssignmentError(f"{text!a} does not fit {place}")
 
 
@@ -301,5 +304,5 @@ def ros_constant(target: RosField, text: str) -> Value:
     """
     kind = ros_kind(target)
     limits = INTEGER_RANGES.get(target.type, UNLIMITED)
-    code = constant(kind, text, limits, target.path, target.constants)
-    return Value(code, kind, limits=limits)
+    found = constant(kind, text, limits, target.path, target.constants)
+    return Value(found, limits=limits)

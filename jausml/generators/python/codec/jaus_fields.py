@@ -13,6 +13,28 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from jausml.generators.bridge.translation.expressions import (
+    BITS,
+    FORMAT,
+    INTEGER,
+    LIST,
+    OCTETS,
+    OTHER,
+    REAL,
+    TEXT,
+    Constant,
+    New,
+    NewList,
+)
+from jausml.generators.bridge.translation.places import (
+    Chosen,
+    IsOption,
+    Local,
+    Longer,
+    Named,
+    Place,
+    There,
+)
 from jausml.generators.bridge.translation.ros_fields import PathError
 from jausml.generators.python.codec.classes import (
     Alternative,
@@ -26,12 +48,11 @@ from jausml.generators.python.codec.members import Member
 from jausml.generators.python.codec.scalars import Bits, Blob, Fixed
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Container, Iterable, Mapping
+    from collections.abc import Callable, Container, Mapping
 
+    from jausml.generators.bridge.translation.expressions import Expression
+    from jausml.generators.bridge.translation.places import Way
     from jausml.generators.python.codec.messages import MessageView
-
-REAL, INTEGER, TEXT, OCTETS, BITS, OTHER = "real", "integer", "text", "octets", "bits", "other"
-LIST, FORMAT = "list", "format"
 
 Limits = tuple[float, float]
 Value = Fixed | Blob | PartValue | VariantValue | ListValue | ArrayValue
@@ -41,72 +62,20 @@ _INDEXED = re.compile(r"(?P<name>.*?)(?P<indices>(?:\[[0-9]{1,9}\])+)", re.DOTAL
 
 
 @dataclass(frozen=True)
-class Condition:
-    """What must hold for a value to be there, as Python text.
-
-    Attributes:
-        holds: The condition; for a name, the name.
-        fails: Its opposite; empty for a name.
-        longer: The list that must be longer than `than`; empty for other conditions.
-        than: Number of elements.
-        place: What a name stands for; empty for conditions.
-    """
-
-    holds: str
-    fails: str
-    longer: str = ""
-    than: int = 0
-    place: str = ""
-
-    @property
-    def is_name(self) -> bool:
-        """Whether it is no condition, but gives a short name to what those before it found."""
-        return bool(self.place)
-
-    @property
-    def name(self) -> str:
-        """The name, when it is one."""
-        return self.holds
-
-
-def there(place: str) -> Condition:
-    """Returns the condition that a place holds something."""
-    return Condition(f"{place} is not None", f"{place} is None")
-
-
-def joined(conditions: Iterable[Condition]) -> tuple[Condition, ...]:
-    """Returns conditions without those that others imply."""
-    unique = tuple(dict.fromkeys(conditions))
-    longest: dict[str, int] = {}
-    for each in unique:
-        if each.longer:
-            longest[each.longer] = max(each.than, longest.get(each.longer, 0))
-    kept = (longer(each.longer, longest[each.longer]) if each.longer else each for each in unique)
-    return tuple(dict.fromkeys(kept))
-
-
-def longer(place: str, than: int) -> Condition:
-    """Returns the condition that a list has an element of an index."""
-    if than == 0:
-        return Condition(place, f"not {place}", place)
-    return Condition(f"len({place}) > {than}", f"len({place}) <= {than}", place, than)
-
-
-@dataclass(frozen=True)
 class JausStart:
     """Where paths start.
 
     Attributes:
-        root: Python name of the message or element.
-        names: Gives a name to an element of a list at a place; None to name none.
+        root: The message or element.
+        names: Gives the variable for an element of a list at a place; None for none.
         value: The element of a list; None for the body of the message.
         label: Path of the list in the message, for counters.
     """
 
-    root: str
+    root: str | Local
     value: Value | None = None
     label: str = ""
-    names: Callable[[str], str] | None = None
+    names: Callable[[Place], Local] | None = None
 
 
 @dataclass(frozen=True)
@@ -115,11 +84,10 @@ class JausField:
 
     Attributes:
         path: The path as counters and errors name it.
-        attribute: The path as it stands in Python behind the root, e.g. `pose_rec.x`.
-        place: The same with the root, e.g. `source.pose_rec.x`; of a variable field, the whole.
+        place: Where it stands, by attributes of Python; of a variable field, the whole.
         conditions: What must hold for the value to be there.
-        containers: Place and Python text of each container and element on the way that a message
-            lacks as it is made.
+        containers: Place and value of each container and element on the way that a message lacks as
+            it is made.
         kind: `real`, `integer`, `text`, `octets`, `bits`, `list`, `format` or `other`.
         limits: Least and greatest value of a number, fewest and most characters of a text, bytes
             of octets or elements of a list; infinite when nothing limits it.
@@ -137,10 +105,9 @@ class JausField:
     """
 
     path: str
-    attribute: str
-    place: str
-    conditions: tuple[Condition, ...]
-    containers: tuple[tuple[str, str], ...]
+    place: Place
+    conditions: tuple[Way, ...]
+    containers: tuple[tuple[Place, Expression], ...]
     kind: str
     limits: Limits = _UNLIMITED
     brought: Limits | None = None
@@ -161,9 +128,9 @@ class JausField:
         return self.kind == INTEGER and not self.units
 
     @property
-    def code(self) -> str:
-        """The value that stands there, as Python text."""
-        return self.place if self.index is None else f"{self.place}.value"
+    def value(self) -> Place:
+        """Where the value itself stands, which is within a variable field."""
+        return self.place if self.index is None else self.place.at("value")
 
 
 def jaus_field(message: MessageView, path: str, start: JausStart | None = None) -> JausField:
@@ -190,13 +157,13 @@ class _Walk:
         self._message = message
         self._path = path
         self._start = start
-        self._place = start.root
+        self._place = Place(start.root)
         self._at: Value | None = start.value
         self._end: Member | SubField | Alternative | None = None
         self._holder = ""
         self._is_optional = False
-        self._conditions: list[Condition] = []
-        self._containers: list[tuple[str, str]] = []
+        self._conditions: list[Way] = []
+        self._containers: list[tuple[Place, Expression]] = []
         self._is_made = True
         self._unwrap()
 
@@ -250,17 +217,14 @@ class _Walk:
         if member is None:
             raise PathError(f"{self._message.jaus_name} has no field '{self._path}'")
         if isinstance(member, Alternative):
-            test = f"{self._place}.index"
-            self._conditions.append(
-                Condition(f"{test} == {member.index}", f"{test} != {member.index}")
-            )
+            self._conditions.append(Chosen(self._place, member.index))
             self._holder = getattr(self._at, "python_type", "")
             self._end, self._at = member, member.value
             return
         self._make()
-        self._place = f"{self._place}.{member.attribute}"
+        self._place = self._place.at(member.attribute)
         if isinstance(member, Member) and member.is_optional:
-            self._conditions.append(there(self._place))
+            self._conditions.append(There(self._place))
         self._end, self._at = member, member.value
         self._is_optional = isinstance(member, Member) and member.is_optional
         self._is_made = not self._is_optional
@@ -271,8 +235,7 @@ class _Walk:
         if option is None:
             raise PathError(f"{self._message.jaus_name} has no field '{self._path}'")
         if len(variant.options) > 1:
-            test = f"isinstance({self._place}, {option.python_type})"
-            self._conditions.append(Condition(test, f"not {test}"))
+            self._conditions.append(IsOption(self._place, option.python_type))
             self._is_made = False
         self._at = option
 
@@ -288,16 +251,16 @@ class _Walk:
     def _index(self, index: int) -> None:
         at = self._at
         if isinstance(at, ListValue):
-            self._conditions.append(longer(self._place, index))
+            self._conditions.append(Longer(self._place, index))
             if self._is_optional:
-                self._containers.append((self._place, "[]"))
+                self._containers.append((self._place, NewList()))
         elif not isinstance(at, ArrayValue) or index >= at.count:
             raise PathError(f"{self._message.jaus_name} has no field '{self._path}'")
-        self._at, self._place = at.element, f"{self._place}[{index}]"
+        self._at, self._place = at.element, self._place.at(index)
         if isinstance(at, ListValue) and self._start.names is not None:
-            name = self._start.names(self._place)
-            self._conditions.append(Condition(name, "", place=self._place))
-            self._place = name
+            local = self._start.names(self._place)
+            self._conditions.append(Named(local, self._place))
+            self._place = Place(local)
         self._is_made, self._is_optional = isinstance(at, ArrayValue), False
 
     def _unwrap(self) -> None:
@@ -308,22 +271,23 @@ class _Walk:
                 return
             self._make()
             (member,) = at.part.members
-            self._place = f"{self._place}.{member.attribute}"
+            self._place = self._place.at(member.attribute)
             self._end, at = member, member.value
             self._at, self._is_made = at, True
 
     def _make(self) -> None:
         """Notes that what stands at the present place must be there before what is in it."""
         if not self._is_made and isinstance(self._at, Bits | PartValue):
-            self._containers.append((self._place, f"{self._at.python_type}()"))
+            self._containers.append((self._place, New(self._at.python_type)))
             self._is_made = True
 
     def _make_last(self) -> None:
         """Notes that the element at the end must be there before it gets its value."""
-        if not self._place.endswith("]") or self._is_made:
+        steps = self._place.steps
+        if not (steps and isinstance(steps[-1], int)) or self._is_made:
             return
         if isinstance(self._at, Fixed | Blob) and not isinstance(self._at, Bits):
-            self._containers.append((self._place, self._at.default))
+            self._containers.append((self._place, default_of(self._at)))
         else:
             self._make()
 
@@ -336,7 +300,6 @@ class _Walk:
         label = ".".join(each for each in (self._start.label, self._path) if each not in ("", "."))
         return JausField(
             label,
-            self._place.removeprefix(f"{self._start.root}."),
             self._place,
             tuple(self._conditions),
             tuple(self._containers),
@@ -381,6 +344,12 @@ class _Walk:
             "is_float": value.python_type == "float",
             "is_scaled": value.scale is not None,
         }
+
+
+def default_of(value: Fixed | Blob) -> Constant:
+    """Returns the value of a number, text or octets in a message as it is made."""
+    kind = _KINDS[value.python_type]
+    return Constant(ast.literal_eval(value.default), kind)
 
 
 def _brought(end: object, value: Fixed) -> Limits:
