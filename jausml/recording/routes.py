@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.system import system_of
-from jausml.generators.bridge.views import bridge_views
-from jausml.generators.common.components import own_bridges
+from jausml_generators.bridge.views import bridge_views
+from jausml_generators.common.components import own_bridges
 from jausml.metamodel.classes import bridge, system
 from jausml.model.made import made_model
 from jausml.recording.definitions import full_name, modelled_definition
@@ -25,7 +25,7 @@ from jausml.workers.making import Maker
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from jausml.generators.bridge.views import BridgeView
+    from jausml_generators.bridge.views import BridgeView
     from jausml.metamodel.classes import jaus
     from jausml.model import Model
 

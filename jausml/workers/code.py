@@ -9,8 +9,8 @@ from jausml.generation.artifact import text_digest
 from jausml.generation.errors import GenerationError
 from jausml.generation.paths import find_problems
 from jausml.generation.rendering import render
-from jausml.generators.bridge.target import TARGET as BRIDGE
-from jausml.generators.messages.target import TARGET as MESSAGES
+from jausml_generators.bridge.target import TARGET as BRIDGE
+from jausml_generators.messages.target import TARGET as MESSAGES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

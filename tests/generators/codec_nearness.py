@@ -5,13 +5,13 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING, Any
 
-from jausml.generators.python.codec.classes import ContainerClass, VariableFieldClass
-from jausml.generators.python.codec.scalars import Bits, Fixed
+from jausml_generators.python.codec.classes import ContainerClass, VariableFieldClass
+from jausml_generators.python.codec.scalars import Bits, Fixed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.generators.python.codec.messages import MessageView
+    from jausml_generators.python.codec.messages import MessageView
 
 
 def differences(view: MessageView, sent: Any, received: Any) -> list[str]:

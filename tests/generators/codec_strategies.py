@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 from hypothesis import strategies as st
 
-from jausml.generators.python.codec.classes import BitFieldClass, ContainerClass, VariableFieldClass
-from jausml.generators.python.codec.scalars import Bits, Fixed
+from jausml_generators.python.codec.classes import BitFieldClass, ContainerClass, VariableFieldClass
+from jausml_generators.python.codec.scalars import Bits, Fixed
 
 if TYPE_CHECKING:
-    from jausml.generators.python.codec.messages import MessageView
+    from jausml_generators.python.codec.messages import MessageView
 
 LATIN1 = st.characters(max_codepoint=255, exclude_characters="\0")
 

@@ -15,10 +15,10 @@ from lxml import etree
 from jausml import wire
 from jausml.generation import FileTask, Target
 from jausml.generation import render as render_targets
-from jausml.generators.python.codec.classes import BitFieldClass, ContainerClass
-from jausml.generators.python.codec.message_builder import build_message_map
-from jausml.generators.python.codec.messages import MessagesModule, MessageView
-from jausml.generators.python.codec.scalars import Tag
+from jausml_generators.python.codec.classes import BitFieldClass, ContainerClass
+from jausml_generators.python.codec.message_builder import build_message_map
+from jausml_generators.python.codec.messages import MessagesModule, MessageView
+from jausml_generators.python.codec.scalars import Tag
 from jausml.metamodel.classes import jaus
 from jausml.model import read_models
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 ROOT = Path(__file__).resolve().parents[2]
-TEMPLATES = ROOT / "jausml" / "generators" / "python" / "templates"
+TEMPLATES = ROOT / "generators" / "jausml_generators" / "python" / "templates"
 LIBRARY = ROOT / "models" / "library" / "jaus"
 GOLDEN = ROOT.parent / "shared" / "golden" / "jaus_messages.jsonl"
 LIBRARY_FILES = {

@@ -8,9 +8,9 @@ import sys
 from pathlib import Path
 
 from jausml import generation as gen
-from jausml.generators.bringup.target import TARGET as BRINGUP
-from jausml.generators.ros_node.target import TARGET as ROS_NODE
-from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml_generators.bringup.target import TARGET as BRINGUP
+from jausml_generators.ros_node.target import TARGET as ROS_NODE
+from jausml_generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -9,8 +9,8 @@ import pytest
 import yaml
 
 from jausml.generation import render
-from jausml.generators.bringup.target import TARGET as BRINGUP
-from jausml.generators.bringup.views import SETTINGS
+from jausml_generators.bringup.target import TARGET as BRINGUP
+from jausml_generators.bringup.views import SETTINGS
 from jausml.metamodel.classes import bridge, ros
 from jausml.model import read_models
 from jausml.runtime.base.settings import TransportSettings

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from jausml.generation import render
-from jausml.generators.bridge.target import TARGET
+from jausml_generators.bridge.target import TARGET
 from jausml.model import read_models
 from jausml.text.notation import NOTATIONS
 

@@ -13,10 +13,10 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from jausml.generators.bridge.flat.cdr_writing import CdrWriting
-from jausml.generators.bridge.flat.constants import Constants
-from jausml.generators.bridge.flat.errors import NotFlatError
-from jausml.generators.python.names import Scope
+from jausml_generators.bridge.flat.cdr_writing import CdrWriting
+from jausml_generators.bridge.flat.constants import Constants
+from jausml_generators.bridge.flat.errors import NotFlatError
+from jausml_generators.python.names import Scope
 from jausml.metamodel.classes import ros
 from jausml.model import read_models
 from jausml.runtime.bridge.layouts import CdrLayouts

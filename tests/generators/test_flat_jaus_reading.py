@@ -15,21 +15,21 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from test_codecs import mutations
 
-from jausml.generators.bridge.flat.constants import Constants
-from jausml.generators.bridge.flat.errors import NotFlatError
-from jausml.generators.bridge.flat.jaus_reading import JausReading
-from jausml.generators.python.codec.classes import BitFieldClass, ContainerClass, VariableFieldClass
-from jausml.generators.python.codec.compounds import ArrayValue, ListValue, PartValue, VariantValue
-from jausml.generators.python.codec.message_examples import example_bytes
-from jausml.generators.python.codec.scalars import Bits
-from jausml.generators.python.names import Scope
+from jausml_generators.bridge.flat.constants import Constants
+from jausml_generators.bridge.flat.errors import NotFlatError
+from jausml_generators.bridge.flat.jaus_reading import JausReading
+from jausml_generators.python.codec.classes import BitFieldClass, ContainerClass, VariableFieldClass
+from jausml_generators.python.codec.compounds import ArrayValue, ListValue, PartValue, VariantValue
+from jausml_generators.python.codec.message_examples import example_bytes
+from jausml_generators.python.codec.scalars import Bits
+from jausml_generators.python.names import Scope
 from jausml.runtime.bridge.layouts import PresenceLayouts
 from jausml.runtime.wire import DecodeError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-    from jausml.generators.python.codec.messages import MessageView
+    from jausml_generators.python.codec.messages import MessageView
 
 HERE = Path(__file__).parent
 FEW = settings(

@@ -12,9 +12,9 @@ import pytest
 from workspaces import python_path
 
 from jausml.generation import render
-from jausml.generators.bridge.target import TARGET
-from jausml.generators.messages.target import TARGET as MESSAGES
-from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml_generators.bridge.target import TARGET
+from jausml_generators.messages.target import TARGET as MESSAGES
+from jausml_generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
 from jausml.text.notation import NOTATIONS
 

@@ -9,7 +9,7 @@ import pytest
 from codec_nearness import coded_values
 from codec_support import FieldNames, golden_vectors, library, shipped_sets
 
-from jausml.generators.python.codec.scalars import Bits
+from jausml_generators.python.codec.scalars import Bits
 from jausml.runtime.wire.codec import scaled
 
 VECTORS = [vector for vector in golden_vectors() if vector["set"] in shipped_sets()]

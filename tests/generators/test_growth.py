@@ -9,7 +9,7 @@ import pytest
 from counting import calls as counted
 
 from jausml.generation import load_targets, render, select
-from jausml.generators.bringup.target import processes
+from jausml_generators.bringup.target import processes
 from jausml.validation.engine import validate
 
 TARGETS = ("bridge", "jaus_component", "messages", "bringup")

@@ -15,10 +15,10 @@ from workspaces import python_path
 
 from jausml.generation import render
 from jausml.generation.artifact import Artifact, Kind
-from jausml.generators.bridge.target import TARGET as BRIDGE
-from jausml.generators.jaus_component.target import TARGET
-from jausml.generators.messages.target import TARGET as MESSAGES
-from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml_generators.bridge.target import TARGET as BRIDGE
+from jausml_generators.jaus_component.target import TARGET
+from jausml_generators.messages.target import TARGET as MESSAGES
+from jausml_generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
 from jausml.runtime import JausComponent
 

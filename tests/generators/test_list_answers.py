@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generation import render
-from jausml.generators.bridge.target import TARGET
+from jausml_generators.bridge.target import TARGET
 from jausml.model import read_models
 from jausml.text.notation import NOTATIONS
 

@@ -13,11 +13,11 @@ from codec_support import ROOT
 from workspaces import packages_of, python_path
 
 from jausml.generation import render
-from jausml.generators.jaus_component.diagrams import guard_text
-from jausml.generators.jaus_component.machines import COMPONENT_NAMES, STANDARD_GUARDS
-from jausml.generators.jaus_component.target import TARGET
-from jausml.generators.messages.target import TARGET as MESSAGES
-from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml_generators.jaus_component.diagrams import guard_text
+from jausml_generators.jaus_component.machines import COMPONENT_NAMES, STANDARD_GUARDS
+from jausml_generators.jaus_component.target import TARGET
+from jausml_generators.messages.target import TARGET as MESSAGES
+from jausml_generators.runtime.target import TARGET as RUNTIME
 from jausml.languages.guards import parse_guard
 from jausml.model import read_models
 from jausml.runtime.base.address import JausAddress

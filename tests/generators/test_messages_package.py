@@ -13,11 +13,11 @@ from lxml import etree
 from workspaces import python_path
 
 from jausml.generation import render
-from jausml.generators.bridge.target import TARGET as BRIDGES
-from jausml.generators.jaus_component.target import TARGET as COMPONENTS
-from jausml.generators.messages.target import TARGET as MESSAGES
-from jausml.generators.ros_node.target import TARGET as NODES
-from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml_generators.bridge.target import TARGET as BRIDGES
+from jausml_generators.jaus_component.target import TARGET as COMPONENTS
+from jausml_generators.messages.target import TARGET as MESSAGES
+from jausml_generators.ros_node.target import TARGET as NODES
+from jausml_generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
 
 from .node_support import CASES, ROOT, model_of, run

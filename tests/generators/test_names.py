@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.generators.python import names
+from jausml_generators.python import names
 from jausml.model.words import LONGEST
 
 

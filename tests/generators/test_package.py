@@ -17,9 +17,9 @@ from lxml import etree
 
 from jausml.generation import GenerationError
 from jausml.generation.system import source_of, system_of
-from jausml.generators.python.package import PackageView, package_view
-from jausml.generators.ros_node.target import TARGET as ROS_NODE
-from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml_generators.python.package import PackageView, package_view
+from jausml_generators.ros_node.target import TARGET as ROS_NODE
+from jausml_generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
 
 from .node_support import CASES, ROOT, artifacts, model_of, ros_environment, run, write

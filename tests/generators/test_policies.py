@@ -8,7 +8,7 @@ import pytest
 from lxml import etree
 
 from jausml.generation import render
-from jausml.generators.bringup.target import TARGET as BRINGUP
+from jausml_generators.bringup.target import TARGET as BRINGUP
 from jausml.model import read_models
 from jausml.text.notation import NOTATIONS
 

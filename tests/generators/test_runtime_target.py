@@ -8,8 +8,8 @@ import sys
 import pytest
 
 from jausml.generation.header import DIGEST_MARK, has_valid_header
-from jausml.generators.runtime.target import DEPENDENCIES
-from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml_generators.runtime.target import DEPENDENCIES
+from jausml_generators.runtime.target import TARGET as RUNTIME
 
 from .node_support import ROOT, artifacts, run, write
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from jausml.generation import render
-from jausml.generators.bridge.target import TARGET as BRIDGE
-from jausml.generators.bringup.target import TARGET as BRINGUP
+from jausml_generators.bridge.target import TARGET as BRIDGE
+from jausml_generators.bringup.target import TARGET as BRINGUP
 from jausml.model import read_models
 from jausml.text.notation import NOTATIONS
 

@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 
 from jausml.generation.system import system_of
-from jausml.generators.bridge.checks.module import TestModule as Tests
-from jausml.generators.bridge.translation import maps
-from jausml.generators.bridge.views import BridgeView, bridge_views
-from jausml.generators.bringup import target as bringup
-from jausml.generators.bringup.views import ConfigView
+from jausml_generators.bridge.checks.module import TestModule as Tests
+from jausml_generators.bridge.translation import maps
+from jausml_generators.bridge.views import BridgeView, bridge_views
+from jausml_generators.bringup import target as bringup
+from jausml_generators.bringup.views import ConfigView
 from jausml.model import read_models
 from jausml.text.notation import NOTATIONS
 

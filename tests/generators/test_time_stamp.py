@@ -11,12 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jausml import generation as gen
-from jausml.generators.bridge.target import TARGET as BRIDGES
-from jausml.generators.jaus_component.target import TARGET as COMPONENTS
-from jausml.generators.messages.target import TARGET as MESSAGES
-from jausml.generators.python.codec.classes import BitFieldClass
-from jausml.generators.python.codec.message_builder import MessageBuilder
-from jausml.generators.ros_node.target import TARGET as NODES
+from jausml_generators.bridge.target import TARGET as BRIDGES
+from jausml_generators.jaus_component.target import TARGET as COMPONENTS
+from jausml_generators.messages.target import TARGET as MESSAGES
+from jausml_generators.python.codec.classes import BitFieldClass
+from jausml_generators.python.codec.message_builder import MessageBuilder
+from jausml_generators.ros_node.target import TARGET as NODES
 from jausml.model import read_models
 from jausml.runtime.messages import ReportTime, SetTime
 from jausml.runtime.wire import EncodeError, Message, StampedMessage, TimeStamp

@@ -13,10 +13,10 @@ from ports import free_port
 from workspaces import python_path
 
 from jausml.generation import render
-from jausml.generators.bringup.target import TARGET as BRINGUP
-from jausml.generators.jaus_component.target import TARGET as COMPONENT
-from jausml.generators.messages.target import TARGET as MESSAGES
-from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml_generators.bringup.target import TARGET as BRINGUP
+from jausml_generators.jaus_component.target import TARGET as COMPONENT
+from jausml_generators.messages.target import TARGET as MESSAGES
+from jausml_generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
 
 pytestmark = pytest.mark.ports

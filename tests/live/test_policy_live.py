@@ -14,9 +14,9 @@ from workspaces import packages_of
 
 from jausml import generation
 from jausml.generation import render
-from jausml.generators.bringup.target import TARGET as BRINGUP
-from jausml.generators.ros_node.target import TARGET as NODES
-from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml_generators.bringup.target import TARGET as BRINGUP
+from jausml_generators.ros_node.target import TARGET as NODES
+from jausml_generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
 
 from .bridge_support import MODEL, ROOT, Process, RosPeer, generate, wait_for

@@ -18,9 +18,9 @@ from workspaces import python_path
 pytest.importorskip("rclpy")
 
 from jausml import generation as gen
-from jausml.generators.bringup.target import TARGET as BRINGUP
-from jausml.generators.ros_node.target import TARGET as ROS_NODE
-from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml_generators.bringup.target import TARGET as BRINGUP
+from jausml_generators.ros_node.target import TARGET as ROS_NODE
+from jausml_generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
 
 pytestmark = pytest.mark.live

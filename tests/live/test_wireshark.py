@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from jausml.generators.wireshark.services import library_services
-from jausml.generators.wireshark.views import DissectorView
+from jausml_generators.wireshark.services import library_services
+from jausml_generators.wireshark.views import DissectorView
 from jausml.live.messages import load_catalogue
 from jausml.metamodel.classes import jaus
 from jausml.model import read_models

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation import render
-from jausml.generators.wireshark.target import TARGET
+from jausml_generators.wireshark.target import TARGET
 from jausml.model import read_models
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from jausml.generators.wireshark.views import NEIGHBOUR_PORTS
+from jausml_generators.wireshark.views import NEIGHBOUR_PORTS
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings

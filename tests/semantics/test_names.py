@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.generators.python import names as generated
+from jausml_generators.python import names as generated
 from jausml.model.words import snake_case
 from jausml.semantics.names import is_identifier, package_key
 from jausml.semantics.topics import namespace_fault, resolve_topic, topic_fault

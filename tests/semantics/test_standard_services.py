@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.generators.common.components import component_settings, service_identities
+from jausml_generators.common.components import component_settings, service_identities
 from jausml.metamodel.classes import jaus, system
 from jausml.model import read_models
 from jausml.text.notation import NOTATIONS

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from jausml.generators.ros_interfaces.ros_types import package_files
+from jausml_generators.ros_interfaces.ros_types import package_files
 from jausml.importers.ros import ROS_RULES, PackageSource, Source, import_packages, placed
 from jausml.interfaces import parse_definition
 from jausml.interfaces.definitions import PRIMITIVES, TEXTS, FieldType

@@ -28,8 +28,8 @@ from mapping_support import (
     ready_maps,
 )
 
-from jausml.generators.bridge.views import BridgeView
-from jausml.generators.python.codec.message_builder import build_message_map
+from jausml_generators.bridge.views import BridgeView
+from jausml_generators.python.codec.message_builder import build_message_map
 from jausml.metamodel.classes import bridge as bridge_classes
 
 if TYPE_CHECKING:

@@ -1,0 +1,242 @@
+"""Both ends of a connection as the generated tests see them."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml_generators.bridge.checks.check import store
+from jausml_generators.bridge.checks.figures import NO_STEP, Chain, quantities_of
+from jausml_generators.bridge.checks.filling import PRESENT, JausMessage, RosMessage
+from jausml_generators.bridge.checks.overlaps import Paths
+from jausml_generators.bridge.report_joins import ReportJoinView
+from jausml_generators.bridge.translation.expressions import TEXT
+from jausml_generators.python.statements import call
+from jausml.metamodel.classes import bridge, ros
+from jausml.semantics.paths import source_paths
+from jausml.semantics.used_maps import used_maps
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from typing import TypeAlias
+
+    from jausml_generators.bridge.checks.filling import Message, Place, Scalar
+    from jausml_generators.bridge.connections import ConnectionView
+    from jausml_generators.bridge.topics import JoinView
+    from jausml_generators.bridge.translation import Surroundings
+
+    AnyJoin: TypeAlias = JoinView | ReportJoinView
+
+
+@dataclass(frozen=True)
+class Ends:
+    """A connection with its messages under the names that they have in tests.
+
+    Attributes:
+        view: The connection.
+        name: Its name in Python, or what stands for it.
+        type_name: Returns the name of the class of a ROS type.
+        uses: What the translations of the bridge use.
+    """
+
+    view: ConnectionView
+    name: str
+    type_name: Callable[[ros.MessageType], str]
+    uses: Surroundings
+
+    @property
+    def map(self) -> bridge.AttributeMap:
+        """The map."""
+        return self.view.connection.map
+
+    @property
+    def to_ros(self) -> bool:
+        """Whether the target is of ROS."""
+        return self.view.to_ros
+
+    def message(self, name: str, *, is_ros: bool) -> Message:
+        """Returns the message of one side under a name."""
+        if is_ros:
+            return RosMessage(self.map.type, name, self.type_name)
+        return JausMessage(self.map.message, self.view.message, name)
+
+    @property
+    def source(self) -> Message:
+        """The message that is translated."""
+        return self.message("source", is_ros=not self.to_ros)
+
+    @property
+    def target(self) -> Message:
+        """The message that comes out."""
+        return self.message("target", is_ros=self.to_ros)
+
+    @property
+    def assignments(self) -> list[bridge.Assignment]:
+        """The assignments of the direction."""
+        return list(self.map.toRos if self.to_ros else self.map.toJaus)
+
+    @functools.cached_property
+    def chains(self) -> list[Chain]:
+        """The conversions of each FieldAssignment whose sources are of the main message."""
+        quantities = quantities_of(self.view.owner)
+        chains = [
+            Chain(self.map, assignment, self.to_ros, quantities, self._unit_step(assignment))
+            for assignment in self.assignments
+            if isinstance(assignment, bridge.FieldAssignment)
+        ]
+        return [each for each in chains if not any(map(self.join_of, each.sources))]
+
+    def reading(self, path: str) -> Sequence[Chain]:
+        """Returns the chains that read a source path."""
+        return self._by_source.get(path, ())
+
+    @functools.cached_property
+    def _by_source(self) -> Mapping[str, Sequence[Chain]]:
+        found: dict[str, list[Chain]] = {}
+        for chain in self.chains:
+            for path in dict.fromkeys(chain.sources):
+                found.setdefault(path, []).append(chain)
+        return found
+
+    def _unit_step(self, assignment: bridge.FieldAssignment) -> tuple[float, float]:
+        return self.uses.unit_step(self.map, assignment, to_ros=self.to_ros) or NO_STEP
+
+    @property
+    def overridden(self) -> dict[str, float]:
+        """What the maps state for quantities that the bridge replaces, by attribute.
+
+        Vectors are figures of the map as it stands.
+        """
+        maps = used_maps(self.map, to_ros=self.to_ros)
+        return self.uses.overridden(each for one in maps for each in one.quantities)
+
+    def join_of(self, path: str) -> AnyJoin | None:
+        """Returns the join that a path of the source starts with."""
+        first = path.partition(".")[0]
+        return next((join for join in self.view.joins if join.model_name == first), None)
+
+    def joined_message(self, join: AnyJoin) -> Message:
+        """Returns the message of a join, as tests fill it."""
+        if isinstance(join, ReportJoinView):
+            return JausMessage(join.type, join.message, join.name)
+        return RosMessage(join.type, join.name, self.type_name)
+
+    def policy(self, chain: Chain) -> str:
+        """Returns what becomes of values out of range, as a literal of the metamodel."""
+        own = str(chain.assignment.outOfRange.name)
+        if own != "asConnection":
+            return own
+        policy = str(self.view.connection.outOfRange.name)
+        return "dropMessage" if policy == "clamp" and self._identifies(chain) else policy
+
+    def _identifies(self, chain: Chain) -> bool:
+        """Whether the result is an identifier or a count, which is never clamped."""
+        source, target = self.source, self.target
+        if isinstance(target, JausMessage):
+            field = target.field(chain.targets[0])
+            return field.is_identifier and not field.values
+        if not isinstance(source, JausMessage) or chain.assignment.conversions:
+            return False
+        return source.field(chain.sources[0]).is_identifier
+
+    @functools.cached_property
+    def written(self) -> Paths:
+        """The target paths that assignments write to."""
+        return Paths(
+            target.strip()
+            for assignment in self.assignments
+            if not isinstance(assignment, bridge.Ignore)
+            for target in assignment.target.split(",")
+        )
+
+    def is_alone(self, path: str) -> bool:
+        """Whether one assignment at most writes to a target path, or to what is in it."""
+        return self.written.overlapping(path) <= 1
+
+    def default(self, path: str) -> str:
+        """Returns Python for what a target as it is made has at a path."""
+        return self.target.place(path).code.replace("target", f"{self.view.target_name}()", 1)
+
+    def translated(self, given: Iterable[str] = ()) -> list[str]:
+        """Returns the statements that translate `source` into `target`.
+
+        Args:
+            given: Names of joins, in Python, whose message is a variable of that name.
+        """
+        present = set(given)
+        return [
+            *self.joined(present),
+            store("target", self.call("source", present)),
+            f"assert isinstance(target, {self.view.target_name})",
+        ]
+
+    def refused(self, error: str, before: str = "") -> list[str]:
+        """Returns the statements that show that `source` is not translated.
+
+        Args:
+            error: Class of the error.
+            before: What keeps the error, e.g. ` as caught`.
+        """
+        refusal = f"with pytest.raises({error}){before}:\n    {self.call('source')}"
+        return [*self.joined(), refusal]
+
+    def call(self, source: str, given: Iterable[str] = ()) -> str:
+        """Returns the call that translates a message.
+
+        Args:
+            source: The message, as Python text.
+            given: Names of joins, in Python, whose message is a variable of that name.
+        """
+        return call(f"bridge.translate_{self.name}", source, *self.join_arguments(given))
+
+    def join_arguments(self, given: Iterable[str] = ()) -> list[str]:
+        """Returns the arguments that give joined messages to a translation.
+
+        Args:
+            given: Names of joins, in Python, whose message is a variable of that name.
+        """
+        present = set(given)
+        return [
+            f"{join.name}={join.name if self._is_given(join, present) else 'None'}"
+            for join in self.view.joins
+        ]
+
+    def joined(self, given: Iterable[str] = ()) -> list[str]:
+        """Returns the statements that make joined messages without which nothing is translated.
+
+        Args:
+            given: Names of joins, in Python, whose message is there.
+        """
+        present = set(given)
+        return [
+            line
+            for join in self.view.joins
+            if join.name not in present and self._is_given(join, present)
+            for line in self.joined_message(join).fill(self._needed(join))
+        ]
+
+    def _needed(self, join: AnyJoin) -> dict[str, Scalar]:
+        """Returns values of what a joined report has to hold, so that nothing is refused."""
+        found: dict[str, Scalar] = {}
+        for each in self.assignments:
+            is_needed = isinstance(each, bridge.FieldAssignment) and (
+                each.whenAbsent.name == "dropMessage" and isinstance(join, ReportJoinView)
+            )
+            for path in source_paths(each) if is_needed else ():
+                first, _, rest = path.partition(".")
+                if first == join.model_name:
+                    found[rest] = _usual(self.joined_message(join).place(rest))
+        return found
+
+    @staticmethod
+    def _is_given(join: AnyJoin, present: set[str]) -> bool:
+        return join.name in present or join.join.whenStale.name == "dropMessage"
+
+
+def _usual(place: Place) -> Scalar:
+    """Returns a value that a place can hold: 0 if it can."""
+    if not place.is_number:
+        return "" if place.kind == TEXT else PRESENT
+    candidates = (0, *(low for low, _ in place.ranges), *place.limits)
+    return next(each for each in candidates if place.can_hold(each))

@@ -1,0 +1,283 @@
+"""Statements that put values into a message, path by path, and that ask for them."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Protocol
+
+from jausml.generation.literals import python_literal
+from jausml_generators.bridge.checks.check import store
+from jausml_generators.bridge.translation.body import conditions
+from jausml_generators.bridge.translation.expressions import BOOLEAN, INTEGER, REAL, TEXT
+from jausml_generators.bridge.translation.printing import (
+    condition_text,
+    expression_text,
+    place_text,
+)
+from jausml_generators.bridge.translation.ros_fields import INTEGER_RANGES, RosStart, ros_field
+from jausml_generators.bridge.translation.values import ros_kind
+from jausml_generators.python.codec.jaus_fields import JausStart, jaus_field
+from jausml_generators.python.names import snake_case
+from jausml_generators.python.statements import call
+from jausml.semantics.jaus_paths import JausPlace, message_place
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from jausml_generators.bridge.translation import places
+    from jausml_generators.bridge.translation.expressions import Expression
+    from jausml_generators.bridge.translation.ros_fields import RosField
+    from jausml_generators.python.codec.jaus_fields import JausField
+    from jausml_generators.python.codec.messages import MessageView
+    from jausml.metamodel.classes import jaus, ros
+
+_ELEMENT = re.compile(r"(?P<list>.*)\[(?P<index>[0-9]+)\]")
+# A shorter last step, such as x, says little alone.
+_SHORT = 8
+_ZEROS = {REAL: "0.0", INTEGER: "0", BOOLEAN: "False", TEXT: '""'}
+Scalar = float | int | bool | str
+PRESENT = "\0present"
+"""Stands for a bit field as it is made."""
+
+
+def short_name(path: str) -> str:
+    """Returns a word for an attribute, made of the last steps of its path.
+
+    Args:
+        path: Its path in the model.
+    """
+    steps = [step for step in re.split(r"[^A-Za-z0-9_]+", path) if step and not step.isdigit()]
+    return snake_case("_".join(steps[-2:] if len(steps[-1]) < _SHORT else steps[-1:]))
+
+
+class Code(str):
+    """Python text that stands for a value."""
+
+    __slots__ = ()
+
+
+class ValueTextError(ValueError):
+    """A text of the model that is no value of the attribute that it is meant for."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """An attribute of a message of either side.
+
+    Attributes:
+        path: Its path in the model.
+        code: The attribute, as Python text.
+        kind: Kind of its values.
+        limits: Least and greatest number that it can hold.
+        ranges: Legal ranges of integers where they have gaps or names; else empty.
+        step: Smallest difference of two numbers that it can tell apart; 0 when that is tiny.
+        names: Values by the names that the model has for them.
+        conditions: What must hold for it to be there, as Python text.
+    """
+
+    path: str
+    code: str
+    kind: str
+    limits: tuple[float, float] = (-math.inf, math.inf)
+    ranges: tuple[tuple[int, int], ...] = ()
+    step: float = 0.0
+    names: tuple[tuple[str, str], ...] = ()
+    conditions: tuple[str, ...] = ()
+
+    @property
+    def is_number(self) -> bool:
+        """Whether it holds numbers."""
+        return self.kind in {REAL, INTEGER}
+
+    def can_hold(self, value: float) -> bool:
+        """Whether it can hold a number."""
+        if not self.is_number:
+            return False
+        if self.ranges:
+            return any(low <= value <= high for low, high in self.ranges)
+        return self.limits[0] <= value <= self.limits[1]
+
+    def parse(self, text: str) -> Scalar:
+        """Returns the value that a text of the model stands for.
+
+        Raises:
+            ValueTextError: It stands for none.
+        """
+        known = dict(reversed(self.names)).get(text, text)
+        try:
+            if self.kind == REAL:
+                return float(known)
+            if self.kind == INTEGER:
+                return int(known in {"true"}) if known in {"true", "false"} else int(known, 0)
+        except ValueError:
+            raise ValueTextError(f"{text!a} is no number ({self.path})") from None
+        if self.kind == BOOLEAN and known in {"true", "false", "0", "1"}:
+            return known in {"true", "1"}
+        if self.kind == TEXT:
+            return text
+        raise ValueTextError(f"{self.path} takes no value in a test vector")
+
+
+class Message(Protocol):
+    """A message of either side under a name of the generated test."""
+
+    def place(self, path: str) -> Place:
+        """Returns the attribute at the end of a path.
+
+        Raises:
+            PathError: The path leads nowhere.
+        """
+
+    def fill(self, values: Mapping[str, Scalar]) -> list[str]:
+        """Returns the statements that make the message with some values.
+
+        Args:
+            values: Values by path.
+        """
+
+
+@dataclass(frozen=True)
+class JausMessage:
+    """A JAUS message.
+
+    Attributes:
+        element: The message in the model.
+        message: Its class.
+        name: Name of the variable.
+    """
+
+    element: jaus.MessageDef
+    message: MessageView
+    name: str
+
+    def field(self, path: str) -> JausField:
+        """Returns what stands at the end of a path."""
+        return jaus_field(self.message, path, JausStart(self.name))
+
+    def place(self, path: str) -> Place:
+        """Returns the attribute at the end of a path."""
+        found = self.field(path)
+        low, high = found.limits if found.kind in {REAL, INTEGER} else (-math.inf, math.inf)
+        return Place(
+            path,
+            place_text(found.value),
+            found.kind,
+            (low, high),
+            found.values,
+            self._step(path),
+            tuple((name, str(value)) for name, value in found.listed),
+            tuple(map(condition_text, conditions(found.conditions))),
+        )
+
+    def _step(self, path: str) -> float:
+        found = message_place(self.element).follow(path)
+        return found.attribute().step or 0.0 if isinstance(found, JausPlace) else 0.0
+
+    def fill(self, values: Mapping[str, Scalar]) -> list[str]:
+        """Returns the statements that make the message with some values."""
+        lines = [f"{self.name} = {self.message.class_name}()"]
+        made: set[places.Place] = set()
+        for path, value in values.items():
+            field = self.field(path)
+            for place, container in field.containers:
+                lines += _made(place, container, made)
+            lines.append(self.set(field, value))
+        return lines
+
+    def set(self, field: JausField, value: Scalar) -> str:
+        """Returns the statement that gives a field a value."""
+        place = place_text(field.place)
+        if value is PRESENT:
+            return store(place, f"{field.class_name}()")
+        number = float(value) if field.is_float and not isinstance(value, str) else value
+        code = value if isinstance(value, Code) else python_literal(number)
+        if field.index is None:
+            return store(place, code)
+        return store(place, call(field.class_name, str(field.index), code))
+
+
+@dataclass(frozen=True)
+class RosMessage:
+    """A ROS message.
+
+    Attributes:
+        type: Its type.
+        name: Name of the variable.
+        type_name: Returns the name of the class of a type.
+    """
+
+    type: ros.MessageType
+    name: str
+    type_name: Callable[[ros.MessageType], str]
+
+    def field(self, path: str) -> RosField:
+        """Returns what stands at the end of a path."""
+        return ros_field(self.type, path, RosStart(self.name, self.type))
+
+    def place(self, path: str) -> Place:
+        """Returns the attribute at the end of a path."""
+        found = self.field(path)
+        limits = INTEGER_RANGES.get(found.type, (-math.inf, math.inf))
+        return Place(path, place_text(found.place), ros_kind(found), limits, names=found.constants)
+
+    def fill(self, values: Mapping[str, Scalar]) -> list[str]:
+        """Returns the statements that make the message with some values."""
+        lines = [f"{self.name} = {self.type_name(self.type)}()"]
+        sizes: dict[str, int] = {}
+        for path in values:
+            for prefix, index in self._sequences(path):
+                sizes[prefix] = max(sizes.get(prefix, 0), index + 1)
+        made: set[str] = set()
+        for path, value in values.items():
+            for prefix, _ in self._sequences(path):
+                if prefix not in made:
+                    made.add(prefix)
+                    lines.append(self._elements(prefix, sizes[prefix]))
+            lines.append(self.set(path, value))
+        return lines
+
+    def set(self, path: str, value: Scalar) -> str:
+        """Returns the statement that gives a field a value."""
+        found = self.field(path)
+        if isinstance(value, Code):
+            return store(place_text(found.place), value)
+        is_real = ros_kind(found) == REAL and not isinstance(value, str)
+        return store(place_text(found.place), python_literal(float(value) if is_real else value))
+
+    def _sequences(self, path: str) -> list[tuple[str, int]]:
+        """The sequences on a path, which are empty in a new message, with the index in each."""
+        found = []
+        steps = path.split(".")
+        for number, step in enumerate(steps, 1):
+            element = _ELEMENT.fullmatch(step)
+            if element is None:
+                continue
+            prefix = ".".join([*steps[: number - 1], element["list"]])
+            array = self.field(prefix).field
+            if array is None or array.arrayKind.name != "fixedArray":
+                found.append((prefix, int(element["index"])))
+        return found
+
+    def _elements(self, prefix: str, count: int) -> str:
+        found = self.field(prefix)
+        if found.message_type is None:
+            zero = _ZEROS.get(ros_kind(replace(found, is_array=False)), "0")
+            return f"{place_text(found.place)} = [{zero}] * {count}"
+        name = self.type_name(found.message_type)
+        return f"{place_text(found.place)} = [{', '.join([f'{name}()'] * count)}]"
+
+
+def _made(place: places.Place, value: Expression, made: set[places.Place]) -> list[str]:
+    """The statements that make a container or an element that is not there yet."""
+    if place in made:
+        return []
+    made.add(place)
+    text, last = expression_text(value), place.steps[-1]
+    if isinstance(last, str):
+        return [store(place_text(place), text)]
+    held = replace(place, steps=place.steps[:-1])
+    missing = [held.at(index) for index in range(last) if held.at(index) not in made]
+    made.update(missing)
+    return [call(f"{place_text(held)}.append", text)] * (len(missing) + 1)

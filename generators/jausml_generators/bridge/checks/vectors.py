@@ -1,0 +1,95 @@
+"""The test vectors of a map as checks."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.generation.errors import GenerationError
+from jausml_generators.bridge.checks.assertions import SINGLE, has_value, is_absent
+from jausml_generators.bridge.checks.check import Check, tidy
+from jausml_generators.bridge.checks.filling import Scalar, ValueTextError
+from jausml_generators.bridge.translation.ros_fields import PathError
+from jausml_generators.python.names import snake_case
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml_generators.bridge.checks.ends import Ends
+    from jausml_generators.bridge.checks.filling import Message
+    from jausml.metamodel.classes import bridge
+
+ABSENT = "absent"
+# Rounding of the sums that turn integers of the wire into values.
+_SLACK = 1.0 + 1e-9
+
+
+def vectors(ends: Ends) -> Iterator[Check]:
+    """Yields the test vectors of the map of a connection, for its direction.
+
+    Args:
+        ends: The connection.
+
+    Raises:
+        GenerationError: A value of a vector does not fit its attribute.
+    """
+    direction = "jausToRos" if ends.to_ros else "rosToJaus"
+    for vector in ends.map.vectors:
+        if vector.direction.name != direction:
+            continue
+        try:
+            yield _check(ends, vector)
+        except (PathError, ValueTextError) as error:
+            raise GenerationError(
+                f"test vector '{vector.name}' of map '{ends.map.name}': {error}"
+            ) from error
+
+
+def _check(ends: Ends, vector: bridge.TestVector) -> Check:
+    lines, joined = _given(ends, vector)
+    lines += [f"bridge.{name} = {value!r}" for name, value in ends.overridden.items()]
+    lines += ends.translated(joined)
+    if not ends.to_ros:
+        lines.append(f"target = {ends.view.target_name}.decode(target.encode())")
+    for expected in vector.expected:
+        place = ends.target.place(expected.path.strip())
+        if expected.value == ABSENT:
+            lines += is_absent(place)
+            continue
+        value = place.parse(str(expected.value))
+        lines += has_value(place, value, _tolerance(ends, expected, value))
+    about = vector.documentation or f"The test vector {vector.name} of the map {ends.map.name}."
+    name = f"{ends.name}_vector_{snake_case(vector.name)}"
+    return Check(name, str(about), tidy(lines))
+
+
+def _given(ends: Ends, vector: bridge.TestVector) -> tuple[list[str], list[str]]:
+    """The statements that make the source and joined messages, and the names of the latter."""
+    values: dict[str, dict[str, Scalar]] = {"": {}}
+    messages: dict[str, Message] = {"": ends.source}
+    for given in vector.given:
+        path = given.path.strip()
+        join = ends.join_of(path)
+        name = "" if join is None else join.name
+        if join is not None:
+            path = path.partition(".")[2]
+            messages.setdefault(name, ends.joined_message(join))
+        if given.value != ABSENT:
+            values.setdefault(name, {})[path] = messages[name].place(path).parse(str(given.value))
+    lines = [line for name, message in messages.items() for line in message.fill(values[name])]
+    return lines, [name for name in messages if name]
+
+
+def _tolerance(ends: Ends, expected: bridge.VectorValue, value: Scalar) -> float:
+    """The stated one, but no less than rounding on the wire; else half a step of JAUS fields."""
+    if isinstance(value, str):
+        return 0.0
+    place = ends.target.place(expected.path.strip())
+    half_step = 0.0 if place.kind == "integer" else place.step / 2 * _SLACK
+    if expected.tolerance > 0:
+        return max(float(expected.tolerance), half_step)
+    on_the_way = [half_step, SINGLE * abs(float(value))]
+    for chain in ends.chains:
+        if expected.path.strip() in chain.targets:
+            steps = [ends.source.place(path).step for path in chain.sources]
+            on_the_way.append(max(steps) / 2 * _SLACK)
+    return max(on_the_way)

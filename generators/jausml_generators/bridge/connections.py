@@ -1,0 +1,357 @@
+"""View of one connection, for the templates of a bridge package."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from jausml.generation.literals import python_literal, python_string
+from jausml_generators.bridge.jaus_ends import (
+    guard_of,
+    peers_of,
+    priority_of,
+    query_call,
+    query_of,
+)
+from jausml_generators.bridge.report_joins import ReportJoinView, query_of_join
+from jausml_generators.bridge.topics import JoinView, list_of, topic_call
+from jausml_generators.common.ros import RosType, ros_type
+from jausml_generators.python.guards import condition
+from jausml_generators.python.statements import call, tuple_of
+from jausml.metamodel.classes import bridge
+from jausml.semantics import stops
+from jausml.semantics.answers import chosen_fields
+from jausml.semantics.freshness import freshness_of
+from jausml.semantics.report_joins import joined_reports
+from jausml.semantics.unanswered import told_command
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from jausml_generators.bridge.translation import Translated
+    from jausml_generators.python.codec.messages import MessageView
+    from jausml.metamodel.classes import jaus
+    from jausml.semantics.report_joins import JoinedReport
+
+
+@dataclass(frozen=True)
+class ConnectionView:
+    """A modelled connection.
+
+    Args:
+        connection: The connection.
+        translated: Its translation.
+        view_of: Returns the class of a JAUS message.
+        requested: JAUS fields of each report that connections of the bridge read.
+    """
+
+    connection: bridge.Connection
+    translated: Translated
+    view_of: Callable[[jaus.MessageDef], MessageView]
+    requested: Mapping[jaus.MessageDef, frozenset[str]] = field(default_factory=dict)
+
+    # ------------------------------------------------------------------ both ends
+
+    @property
+    def owner(self) -> bridge.Bridge | None:
+        """The bridge in the model."""
+        return self.connection.eContainer()
+
+    @property
+    def name(self) -> str:
+        """Its name in Python."""
+        return self.translated.name
+
+    @property
+    def model_name(self) -> str:
+        """Its name in the model, by which diagnostics, parameters and logs speak of it."""
+        return str(self.connection.name)
+
+    @property
+    def alike(self) -> object:
+        """What connections share whose translations differ in the name of the connection alone."""
+        return self.translated.alike
+
+    @property
+    def ros_name(self) -> str:
+        """Name of its ROS message class in the generated modules."""
+        return self.translated.ros_name
+
+    @property
+    def to_ros(self) -> bool:
+        """True from JAUS to ROS."""
+        return bool(self.connection.direction.name == "jausToRos")
+
+    @property
+    def exchange(self) -> str:
+        """Literal of Exchange."""
+        return str(self.connection.exchange.name)
+
+    @property
+    def message_element(self) -> jaus.MessageDef:
+        """The JAUS message in the model."""
+        return self.connection.map.message
+
+    @functools.cached_property
+    def message(self) -> MessageView:
+        """The JAUS message."""
+        return self.view_of(self.message_element)
+
+    @property
+    def message_name(self) -> str:
+        """Class of the JAUS message."""
+        return self.message.class_name
+
+    @property
+    def ros_type(self) -> RosType:
+        """The ROS type."""
+        return ros_type(self.connection.map.type)
+
+    @property
+    def source_name(self) -> str:
+        """Class of the message that is taken."""
+        return self.message_name if self.to_ros else self.ros_name
+
+    @property
+    def target_name(self) -> str:
+        """Class of the message that is made."""
+        return self.ros_name if self.to_ros else self.message_name
+
+    @property
+    def kind(self) -> str:
+        """Class of the runtime that carries it."""
+        if self.to_ros:
+            kinds = {"message": "MessageToTopics", "query": "QueryToTopics"}
+            return kinds.get(self.exchange, "EventToTopics")
+        return "TopicsToMessage" if self.exchange == "message" else "TopicsToReport"
+
+    @property
+    def summary(self) -> str:
+        """What it takes and makes, e.g. `ReportLocalPose (0x4403) to nav_msgs/Odometry`."""
+        ends = (
+            f"{self.message.jaus_name} ({self.message.code_text})",
+            f"{self.ros_type.package}/{self.ros_type.name}",
+        )
+        source, target = ends if self.to_ros else ends[::-1]
+        return f"{source} to {target}"
+
+    @property
+    def documentation(self) -> str:
+        """What the connection carries, and what the model says about it."""
+        about = self.connection.documentation or ""
+        return "\n\n".join(filter(None, [f"{self.summary}.", about, self._about_map]))
+
+    @property
+    def _about_map(self) -> str:
+        return self.connection.map.documentation or ""
+
+    # ------------------------------------------------------------------ JAUS messages
+
+    @property
+    def query_element(self) -> jaus.MessageDef | None:
+        """The query for the report in the model; None when the connection needs none."""
+        return query_of(self.connection)
+
+    @functools.cached_property
+    def query(self) -> MessageView | None:
+        """The query for the report; None when the connection needs none."""
+        return None if self.query_element is None else self.view_of(self.query_element)
+
+    # ------------------------------------------------------------------ construction
+
+    @property
+    def arguments(self) -> tuple[tuple[str, str], ...]:
+        """Arguments of the runtime class after name and translate."""
+        found = [
+            ("message", self.message_name),
+            ("type", self.ros_name),
+        ]
+        if self.query is not None:
+            query = (
+                query_call(
+                    self.query,
+                    self.message,
+                    self.requested.get(self.message_element, frozenset()),
+                )
+                if self.to_ros
+                else self.query.class_name
+            )
+            found.append(("query", query))
+        if self.rate is not None:
+            found.append(("rate", python_literal(self.rate)))
+        if self._handler_guard != "ANY":
+            found.append(("when", condition(self.message_element, self._handler_guard)))
+        if self.kind == "MessageToTopics":
+            found += self._telling()
+        if self.is_capped and self.connection.rateCap > 0:
+            found.append(("rate_cap", python_literal(float(self.connection.rateCap))))
+        if self.kind == "TopicsToMessage":
+            found += self._sending()
+        if self.kind == "TopicsToReport":
+            found += self._reporting()
+        return (*found, *self._shape, *self._when_lost)
+
+    @property
+    def is_capped(self) -> bool:
+        """Whether it can have a cap of what one source sends unasked."""
+        return self.kind == "MessageToTopics"
+
+    @property
+    def _shape(self) -> list[tuple[str, str]]:
+        own = self.connection
+        stated = [
+            *([f"max_rate={python_literal(float(own.maxRate))}"] if own.maxRate > 0 else []),
+            *([f"decimation={int(own.decimation)}"] if own.decimation > 1 else []),
+            *([f"age_limit={python_literal(float(own.ageLimit))}"] if own.ageLimit > 0 else []),
+        ]
+        return [("shape", call("Shape", *stated))] if stated else []
+
+    @property
+    def _when_lost(self) -> list[tuple[str, str]]:
+        found = []
+        if self.is_command:
+            found.append(("is_command", "True"))
+        if self.silence_timeout > 0:
+            found.append(("silence_timeout", python_literal(self.silence_timeout)))
+        if self.has_safe_value:
+            found.append(("safe_value", f"self.safe_{self.name}"))
+        elif self.is_command and stops.holds(self.connection):
+            found.append(("hold_reason", python_string(stops.hold_reason(self.connection))))
+        return found
+
+    def _sending(self) -> list[tuple[str, str]]:
+        found = []
+        if self.connection.control and self.guard != "ANY":
+            found.append(("control", f"Guard.{self.guard}"))
+        found += priority_of(self.connection)
+        if self.connection.acknowledge:
+            found.append(("acknowledge", "True"))
+        return found
+
+    def _telling(self) -> list[tuple[str, str]]:
+        """Returns how the command is told to whoever asks for it."""
+        answer = told_command(self.connection)
+        if answer is None:
+            return []
+        query, report = self.view_of(answer.query), self.view_of(answer.report)
+        arguments = [query.class_name, report.class_name]
+        chosen = [query.find(each)[0].attribute for each in chosen_fields(answer) or ()]
+        if chosen:
+            arguments.append(f"same={tuple_of(*map(python_string, chosen))}")
+        if all(member.is_optional for member in report.body.members):
+            arguments.append("has_empty=True")
+        return [("answer", call("CommandAnswer", *arguments))]
+
+    def _reporting(self) -> list[tuple[str, str]]:
+        found = []
+        freshness = freshness_of(self.connection)
+        if freshness:
+            found.append(("freshness", python_literal(freshness)))
+        if all(member.is_optional for member in self.message.body.members):
+            found.append(("empty", self.message_name))
+        return found
+
+    @property
+    def rate(self) -> float | None:
+        """Messages each second that are asked for; None when nothing is, or every change."""
+        if not self.to_ros or self.exchange not in {"periodicEvent", "query"}:
+            return None
+        owner = self.connection.eContainer()
+        return float(self.connection.rate or (owner.frequency if owner is not None else 0.0))
+
+    @property
+    def named_peers(self) -> list[str]:
+        """Addresses of the JAUS components at the other end that are named."""
+        if self.kind == "TopicsToReport" or self.connection.search is not None:
+            return []
+        return [str(each.address) for each in self.connection.peers]
+
+    @property
+    def peers(self) -> str:
+        """Addresses of the JAUS components at the other end, or how they are found."""
+        return peers_of(self.connection)
+
+    @property
+    def topics(self) -> tuple[str, ...]:
+        """The topics with their quality of service."""
+        topics = self.connection.topics
+        return tuple(topic_call(self.connection, topic) for topic in topics if topic.join is None)
+
+    @property
+    def argument_lines(self) -> tuple[str, ...]:
+        """Arguments of the runtime class after name and translate."""
+        lines = [f"{key}={value}" for key, value in self.arguments]
+        if self.kind != "TopicsToReport":
+            lines.append(f"peers={self.peers}")
+        lines.append(f"topics={list_of(self.topics)}")
+        if self.joins:
+            lines.append(f"joins={list_of(each.argument for each in self.joins)}")
+        return tuple(lines)
+
+    @property
+    def guard(self) -> str:
+        """Whom the receiver of a command obeys: the bridge itself, or its peers (AS5710)."""
+        receivers = [self.connection.eContainer()] if self.to_ros else self.connection.peers
+        search = None if self.to_ros else self.connection.search
+        return guard_of(self.message_element, receivers, search)
+
+    @property
+    def _handler_guard(self) -> str:
+        return self.guard if self.kind == "MessageToTopics" else "ANY"
+
+    # ------------------------------------------------------------------ translation
+
+    @functools.cached_property
+    def joins(self) -> tuple[JoinView | ReportJoinView, ...]:
+        """What is joined, whose latest messages are parameters of the translation."""
+        if self.to_ros:
+            names = {each.join: each.name for each in self.translated.joins}
+            reports = joined_reports(self.connection)
+            return tuple(self._joined_report(each, names[each.join]) for each in reports)
+        return tuple(
+            JoinView(self.connection, each.join, each.name, each.type_name)
+            for each in self.translated.joins
+            if isinstance(each.join, bridge.Join)
+        )
+
+    def _joined_report(self, report: JoinedReport, name: str) -> ReportJoinView:
+        message, query = self.view_of(report.join.message), query_of_join(report)
+        requested = self.requested.get(report.join.message, frozenset())
+        asked = "" if query is None else query_call(self.view_of(query), message, requested)
+        return ReportJoinView(report, name, message, asked)
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Parameters of the translation."""
+        joins = (f"{join.name}: {join.type_name} | None = None" for join in self.joins)
+        return ("self", f"source: {self.source_name}", *joins)
+
+    @property
+    def safe_documentation(self) -> str:
+        """When the safe value is sent."""
+        silence = ""
+        if self.silence_timeout > 0:
+            seconds = python_literal(self.silence_timeout)
+            silence = f"when {self.connection.name} hears nothing for {seconds} s"
+        if not self.is_command:
+            return f"Sent once {silence}."
+        lost = "at the start, at the end, when nobody may command any more"
+        moments = f"{lost}, and {silence}" if silence else lost
+        return f"Stops what was commanded.\n\nSent once {moments}."
+
+    @property
+    def is_command(self) -> bool:
+        """Whether it carries commands, which set something in motion."""
+        return stops.is_command(self.connection)
+
+    @property
+    def silence_timeout(self) -> float:
+        """Seconds of silence that count as a loss of the source; 0 is never."""
+        return stops.silence_timeout(self.connection)
+
+    @property
+    def has_safe_value(self) -> bool:
+        """Whether the model says what is sent when the source is lost, and it can be lost."""
+        can_be_lost = self.is_command or self.silence_timeout > 0
+        return can_be_lost and stops.has_stop(self.connection)

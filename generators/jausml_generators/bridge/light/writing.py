@@ -1,0 +1,149 @@
+"""Statements that write a ROS message in its serialized form."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml_generators.bridge.light.layout import fields_of
+from jausml_generators.python.names import Scope, snake_case
+from jausml_generators.python.statements import call
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from jausml_generators.bridge.light.layout import FieldLayout, Sizes
+    from jausml_generators.bridge.light.runs import Runs
+    from jausml.metamodel.classes import ros
+
+_OWN_NAMES = frozenset({"append", "cdr_", "len", "offset", "run", "self"})
+
+
+def writing_lines(
+    message: ros.MessageType,
+    class_of: Callable[[ros.MessageType], str],
+    runs: Runs,
+    sizes: Sizes,
+) -> tuple[str, ...]:
+    """Returns the body of a method that appends the message `self`, which begins at `offset`.
+
+    Args:
+        message: The type of the message.
+        class_of: Returns the name of the class of a type.
+        runs: Names of rows of numbers.
+        sizes: Sizes of messages.
+    """
+    writer = _Writer(class_of, runs, sizes)
+    writer.add(message, "self")
+    writer.flush()
+    *lines, last = writer.lines
+    if last.startswith("offset = "):
+        return (*lines, last.replace("offset =", "return", 1))
+    return (*lines, last, "return offset")
+
+
+class _Writer:
+    def __init__(
+        self, class_of: Callable[[ros.MessageType], str], runs: Runs, sizes: Sizes
+    ) -> None:
+        self.lines: list[str] = []
+        self._class_of = class_of
+        self._runs = runs
+        self._sizes = sizes
+        self._names = Scope(_OWN_NAMES)
+        self._items: list[str] = []
+        self._values: list[str] = []
+
+    def add(self, message: ros.MessageType, place: str) -> None:
+        """Adds the fields of a message that stands at a place."""
+        fields = fields_of(message)
+        if not fields:
+            self._item("B", "0")  # a message without fields takes a byte
+        for field in fields:
+            if field.is_single:
+                self._single(field, f"{place}.{field.name}")
+            elif field.is_fixed:
+                self._array(field, f"{place}.{field.name}")
+            else:
+                self._sequence(field, f"{place}.{field.name}")
+
+    def flush(self) -> None:
+        """Adds the statements that write the numbers in a row so far."""
+        if not self._items:
+            return
+        self.lines += [
+            f"run = {self._runs.name_of(self._items)}[offset & 7]",
+            call("append", call("run.pack", *self._values)),
+            "offset += run.size",
+        ]
+        self._items.clear()
+        self._values.clear()
+
+    def _item(self, item: str, value: str) -> None:
+        self._items.append(item)
+        self._values.append(value)
+
+    def _local(self, place: str, code: str) -> str:
+        name = self._names.claim(snake_case(place.rpartition(".")[2]))
+        self.lines.append(f"{name} = {code}")
+        return name
+
+    def _single(self, field: FieldLayout, place: str) -> None:
+        if field.primitive is not None:
+            is_byte = field.primitive.idl == "octet"
+            self._item(field.primitive.code, call("cdr_.octet", place) if is_byte else place)
+        elif field.message is None:
+            self._text(field, place)
+        elif self._sizes.is_inlined(field.message):
+            has_fields = len(field.message.fields) > 0
+            self.add(field.message, self._local(place, place) if has_fields else place)
+        else:
+            self.flush()
+            name = self._class_of(field.message)
+            self.lines.append(f"offset = {call(f'{name}._write', place, 'append', 'offset')}")
+
+    def _text(self, field: FieldLayout, place: str) -> None:
+        bound = (str(field.bound),) if field.bound else ()
+        function = "cdr_.encoded" if field.text == "string" else "cdr_.wide"
+        name = self._local(place, call(function, place, *bound))
+        self._item("I", f"len({name})" if field.text == "string" else f"len({name}) // 4")
+        self.flush()
+        if field.text == "string":
+            self.lines += [f"append({name})", f"offset += len({name})"]
+        else:
+            self.lines.append(f"offset = {call('cdr_.put', 'append', 'offset', name, '4')}")
+
+    def _array(self, field: FieldLayout, place: str) -> None:
+        count = str(field.count)
+        if field.primitive is not None:
+            code = field.primitive.code
+            raw = self._local(place, call("cdr_.raw", f'"{code}"', place, count))
+            self._item(f"{field.count}{code}", raw)
+            return
+        name = self._local(place, call("cdr_.exactly", place, count))
+        self.flush()
+        self._elements(field, name)
+
+    def _sequence(self, field: FieldLayout, place: str) -> None:
+        code = place
+        if field.is_bounded:
+            code = call("cdr_.at_most", place, str(field.count))
+        if field.primitive is None:
+            name = self._local(place, code)
+            self._item("I", f"len({name})")
+            self.flush()
+            self._elements(field, name)
+            return
+        size = field.primitive.size
+        name = self._local(place, call("cdr_.raw", f'"{field.primitive.code}"', code))
+        self._item("I", f"len({name}) // {size}" if size > 1 else f"len({name})")
+        self.flush()
+        self.lines.append(f"offset = {call('cdr_.put', 'append', 'offset', name, str(size))}")
+
+    def _elements(self, field: FieldLayout, name: str) -> None:
+        arguments = [name, "append", "offset"]
+        if field.message is not None:
+            function = f"{self._class_of(field.message)}._write_many"
+        else:
+            function = "cdr_.put_texts" if field.text == "string" else "cdr_.put_wide_texts"
+            arguments += [str(field.bound)] if field.bound else []
+        self.lines.append(f"offset = {call(function, *arguments)}")

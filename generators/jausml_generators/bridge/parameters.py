@@ -1,0 +1,231 @@
+"""Parameters of a bridge as its parameter file lists them: what the runtime declares, in words.
+
+The runtime declares them (`runtime/bridge/parameters.py`); tests compare both.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.generation.literals import printable
+from jausml_generators.bridge.actions import ActionView
+from jausml_generators.bridge.topics import JoinView
+from jausml_generators.bridge.translation import AssignmentError
+from jausml_generators.bridge.translation.ros_fields import PathError
+from jausml.semantics.freshness import freshness_of
+from jausml.semantics.topics import reliability, resolve_topic
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml_generators.bridge.call_views import CallView
+    from jausml_generators.bridge.connections import ConnectionView
+    from jausml_generators.bridge.views import BridgeView
+    from jausml.metamodel.classes import bridge
+
+
+QUEUE_AGE_LIMIT = 2.0
+"""Seconds, as the runtime has them."""
+
+LEAST_DEPTH = 100
+"""Messages that the runtime keeps at least of a topic that is not latched."""
+
+
+@dataclass(frozen=True)
+class ParameterLine:
+    """A parameter of a bridge in its file.
+
+    Attributes:
+        name: Its name.
+        value: Modelled value.
+        about: What it is; empty when the name says it.
+        is_comment: Whether the line is commented out, as its name depends on the deployment.
+    """
+
+    name: str
+    value: bool | float | str | list[str]
+    about: str = ""
+    is_comment: bool = False
+
+
+def parameter_lines(view: BridgeView) -> Iterator[ParameterLine]:
+    """Yields the parameters that stand in the file of a bridge, besides those of its transport.
+
+    Args:
+        view: The bridge.
+    """
+    element = view.bridge
+    yield ParameterLine("jaus_id", element.address, "JAUS address of the bridge.")
+    yield ParameterLine("autostart", value=True, about="Whether the node becomes active by itself.")
+    yield ParameterLine(
+        "jaus_allowed_hosts",
+        ",".join(element.allowedHosts),
+        "IPv4 addresses and networks that JAUS is taken from, with commas; empty for any.",
+    )
+    yield ParameterLine(
+        "jaus_fixed_sources",
+        bool(element.fixedSources),
+        "Whether a component that is suddenly heard from another endpoint is refused.",
+    )
+    yield from _budget_lines(element)
+    yield ParameterLine(
+        "jaus_authority",
+        element.authority,
+        "Authority that control of JAUS components is requested with.",
+    )
+    yield ParameterLine(
+        "diagnostics_frequency", min(float(element.frequency), 1.0), "Diagnostics each second (Hz)."
+    )
+    yield ParameterLine(
+        "queue_age_limit",
+        QUEUE_AGE_LIMIT,
+        "Seconds after which a message of a topic that is not latched is too old; 0 is never.",
+    )
+    yield ParameterLine(
+        "latency", value=False, about="Whether the latency of all connections is measured."
+    )
+    # A translation that cannot be written is reported by the template that it stands in.
+    with suppress(AssignmentError, PathError):
+        for each in view.module.parameters:
+            yield ParameterLine(each.name, each.value, each.description)
+        for connection in view.connections:
+            yield from _connection_lines(connection)
+        for call in view.calls:
+            yield from _call_lines(call)
+
+
+def _budget_lines(element: bridge.Bridge) -> Iterator[ParameterLine]:
+    """Yields what strangers get."""
+    yield ParameterLine(
+        "jaus_amplification_limit",
+        element.amplificationLimit,
+        "Bytes to a UDP endpoint for each byte from it, until it proved its address; 0 is any.",
+    )
+    yield ParameterLine(
+        "jaus_max_peers",
+        element.maxPeers,
+        "Components that are remembered, besides stated ones and the one in control.",
+    )
+    yield ParameterLine("jaus_max_connections", element.maxConnections, "TCP connections.")
+    yield ParameterLine(
+        "jaus_idle_timeout",
+        float(element.idleTimeout),
+        "Seconds in which a message must come over a new TCP connection; 0 is any time.",
+    )
+    yield ParameterLine("jaus_max_events", element.maxEvents, "JAUS events at a time.")
+    yield ParameterLine(
+        "jaus_event_rate_budget",
+        float(element.eventRateBudget),
+        "Reports of all periodic JAUS events together each second.",
+    )
+
+
+def _connection_lines(view: ConnectionView) -> Iterator[ParameterLine]:
+    name, connection = view.model_name, view.connection
+    about = " ".join(printable(connection.documentation or "").split())
+    if isinstance(view, ActionView):
+        yield from _action_lines(view, f"Action of {name}. {about}".strip())
+    main = [topic for topic in connection.topics if topic.join is None]
+    yield from _topic_lines(name, main, f"Topic of {name}. {about}".strip())
+    if view.named_peers:
+        yield ParameterLine(f"{name}.peers", view.named_peers)
+    if view.rate is not None:
+        yield ParameterLine(f"{name}.rate", view.rate, "Messages each second (Hz).")
+    if not isinstance(view, ActionView):
+        yield ParameterLine(
+            f"{name}.silence_timeout",
+            view.silence_timeout or freshness_of(connection),
+            "Seconds without a message that count as silence; 0 is never.",
+        )
+        yield from _shape_lines(view)
+        about = "Whether its latency is measured."
+        yield ParameterLine(f"{name}.latency", value=False, about=about)
+    for join in view.joins:
+        owner = f"{name}.{join.name}"
+        yield ParameterLine(
+            f"{owner}.freshness",
+            float(join.join.freshness),
+            "Seconds after which the latest message is stale.",
+        )
+        if isinstance(join, JoinView):
+            yield from _topic_lines(owner, list(join.topics))
+            continue
+        if join.named_peers:
+            yield ParameterLine(f"{owner}.peers", join.named_peers)
+        if join.rate is not None:
+            yield ParameterLine(f"{owner}.rate", join.rate, "Messages each second (Hz).")
+    for topic in connection.topics:
+        yield from _quality_lines(connection, topic)
+
+
+def _action_lines(view: ActionView, about: str) -> Iterator[ParameterLine]:
+    yield ParameterLine(f"{view.model_name}.action", str(view.action.action), about)
+    if not view.to_ros:
+        about = "Speed at which lists are executed (m/s)."
+        yield ParameterLine(f"{view.model_name}.speed", view.speed, about)
+
+
+def _call_lines(view: CallView) -> Iterator[ParameterLine]:
+    name, connection = view.model_name, view.connection
+    about = " ".join(printable(connection.documentation or "").split())
+    yield ParameterLine(
+        f"{name}.service", connection.service, f"ROS service of {name}. {about}".strip()
+    )
+    if connection.peers and connection.search is None:
+        yield ParameterLine(f"{name}.peers", [str(each.address) for each in connection.peers])
+    yield ParameterLine(
+        f"{name}.timeout",
+        float(connection.timeout),
+        "Seconds after which a call without an answer has failed.",
+    )
+
+
+def _shape_lines(view: ConnectionView) -> Iterator[ParameterLine]:
+    name, own = view.model_name, view.connection
+    if view.is_capped:
+        yield ParameterLine(
+            f"{name}.rate_cap",
+            float(own.rateCap),
+            "Messages each second that are taken of one source; 0 is all.",
+        )
+    yield ParameterLine(
+        f"{name}.max_rate", float(own.maxRate), "Messages that pass each second at most; 0 is all."
+    )
+    yield ParameterLine(
+        f"{name}.decimation", int(own.decimation), "Every how many messages one passes."
+    )
+    yield ParameterLine(
+        f"{name}.age_limit",
+        float(own.ageLimit),
+        "Seconds after which a message is too old to pass; 0 is never.",
+    )
+
+
+def _topic_lines(
+    owner: str, topics: list[bridge.Topic], about: str = ""
+) -> Iterator[ParameterLine]:
+    if len(topics) == 1:
+        yield ParameterLine(f"{owner}.topic", topics[0].name, about)
+    elif topics:
+        yield ParameterLine(f"{owner}.topics", [each.name for each in topics], about)
+
+
+def _quality_lines(connection: bridge.Connection, topic: bridge.Topic) -> Iterator[ParameterLine]:
+    owner = connection.eContainer()
+    namespace, node = (owner.namespace or "", owner.name) if owner is not None else ("", "")
+    kind = "publisher" if connection.direction.name == "jausToRos" else "subscription"
+    name = f"qos_overrides.{resolve_topic(topic.name, namespace, node)}.{kind}"
+    qos = topic.qos
+    durability = "volatile" if qos is None else qos.durability.name
+    depth = 10 if qos is None else int(qos.depth)
+    if kind == "subscription" and durability == "volatile":
+        depth = max(depth, LEAST_DEPTH)
+    values: tuple[tuple[str, str | int], ...] = (
+        ("reliability", reliability(connection, topic)),
+        ("durability", durability),
+        ("depth", depth),
+    )
+    for policy, value in values:
+        yield ParameterLine(f"{name}.{policy}", value, is_comment=True)

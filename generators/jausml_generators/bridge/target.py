@@ -1,0 +1,87 @@
+"""Target `bridge`: one package for each modelled bridge."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.generation.system import source_of, system_of
+from jausml.generation.target import Target
+from jausml.generation.tasks import FileTask, Task, templates_beside
+from jausml_generators.bridge.checks.module import TestModule
+from jausml_generators.bridge.views import bridge_views
+from jausml_generators.messages.views import SystemMessages
+from jausml_generators.python.package import (
+    PACKAGE_TEMPLATES,
+    module_path,
+    package_tasks,
+    package_view,
+    program_tasks,
+)
+
+if TYPE_CHECKING:
+    from jausml.model.model import Model
+
+
+def tasks(model: Model) -> list[Task]:
+    """Returns the files of every bridge."""
+    system, source = system_of(model), source_of(model)
+    bridges = model.made(bridge_views)
+    messages = SystemMessages(system, source)
+    tests = [TestModule(bridge) for bridge in bridges]
+    packages = [
+        package_view(
+            system,
+            bridge.package,
+            element_id=bridge.element_id,
+            source=source,
+            description=bridge.documentation,
+            element=bridge.bridge,
+            dependencies=(*bridge.dependencies, *messages.needed_by(bridge)),
+            test_dependencies=test.dependencies,
+            executables=((bridge.package, f"{bridge.package}.main"),),
+        )
+        for bridge, test in zip(bridges, tests, strict=True)
+    ]
+    return [
+        *package_tasks(packages),
+        FileTask(
+            "used_messages.py.j2",
+            [messages.used_by(bridge) for bridge in bridges],
+            lambda used: used.path,
+        ),
+        FileTask(
+            "ros_types.py.j2",
+            bridges,
+            lambda bridge: module_path(bridge, "ros_types"),
+            imports=lambda bridge: bridge.light.imports,
+        ),
+        *program_tasks(
+            bridges,
+            base="base.py.j2",
+            skeleton="skeleton.py.j2",
+            words=lambda view: view.connection_names,
+        ),
+        FileTask(
+            "transcoders.py.j2",
+            [bridge.transcoders for bridge in bridges],
+            lambda module: module.path,
+            imports=lambda module: module.imports,
+            words=lambda module: module.bridge.connection_names,
+        ),
+        FileTask(
+            "test_translations.py.j2",
+            tests,
+            lambda view: f"{view.package}/test/test_{view.package}_translations.py",
+            imports=lambda view: view.imports,
+            words=lambda view: view.bridge.connection_names,
+        ),
+    ]
+
+
+TARGET = Target(
+    name="bridge",
+    description="ROS 2 <-> JAUS bridges with skeletons, one ament_python package each.",
+    tasks=tasks,
+    template_folders=(templates_beside(__file__), PACKAGE_TEMPLATES),
+)
+"""Base, skeleton, entry point and tests of each bridge."""

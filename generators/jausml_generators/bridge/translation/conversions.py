@@ -1,0 +1,277 @@
+"""Values through the conversions of an assignment, in order."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from jausml_generators.bridge.translation import expressions
+from jausml_generators.bridge.translation.expressions import (
+    BITS,
+    BOOLEAN,
+    INTEGER,
+    QUATERNION,
+    REAL,
+    TIME,
+    Authored,
+    Cast,
+    Constant,
+    Convert,
+    Expression,
+    Limit,
+    Negative,
+    Now,
+    Operand,
+    Read,
+    Setting,
+    UserCall,
+)
+from jausml_generators.bridge.translation.places import Local, Place
+from jausml_generators.bridge.translation.steps import Let
+from jausml_generators.bridge.translation.tables import look_up
+from jausml_generators.bridge.translation.values import (
+    INPUT_TYPES,
+    NUMBERS,
+    PYTHON_TYPES,
+    AssignmentError,
+    Value,
+)
+from jausml_generators.python.names import snake_case
+from jausml.languages.expressions import occurrences, parse_expression, source_names
+from jausml.semantics.conversions import authored, conversion_of, numbers
+from jausml.semantics.conversions.conversion import MAXIMUM
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml_generators.bridge.translation.body import Body
+    from jausml_generators.bridge.translation.surroundings import Surroundings
+    from jausml_generators.bridge.translation.targets import Target
+
+_RESULTS = {
+    "number": REAL,
+    "geometry_msgs/Quaternion": QUATERNION,
+    "builtin_interfaces/Time": TIME,
+    "TimeStamp": BITS,
+}
+
+
+class Chain:
+    """The conversions of one assignment.
+
+    Args:
+        body: Takes statements that the values need before the last one.
+        surroundings: The class and the module around.
+        target: Where the results go.
+        target_paths: To which of its places.
+        to_ros: Whether the target is of ROS.
+    """
+
+    def __init__(
+        self,
+        body: Body,
+        surroundings: Surroundings,
+        target: Target,
+        target_paths: Sequence[str],
+        *,
+        to_ros: bool,
+    ) -> None:
+        self._body = body
+        self._surroundings = surroundings
+        self._target = target
+        self._target_paths = target_paths
+        self._to_ros = to_ros
+
+    def apply(
+        self, conversions: Sequence[Any], values: Sequence[Value], source_paths: Sequence[str]
+    ) -> list[Value]:
+        """Returns the values for the targets.
+
+        Args:
+            conversions: The `bridge.Conversion` elements.
+            values: The values of the sources.
+            source_paths: Their paths, by which expressions name them.
+
+        Raises:
+            AssignmentError: A conversion does not take what it gets.
+        """
+        current, paths = list(values), list(source_paths)
+        if not self._keeps_integers(conversions):
+            current = [_real(each) for each in current]
+        for position, conversion in enumerate(conversions):
+            is_last = position == len(conversions) - 1
+            before = len(current)
+            current = self._convert(conversion, current, paths, is_last=is_last)
+            paths = paths if len(current) == before else [f"value{i + 1}" for i in range(99)]
+        if len(current) != len(self._target_paths):
+            raise AssignmentError(
+                f"{', '.join(self._target_paths)}: {len(current)} values for"
+                f" {len(self._target_paths)} targets"
+            )
+        return current
+
+    def scaled(self, values: Sequence[Value], step: tuple[float, float] | None) -> list[Value]:
+        """Returns the values in the unit of the target.
+
+        Args:
+            values: The results of the conversions.
+            step: Factor and offset between the units; None when they are the same.
+        """
+        if step is None:
+            return list(values)
+        factor, offset = step
+        known, given = (numbers.Linear, (factor, offset)) if offset else (numbers.Scale, (factor,))
+        arguments = tuple(Constant(each, REAL) for each in given)
+        return [
+            replace(
+                each,
+                expression=Convert(known.name, (each.expression,), arguments),
+                limits=None,
+                known=(),
+                is_computed=True,
+            )
+            for each in values
+        ]
+
+    def _keeps_integers(self, conversions: Sequence[Any]) -> bool:
+        """Whether integers may stay what they are.
+
+        So they may before what gives real numbers anyway, and where all of their digits go to other
+        integers.
+        """
+        known = [conversion_of(each) for each in conversions]
+        first = next((each for each in known if not each.changes_nothing), None)
+        if first is None or not first.keeps_integers:
+            return True
+        kinds = {self._target.kind(path) for path in self._target_paths}
+        return kinds == {INTEGER} and all(each.keeps_integers and each.keeps_size for each in known)
+
+    # -- one conversion --------------------------------------------------------------------------
+
+    def _convert(
+        self, conversion: Any, values: list[Value], paths: list[str], *, is_last: bool
+    ) -> list[Value]:
+        match conversion_of(conversion):
+            case authored.WithUnits():
+                return values
+            case authored.LookUp():
+                return [self._look_up(conversion, values, is_last=is_last)]
+            case authored.Expression():
+                return [self._expression(conversion, values, paths)]
+            case authored.User():
+                return self._user(conversion, values, is_last=is_last)
+        return self._call(conversion, values)
+
+    def _call(self, conversion: Any, values: list[Value]) -> list[Value]:
+        """The function of the runtime that has the name of the conversion."""
+        known = conversion_of(conversion)
+        if len(values) != len(known.inputs):
+            raise AssignmentError(f"{known.name} does not take {len(values)} values")
+        arguments: tuple[Expression, ...] = tuple(
+            Constant(float(each), REAL) for each in conversion.arguments
+        )
+        if conversion.quantity is not None:
+            is_maximum = MAXIMUM in known.arguments
+            name = self._surroundings.quantity(conversion.quantity, is_maximum=is_maximum)
+            arguments = (Setting(name),)
+        kinds = [_RESULTS[output] for output in known.outputs]
+        if isinstance(known, numbers.Clamp | numbers.Limit):
+            return self._results(self._limited(values[0], arguments), kinds, values)
+        inputs = tuple(each.expression for each in values)
+        near = Now() if known.needs_clock else None
+        return self._results(Convert(known.name, inputs, arguments, near, kinds[0]), kinds, values)
+
+    def _limited(self, value: Value, ends: Sequence[Expression]) -> Expression:
+        """The limit of the connection that counts what the map limits on purpose."""
+        *_, maximum = ends
+        minimum = ends[0] if len(ends) > 1 else _opposite(maximum)
+        policy = self._body.named_policy(numbers.Clamp.name)
+        path, bounds = self._target_paths[0], (minimum, maximum)
+        return Limit(policy.owner, policy.name, "within", path, value.expression, bounds)
+
+    def _results(self, made: Expression, kinds: list[str], values: list[Value]) -> list[Value]:
+        """The results of a conversion; several get a variable each."""
+        first = replace(values[0], limits=None, listed=(), known=())
+        if len(kinds) == 1:
+            return [replace(first, expression=made, is_computed=True)]
+        locals_ = tuple(
+            Local(snake_case(name.rpartition(".")[2]))
+            for name in _names_for(kinds, self._target_paths)
+        )
+        self._body.add(Let(locals_, made))
+        return [
+            replace(first, expression=Read(Place(local), kind), is_computed=False)
+            for local, kind in zip(locals_, kinds, strict=True)
+        ]
+
+    def _look_up(self, conversion: Any, values: list[Value], *, is_last: bool) -> Value:
+        (value,) = values
+        kind = self._target.kind(self._target_paths[0]) if is_last else REAL
+        listed = self._target.listed(self._target_paths[0]) if is_last else ()
+        table = look_up(conversion.table, value, kind, listed, to_ros=self._to_ros)
+        name = self._surroundings.constant(*table.constant)
+        found = expressions.LookUp(value.expression, name, kind)
+        limits = (table.known[0], table.known[-1]) if table.known else None
+        return Value(
+            found,
+            value.conditions,
+            limits=limits,
+            policy=value.policy,
+            known=table.known,
+            is_computed=True,
+        )
+
+    def _expression(self, conversion: Any, values: list[Value], paths: list[str]) -> Value:
+        expression = parse_expression(conversion.expression or "")
+        names = source_names(paths)
+        used = dict.fromkeys(each.name for each in occurrences(expression))
+        by_index = {
+            at: self._operand(values[at], paths[at])
+            for at in dict.fromkeys(names[name] for name in used)
+        }
+        operands = tuple((name, by_index[names[name]]) for name in used)
+        made = Authored(expression, operands)
+        return Value(made, values[0].conditions, policy=values[0].policy, is_computed=True)
+
+    @staticmethod
+    def _operand(value: Value, path: str) -> Operand:
+        """A value as one that an expression names."""
+        if value.kind not in NUMBERS:
+            raise AssignmentError(f"{path}: an expression needs numbers")
+        value = _real(value)
+        return Operand(
+            value.expression, snake_case(path.rpartition(".")[2]), is_computed=value.is_computed
+        )
+
+    def _user(self, conversion: Any, values: list[Value], *, is_last: bool) -> list[Value]:
+        # A bool is an int, and the style allows none as a parameter.
+        types = [
+            "int" if value.kind == BOOLEAN else INPUT_TYPES.get(value.kind, "Any")
+            for value in values
+        ]
+        kinds = [self._target.kind(path) for path in self._target_paths] if is_last else [REAL]
+        outputs = [PYTHON_TYPES.get(kind, "Any") for kind in kinds]
+        output = outputs[0] if len(outputs) == 1 else f"tuple[{', '.join(outputs)}]"
+        method = self._surroundings.user_method(conversion.method or "", types, output)
+        inputs = tuple(each.expression for each in values)
+        return self._results(UserCall(method, inputs, kinds[0]), kinds, values)
+
+
+def _real(value: Value) -> Value:
+    """A number as a real: ROS takes no integer for it, and products of integers have no end."""
+    if value.kind not in (INTEGER, BOOLEAN):
+        return value
+    return replace(value, expression=Cast(value.expression, REAL), is_computed=True)
+
+
+def _opposite(value: Expression) -> Expression:
+    if isinstance(value, Constant):
+        return Constant(-float(value.value), REAL)
+    return Negative(value)
+
+
+def _names_for(kinds: Sequence[str], paths: Sequence[str]) -> list[str]:
+    """Names for several results: those of the targets when there are as many."""
+    if len(paths) == len(kinds):
+        return list(paths)
+    return ["value"] * len(kinds)

@@ -1,0 +1,200 @@
+"""Lists of one side as lists of the other, element by element."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from jausml.generation.literals import python_string
+from jausml_generators.bridge.translation.expressions import (
+    INTEGER,
+    LIST,
+    ByName,
+    Convert,
+    FirstOf,
+    Length,
+    NamesOf,
+    Read,
+    UserCall,
+)
+from jausml_generators.bridge.translation.places import AsLongAs, Local, Place, There, joined
+from jausml_generators.bridge.translation.sources import COUNT, INDEX, Counters
+from jausml_generators.bridge.translation.steps import Each, Require, Write, gives
+from jausml_generators.bridge.translation.values import NO_POLICY, AssignmentError
+from jausml.semantics.conversions import conversion_of
+from jausml.semantics.conversions.authored import User
+
+if TYPE_CHECKING:
+    from jausml_generators.bridge.translation.expressions import Expression
+    from jausml_generators.bridge.translation.places import Way
+    from jausml_generators.bridge.translation.sources import Many
+    from jausml_generators.bridge.translation.targets import ManyTarget
+    from jausml_generators.bridge.translation.translation import Translation
+    from jausml.metamodel.classes import bridge
+
+
+def add_list(translation: Translation, assignment: bridge.ListAssignment) -> None:
+    """Adds the steps that fill a list of the target.
+
+    Args:
+        translation: The translation that the assignment belongs to.
+        assignment: The `bridge.ListAssignment`.
+
+    Raises:
+        AssignmentError: A value does not fit its target.
+        PathError: A path leads nowhere.
+    """
+    _ListSteps(translation, assignment).add()
+
+
+@dataclass(frozen=True)
+class _Items:
+    """What a loop goes over.
+
+    Attributes:
+        value: The elements.
+        like: A list or constant that is as long.
+        counts: Fewest and most elements.
+        may_be_none: Whether an element may be None, where its name was missing.
+    """
+
+    value: Expression
+    like: Place
+    counts: tuple[float, float]
+    may_be_none: bool = False
+
+
+class _ListSteps:
+    def __init__(self, translation: Translation, assignment: bridge.ListAssignment) -> None:
+        self._outer = translation
+        self._body = translation.body
+        self._assignment = assignment
+        self._paths = [path.strip() for path in assignment.source.split(",")]
+        self._many: Many = translation.source.many(self._paths[0])
+        self._target: ManyTarget = self._target_list()
+
+    def _target_list(self) -> ManyTarget:
+        path = self._assignment.target.strip()
+        target: Any = self._outer.target
+        names: list[str | None] = []
+        if self._outer.to_ros:
+            inner = target.field(path).message_type
+            names.append(None if inner is None else self._outer.surroundings.type_name(inner))
+        found: ManyTarget = target.many(path, *names)
+        return found
+
+    def add(self) -> None:
+        """Adds all statements."""
+        self._outer.target.prepare(self._body, self._assignment.target.strip())
+        with self._body.given(self._all_conditions()):
+            items = self._converted()
+            items = self._named(items)
+            items = self._counted(items)
+            self._fill(items)
+
+    def _all_conditions(self) -> tuple[Way, ...]:
+        others = [self._outer.source.value(path, NO_POLICY) for path in self._paths[1:]]
+        conditions = [*self._many.conditions, *(c for each in others for c in each.conditions)]
+        return joined(conditions)
+
+    # -- what is gone through --------------------------------------------------------------------
+
+    def _converted(self) -> _Items:
+        """The elements after the conversions of the list as a whole."""
+        first = Read(self._many.place, LIST)
+        made: Expression = first
+        others = (self._outer.source.value(path, NO_POLICY) for path in self._paths[1:])
+        inputs: tuple[Expression, ...] = (first, *(each.expression for each in others))
+        for conversion in self._assignment.conversions:
+            known = conversion_of(conversion)
+            if isinstance(known, User):
+                types = ("Any",) * len(inputs)
+                method = self._outer.surroundings.user_method(conversion.method or "", types, "Any")
+                made = UserCall(method, inputs, LIST)
+            elif not known.changes_nothing:
+                made = Convert(known.name, inputs, kind=LIST)
+            inputs = (made,)
+        if len(inputs) > 1:
+            raise AssignmentError(f"{self._assignment.source}: several sources need a conversion")
+        return self._items(made, self._many.counts)
+
+    def _items(self, value: Expression, counts: tuple[float, float]) -> _Items:
+        """Elements by a variable, if they do not stand in one anyway."""
+        if isinstance(value, Read):
+            return _Items(value, value.place, counts)
+        place = Place(self._body.local("items", value))
+        return _Items(Read(place, LIST), place, counts)
+
+    def _named(self, items: _Items) -> _Items:
+        """The elements on the JAUS side in the order of their names."""
+        keys = (self._assignment.keys or "").strip()
+        names = [str(name) for name in self._assignment.names]
+        if not keys:
+            return items
+        constant = self._outer.surroundings.constant(
+            f"{self._assignment.target} names",
+            "tuple[str, ...]",
+            [python_string(name) for name in names],
+            "()",
+            f"Names of the elements of {self._many.path}.",
+        )
+        must = self._assignment.whenAbsent.name == "dropMessage"
+        if self._outer.to_ros:
+            return self._named_in_ros(items, keys, constant, len(names), must=must)
+        key_list = Read(self._outer.source.many(keys).place, LIST)
+        local = self._body.local("items", ByName(constant, key_list, items.value))
+        counts = (len(names), len(names))
+        return _Items(Read(Place(local), LIST), Place(constant), counts, may_be_none=True)
+
+    def _named_in_ros(
+        self, items: _Items, keys: str, constant: str, count: int, *, must: bool
+    ) -> _Items:
+        if must:
+            whole = AsLongAs(items.like, constant)
+            self._body.add(Require(whole, "AbsentFieldError", self._many.path))
+        place = Place(self._body.local("items", FirstOf(items.value, constant)))
+        target: Any = self._outer.target
+        self._body.add(Write(target.field(keys).place, NamesOf(constant, place)))
+        return _Items(Read(place, LIST), place, (count if must else 0, count))
+
+    def _counted(self, items: _Items) -> _Items:
+        """The elements, when they are as many as the target carries."""
+        wanted = self._target.counts
+        if wanted is None:
+            return items
+        if wanted[0] <= items.counts[0] and items.counts[1] <= wanted[1]:
+            return items
+        limit = self._body.whole_policy.limit("sized", items.value, self._target.path, wanted)
+        return replace(items, value=limit)
+
+    # -- what is made of it ----------------------------------------------------------------------
+
+    def _fill(self, items: _Items) -> None:
+        item, index, element = Local("item"), Local("index"), Local("element")
+        counters = Counters({INDEX: Read(Place(index), INTEGER), COUNT: Length(items.like)})
+        conditions: tuple[Way, ...] = (There(Place(item)),) if items.may_be_none else ()
+        outer, body = self._outer, self._body.deeper()
+        source: Any = outer.source
+        target: Any = outer.target
+        inner_source = source.element(self._many, item, counters, conditions)
+        inner_target = target.element(self._target, element)
+        inner = replace(outer, body=body, source=inner_source, target=inner_target)
+        if items.may_be_none and self._assignment.whenAbsent.name == "dropMessage":
+            body.require(conditions, self._many.path)
+        inner.require(self._assignment.assignments)
+        inner.add(self._assignment.assignments)
+        steps = tuple(body.steps)
+        self._body.add(
+            Each(
+                items.value,
+                item,
+                index,
+                INDEX in counters.used,
+                element,
+                None if gives(steps, Place(element)) else self._target.new_element,
+                steps,
+                self._target.place,
+                is_fresh=self._target.fresh,
+                is_replaced=outer.to_ros,
+            )
+        )

@@ -1,0 +1,226 @@
+"""Whole maps as the statements of methods."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.generation.literals import printable
+from jausml_generators.bridge.translation.body import Body
+from jausml_generators.bridge.translation.expressions import New
+from jausml_generators.bridge.translation.lists import add_list
+from jausml_generators.bridge.translation.messages import add_message
+from jausml_generators.bridge.translation.places import Equal, Place
+from jausml_generators.bridge.translation.printing import printed
+from jausml_generators.bridge.translation.ros_fields import RosStart, full_name
+from jausml_generators.bridge.translation.sources import JausSource, RosSource
+from jausml_generators.bridge.translation.steps import Require, Write
+from jausml_generators.bridge.translation.surroundings import NestedTranslation
+from jausml_generators.bridge.translation.targets import JausTarget, RosTarget
+from jausml_generators.bridge.translation.translation import Translation, paths_of
+from jausml_generators.python.codec.jaus_fields import JausStart
+from jausml_generators.python.guards import CURRENT_COMMAND, may_set_limits
+from jausml_generators.python.names import snake_case
+from jausml.metamodel.classes import bridge, ros
+from jausml.semantics.stops import stop_assignments
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from jausml_generators.bridge.translation.surroundings import Surroundings
+    from jausml_generators.python.codec.messages import MessageView
+
+TARGET = Place("target")
+"""The message that is made."""
+
+
+def to_ros(
+    connection: bridge.Connection,
+    message: MessageView,
+    owner: str,
+    class_name: str,
+    joins: Mapping[str, tuple[str, MessageView]],
+    around: Surroundings,
+) -> Body:
+    """Returns the steps that make `target` (ROS) from `source` (JAUS).
+
+    Args:
+        connection: The connection, whose map has the assignments.
+        message: Its JAUS message.
+        owner: Attribute of the bridge that is the connection.
+        class_name: Name of the ROS message class in the module.
+        joins: Parameter and class of each joined report, by name of the join.
+        around: The class and the module around.
+
+    Raises:
+        AssignmentError: A value does not fit its target.
+        PathError: A path leads nowhere.
+    """
+    body = Body(owner, connection.outOfRange.name)
+    _map_to_ros(body, connection.map, message, class_name, joins, around)
+    return body
+
+
+def to_jaus(
+    connection: bridge.Connection,
+    message: MessageView,
+    owner: str,
+    joins: Mapping[str, tuple[str, ros.MessageType]],
+    around: Surroundings,
+) -> Body:
+    """Returns the steps that make `target` (JAUS) from `source` (ROS).
+
+    Args:
+        connection: The connection, whose map has the assignments.
+        message: Its JAUS message.
+        owner: Attribute of the bridge that is the connection.
+        joins: Parameter and `ros.MessageType` of each joined message, by name of the join.
+        around: The class and the module around.
+
+    Raises:
+        AssignmentError: A value does not fit its target.
+        PathError: A path leads nowhere.
+    """
+    body = Body(owner, connection.outOfRange.name)
+    _map_to_jaus(body, connection.map, message, joins, around)
+    return body
+
+
+def stop(
+    connection: bridge.Connection,
+    message: MessageView,
+    owner: str,
+    class_name: str,
+    around: Surroundings,
+) -> Body:
+    """Returns the steps that make `target`, of either side, without a source.
+
+    Args:
+        connection: The connection.
+        message: Its JAUS message.
+        owner: Attribute of the bridge that is the connection.
+        class_name: Name of the ROS message class in the module.
+        around: The class and the module around.
+
+    Raises:
+        AssignmentError: A value does not fit its target.
+        PathError: A path leads nowhere.
+    """
+    body = Body(owner, connection.outOfRange.name)
+    used = connection.map
+    if connection.direction.name == "jausToRos":
+        translation = _translation_to_ros(body, used, message, {}, around)
+    else:
+        translation = _translation_to_jaus(body, used, message, {}, around)
+        class_name = message.class_name
+    body.add(Write(TARGET, New(class_name)))
+    translation.add(stop_assignments(connection))
+    return body
+
+
+class _MapTranslation(Translation):
+    """A translation with lists and messages inside messages, which translate by it in turn."""
+
+    def add_list(self, assignment: bridge.ListAssignment) -> None:
+        add_list(self, assignment)
+
+    def add_message(self, assignment: bridge.MessageAssignment) -> None:
+        add_message(self, assignment)
+
+
+def _map_to_ros(
+    body: Body,
+    attribute_map: bridge.AttributeMap,
+    message: MessageView,
+    class_name: str,
+    joins: Mapping[str, tuple[str, MessageView]],
+    around: Surroundings,
+) -> None:
+    if may_set_limits(attribute_map.message):
+        _refuse_limits(body, attribute_map)
+    translation = _translation_to_ros(body, attribute_map, message, joins, around)
+    translation.require(attribute_map.toRos)
+    body.add(Write(TARGET, New(class_name)))
+    translation.add(attribute_map.toRos)
+
+
+def _map_to_jaus(
+    body: Body,
+    attribute_map: bridge.AttributeMap,
+    message: MessageView,
+    joins: Mapping[str, tuple[str, ros.MessageType]],
+    around: Surroundings,
+) -> None:
+    translation = _translation_to_jaus(body, attribute_map, message, joins, around)
+    translation.require(attribute_map.toJaus)
+    body.add(Write(TARGET, New(message.class_name)))
+    translation.add(attribute_map.toJaus)
+
+
+def _translation_to_ros(
+    body: Body,
+    attribute_map: bridge.AttributeMap,
+    message: MessageView,
+    joins: Mapping[str, tuple[str, MessageView]],
+    around: Surroundings,
+) -> _MapTranslation:
+    target = RosTarget(attribute_map.type, RosStart("target", attribute_map.type))
+    source = JausSource(message, JausStart("source", names=body.local_of), joins=joins)
+    return _MapTranslation(body, around, attribute_map, source, target, body.owner, _nested_method)
+
+
+def _translation_to_jaus(
+    body: Body,
+    attribute_map: bridge.AttributeMap,
+    message: MessageView,
+    joins: Mapping[str, tuple[str, ros.MessageType]],
+    around: Surroundings,
+) -> _MapTranslation:
+    source = RosSource(attribute_map.type, RosStart("source", attribute_map.type), joins)
+    target = JausTarget(message)
+    return _MapTranslation(body, around, attribute_map, source, target, body.owner, _nested_method)
+
+
+def _nested_method(translation: Translation, attribute_map: bridge.AttributeMap) -> str:
+    """Returns the method that translates a message inside another one.
+
+    Args:
+        translation: The translation that has the message.
+        attribute_map: The `bridge.AttributeMap` of the message inside.
+    """
+    around, owner = translation.surroundings, translation.body.owner
+    key = (owner, attribute_map, translation.to_ros)
+    if key in around.nested:
+        return around.nested[key].name
+    message = around.view_of(attribute_map.message)
+    type_name = around.type_name(attribute_map.type)
+    ends = (message.class_name, type_name)
+    source, target = ends if translation.to_ros else ends[::-1]
+    name = around.attributes.claim(f"_{owner}_{snake_case(attribute_map.name)}")
+    words = (f"{message.jaus_name} ({message.code_text})", full_name(attribute_map.type))
+    given, made = words if translation.to_ros else words[::-1]
+    about = printable(attribute_map.documentation or "")
+    text = "\n\n".join(filter(None, [f"{given} to {made}.", about]))
+    nested = around.nested[key] = NestedTranslation(name, source, target, text)
+    body = Body(owner, translation.body.policy)
+    if translation.to_ros:
+        _map_to_ros(body, attribute_map, message, type_name, {}, around)
+    else:
+        _map_to_jaus(body, attribute_map, message, {}, around)
+    nested.lines = printed(body.steps)
+    return name
+
+
+def _refuse_limits(body: Body, attribute_map: bridge.AttributeMap) -> None:
+    """Adds the refusal of limits, which a topic would carry as if they were the command.
+
+    Where the map carries the CommandType as well, the ROS side can tell them apart.
+    """
+    carried = {
+        path
+        for assignment in attribute_map.toRos
+        if isinstance(assignment, bridge.FieldAssignment)
+        for path in paths_of(assignment.source)
+    }
+    if "CommandType" not in carried:
+        current = Equal(Place("source", ("command_type",)), CURRENT_COMMAND)
+        body.add(Require(current, "ConversionError", "a limit, not the current command"))

@@ -1,0 +1,299 @@
+"""Translations as statements of Python.
+
+Text of the model enters them only as literals, and as names that were found in the model's types.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING
+
+from jausml.generation.literals import python_literal, python_string
+from jausml_generators.bridge.translation import expressions as values
+from jausml_generators.bridge.translation import places
+from jausml_generators.bridge.translation.expressions import Constant, Expression, Limit, New
+from jausml_generators.bridge.translation.formulas import FormulaPrinter
+from jausml_generators.bridge.translation.places import Condition, Local, Place
+from jausml_generators.bridge.translation.steps import (
+    Append,
+    Choose,
+    Each,
+    Keep,
+    Let,
+    Require,
+    Step,
+    WhereKept,
+    Write,
+)
+from jausml_generators.python.names import Scope
+from jausml_generators.python.statements import (
+    Assign,
+    Do,
+    For,
+    If,
+    Raise,
+    Statement,
+    call,
+    rendered,
+)
+from jausml.languages.expressions import occurrences
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+# Functions and modules that the module of a bridge imports; no local hides them.
+IMPORTED = frozenset({"arithmetic", "by_name", "conversions", "set_quaternion", "set_time"})
+OWN_NAMES = IMPORTED | {"self", "source", "target"}
+_CASTS = {values.REAL: "float", values.BOOLEAN: "bool", values.OCTETS: "bytes"}
+# Characters of a value that may stand in an authored expression without a name of its own.
+_SHORT = 40
+
+
+def printed(steps: Iterable[Step], parameters: Iterable[str] = ()) -> tuple[str, ...]:
+    """Returns the lines of a translation.
+
+    Args:
+        steps: Its steps.
+        parameters: Names that no local variable takes.
+    """
+    printer = _Printer(Scope(OWN_NAMES | frozenset(parameters)), {})
+    return tuple(rendered(printer.statements(steps)))
+
+
+def place_text(place: Place) -> str:
+    """Returns a place in a message that has a name."""
+    return _Printer(Scope(), {}).place(place)
+
+
+def condition_text(condition: Condition) -> str:
+    """Returns a condition about a message that has a name."""
+    return _Printer(Scope(), {}).holds(condition)
+
+
+def expression_text(value: Expression) -> str:
+    """Returns an expression without variables, such as a constant or a new object."""
+    return _Printer(Scope(), {}).text(value)
+
+
+def literal(constant: Constant) -> str:
+    """Returns a constant as Python text."""
+    value = constant.value
+    return python_string(value) if isinstance(value, str) else python_literal(value)
+
+
+class _Printer:
+    """Prints the steps of one method, whose blocks share names and variables."""
+
+    def __init__(self, names: Scope, locals_: dict[Local, str]) -> None:
+        self._names = names
+        self._locals = locals_
+        self._made: list[Statement] = []
+
+    # -- steps -----------------------------------------------------------------------------------
+
+    def statements(self, steps: Iterable[Step]) -> list[Statement]:
+        """Returns the statements of steps."""
+        outer, self._made = self._made, []
+        for step in steps:
+            self._step(step)
+        made, self._made = self._made, outer
+        return made
+
+    def _step(self, step: Step) -> None:
+        match step:
+            case Let(locals=variables, value=value):
+                text = self.text(value)
+                self._made.append(Assign(", ".join(map(self._claim, variables)), text))
+            case Write():
+                self._write(step)
+            case Keep(name=name, value=value):
+                self._made.append(Assign(f"self.{name}", self.text(value)))
+            case Append(place=place, value=value):
+                self._made.append(Do(call(f"{self.place(place)}.append", self.text(value))))
+            case Require(condition=condition, error=error, text=text):
+                refusal = Raise(call(error, python_string(text)))
+                self._made.append(If(self.fails(condition), (refusal,)))
+            case Choose(conditions=alternatives, steps=inner):
+                tests = (" and ".join(map(self.holds, each)) for each in alternatives)
+                self._choose(" or ".join(tests), inner)
+            case WhereKept(name=name, steps=inner):
+                self._choose(f"self.{name} is not None", inner)
+            case Each():
+                self._each(step)
+
+    def _choose(self, test: str, steps: Sequence[Step]) -> None:
+        self._made.append(If(test, tuple(self.statements(steps))))
+
+    def _write(self, step: Write) -> None:
+        place, text = self.place(step.place), self.text(step.value)
+        if step.value.kind in {values.QUATERNION, values.TIME}:
+            self._made.append(Do(call(f"set_{step.value.kind}", place, text)))
+        else:
+            self._made.append(Assign(place, text, step.remark))
+
+    def _claim(self, local: Local) -> str:
+        if local not in self._locals:
+            self._locals[local] = self._names.claim(local.hint)
+        return self._locals[local]
+
+    # -- lists -----------------------------------------------------------------------------------
+
+    def _each(self, step: Each) -> None:
+        items = self.text(step.items)
+        item, index = self._claim(step.item), self._claim(step.index)
+        variables = f"{index}, {item}" if step.is_counted else item
+        through = call("enumerate", items) if step.is_counted else items
+        place = self.place(step.place)
+        element = self._single(step)
+        if element is not None:
+            made = f"[{element} for {variables} in {through}]"
+            self._made.append(Assign(place, call("list", through) if element == item else made))
+            return
+        self._loop(step, variables, through, place)
+
+    def _single(self, step: Each) -> str | None:
+        """The element as one expression; None where it takes statements."""
+        if len(step.steps) != 1 or step.new is not None:
+            return None
+        (only,) = step.steps
+        if not isinstance(only, Write) or only.place != Place(step.element):
+            return None
+        value = only.value
+        is_dropped = isinstance(value, Limit) and value.drops_field
+        is_alternative = isinstance(value, New) and not value.is_spread
+        if is_dropped or is_alternative or value.kind in {values.QUATERNION, values.TIME}:
+            return None
+        trial = _Printer(self._names.copy(), dict(self._locals))
+        text = trial.text(value)
+        return None if trial._made else text
+
+    def _loop(self, step: Each, variables: str, through: str, place: str) -> None:
+        element = self._claim(step.element)
+        body = self.statements(step.steps)
+        if step.new is not None:
+            body.insert(0, Assign(element, self.text(step.new)))
+        filled = place
+        if step.is_fresh and step.is_replaced:
+            filled = self._names.claim("elements")
+        if step.is_fresh:
+            self._made.append(Assign(filled, "[]"))
+        body.append(Do(call(f"{filled}.append", element)))
+        self._made.append(For(variables, through, tuple(body)))
+        if filled != place:
+            self._made.append(Assign(place, filled))
+
+    # -- places and conditions -------------------------------------------------------------------
+
+    def place(self, place: Place) -> str:
+        """Returns a place."""
+        root = place.root if isinstance(place.root, str) else self._claim(place.root)
+        steps = (f"[{each}]" if isinstance(each, int) else f".{each}" for each in place.steps)
+        return root + "".join(steps)
+
+    def holds(self, condition: Condition) -> str:
+        """Returns the test that a condition holds."""
+        return self._test(condition)[0]
+
+    def fails(self, condition: Condition) -> str:
+        """Returns the test that a condition does not hold."""
+        return self._test(condition)[1]
+
+    def _test(self, condition: Condition) -> tuple[str, str]:
+        at = self.place(condition.place)
+        match condition:
+            case places.There():
+                return f"{at} is not None", f"{at} is None"
+            case places.Longer(than=0):
+                return at, f"not {at}"
+            case places.Longer(than=than):
+                return f"len({at}) > {than}", f"len({at}) <= {than}"
+            case places.Chosen(index=index):
+                return f"{at}.index == {index}", f"{at}.index != {index}"
+            case places.IsOption(class_name=name):
+                return f"isinstance({at}, {name})", f"not isinstance({at}, {name})"
+            case places.Equal(number=number):
+                return f"{at} == {number}", f"{at} != {number}"
+            case places.AsLongAs(names=names):
+                return f"len({at}) >= len({names})", f"len({at}) < len({names})"
+
+    # -- expressions -----------------------------------------------------------------------------
+
+    def text(self, value: Expression) -> str:  # noqa: C901 - one for each kind
+        """Returns an expression; what it needs before becomes statements."""
+        match value:
+            case Constant():
+                return literal(value)
+            case values.Read(place=place):
+                return self.place(place)
+            case values.Setting(name=name):
+                return f"self.{name}"
+            case values.Negative(value=inner):
+                return f"-{self.text(inner)}"
+            case values.Now():
+                return "self.now()"
+            case values.Cast(value=inner, kind=kind):
+                return call(_CASTS[kind], self.text(inner))
+            case values.Length(of=place):
+                return call("len", self.place(place))
+            case values.Convert():
+                return self._convert(value)
+            case values.LookUp(key=key, table=table):
+                return call("conversions.look_up", self.text(key), table)
+            case Limit():
+                return self._limit(value)
+            case values.Ranges(ranges=ranges):
+                return repr(ranges)
+            case values.Authored():
+                return self._authored(value)
+            case values.UserCall(method=method, inputs=inputs):
+                return call(f"self.{method}", *map(self.text, inputs))
+            case values.Either(conditions=conditions, value=inner, otherwise=otherwise):
+                test = " and ".join(map(self.holds, conditions))
+                return f"{self.text(inner)} if {test} else {self.text(otherwise)}"
+            case New(class_name=name, parts=parts, is_spread=is_spread):
+                texts = map(self.text, parts)
+                return call(name, *(f"*{each}" if is_spread else each for each in texts))
+            case values.NewList():
+                return "[]"
+            case values.IfKept(kept=kept, made=made):
+                return f"None if {self.text(kept)} is None else {self.text(made)}"
+            case values.Translate(method=method, message=message):
+                return call(f"self.{method}", self.text(message))
+            case values.Decode(class_name=name, data=data):
+                return call(f"{name}.decode", self.text(data))
+            case values.Encode(message=message):
+                return call(f"{self.text(message)}.encode")
+            case values.ByName(names=names, keys=keys, items=items):
+                return call("by_name", names, self.text(keys), self.text(items))
+            case values.FirstOf(items=items, names=names):
+                return f"{self.text(items)}[: len({names})]"
+            case values.NamesOf(names=names, items=place):
+                return f"list({names}[: len({self.place(place)})])"
+
+    def _convert(self, value: values.Convert) -> str:
+        arguments = [*map(self.text, (*value.inputs, *value.arguments))]
+        if value.near is not None:
+            arguments.append(f"near={self.text(value.near)}")
+        return call(f"conversions.{value.name}", *arguments)
+
+    def _limit(self, value: Limit) -> str:
+        function = ".".join(filter(None, ["self", value.owner, value.policy, value.how]))
+        given = [python_string(value.path), self.text(value.value)]
+        return call(function, *given, *map(self.text, value.bounds))
+
+    def _authored(self, value: values.Authored) -> str:
+        names = dict(value.operands)
+        times = Counter(id(names[each.name]) for each in occurrences(value.expression))
+        texts: dict[int, str] = {}
+        for operand in names.values():
+            if id(operand) in texts:
+                continue
+            text = self.text(operand.value)
+            is_plain = times[id(operand)] == 1 or not operand.is_computed
+            if len(text) > _SHORT or not is_plain:
+                local = self._names.claim(operand.hint)
+                self._made.append(Assign(local, text))
+                text = local
+            texts[id(operand)] = text
+        sources = {name: texts[id(operand)] for name, operand in names.items()}
+        return FormulaPrinter(self._made, self._names, sources).code(value.expression)

@@ -1,0 +1,246 @@
+"""Sources of translations: a JAUS message, a ROS message, or an element of a list."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Protocol
+
+from jausml_generators.bridge.translation.expressions import (
+    FORMAT,
+    INTEGER,
+    LIST,
+    OCTETS,
+    REAL,
+    Expression,
+    Read,
+)
+from jausml_generators.bridge.translation.places import Place, There
+from jausml_generators.bridge.translation.ros_fields import (
+    INTEGER_RANGES,
+    PathError,
+    RosStart,
+    ros_field,
+)
+from jausml_generators.bridge.translation.values import Policy, Value, real, ros_kind
+from jausml_generators.python.codec.jaus_fields import JausStart, jaus_field
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from jausml_generators.bridge.translation.places import Local, Way
+    from jausml_generators.python.codec.jaus_fields import JausField
+    from jausml_generators.python.codec.messages import MessageView
+    from jausml.metamodel.classes import ros
+
+INDEX, COUNT = "index", "count"
+MANY = 2**32 - 1
+
+
+class Source(Protocol):
+    """Where the source paths of some assignments start."""
+
+    def value(self, path: str, policy: Policy) -> Value:
+        """Returns the value at the end of a path.
+
+        Args:
+            path: The path.
+            policy: What becomes of the value where it does not fit its target.
+
+        Raises:
+            PathError: The path leads nowhere.
+        """
+
+    def many(self, path: str) -> Many:
+        """Returns the list at the end of a path.
+
+        Raises:
+            PathError: The path leads to no list.
+        """
+
+
+@dataclass(frozen=True)
+class Many:
+    """A list as the source of assignments.
+
+    Attributes:
+        place: The list.
+        path: Its path, for counters.
+        conditions: What must hold for it to be there.
+        start: Where paths of its elements start, without their name: JausStart or RosStart.
+        counts: Fewest and most elements.
+    """
+
+    place: Place
+    path: str
+    conditions: tuple[Way, ...]
+    start: Any
+    counts: tuple[float, float]
+
+
+@dataclass
+class Counters:
+    """The variables of a loop that are at hand besides the element.
+
+    Attributes:
+        values: The values of `index` and `count`.
+        used: Which of them were asked for.
+    """
+
+    values: Mapping[str, Expression]
+    used: set[str] = field(default_factory=set)
+
+    def value(self, path: str, policy: Policy) -> Value | None:
+        """Returns the value of a counter; None for other paths."""
+        if path not in self.values:
+            return None
+        self.used.add(path)
+        return Value(self.values[path], limits=(0, MANY), policy=policy)
+
+
+@dataclass(frozen=True)
+class JausSource:
+    """A JAUS message, or an element of a list in it.
+
+    Attributes:
+        message: The message.
+        start: Where paths start.
+        top: The whole message, when this is an element.
+        counters: The counters of the loop over the elements.
+        conditions: What must hold for the element to be there.
+        joins: Python name and class of each joined report, by name of the join.
+    """
+
+    message: MessageView
+    start: JausStart = field(default_factory=lambda: JausStart("source"))
+    top: JausSource | None = None
+    counters: Counters = field(default_factory=lambda: Counters({}))
+    conditions: tuple[Way, ...] = ()
+    joins: Mapping[str, tuple[str, MessageView]] = field(default_factory=dict)
+
+    def inlined(self) -> JausSource:
+        """Returns the same source, whose values give no names to elements of lists."""
+        return replace(self, start=replace(self.start, names=None))
+
+    def field(self, path: str) -> JausField:
+        """Returns the end of a path; one that begins with `/` starts at the message.
+
+        Raises:
+            PathError: The path leads nowhere.
+        """
+        if path.startswith("/"):
+            return (self.top or self).field(path[1:])
+        name, _, rest = path.partition(".")
+        if self.top is None and name in self.joins:
+            root, joined = self.joins[name]
+            start = JausStart(root, names=self.start.names)
+            found = jaus_field(joined, rest or ".", start)
+            conditions = (There(Place(root)), *found.conditions)
+            return replace(found, path=f"{name}.{found.path}", conditions=conditions)
+        found = jaus_field(self.message, path, self.start)
+        return replace(found, conditions=(*self.conditions, *found.conditions))
+
+    def value(self, path: str, policy: Policy) -> Value:
+        """Returns the value at the end of a path."""
+        try:
+            found = self.field(path)
+        except PathError:
+            counter = self.counters.value(path, policy)
+            if counter is None:
+                raise
+            return counter
+        limits = found.brought if found.kind == INTEGER else found.limits
+        value: Expression = Read(found.value, REAL if found.is_float else found.kind)
+        if found.is_float and not found.is_scaled:
+            # The codec hands on what a peer sends; only here is it known what becomes of the rest.
+            value = real(policy, value, found.path, found.limits)
+        listed = tuple((name, str(each)) for name, each in found.listed)
+        return Value(value, found.conditions, found.units, limits, policy, listed)
+
+    def many(self, path: str) -> Many:
+        """Returns the list at the end of a path."""
+        found = self.field(path)
+        if found.kind != LIST:
+            raise PathError(f"'{found.path}' is no list")
+        start = JausStart("", found.element, found.path, self.start.names)
+        return Many(found.place, found.path, found.conditions, start, found.limits)
+
+    def element(
+        self, many: Many, root: Local, counters: Counters, conditions: tuple[Way, ...]
+    ) -> JausSource:
+        """Returns an element of a list as a source."""
+        start = replace(many.start, root=root)
+        return JausSource(self.message, start, self.top or self, counters, conditions)
+
+    def carried(self, path: str) -> JausField:
+        """Returns the field that carries a message.
+
+        Raises:
+            PathError: The field carries none.
+        """
+        found = self.field(path)
+        if found.kind not in {FORMAT, OCTETS}:
+            raise PathError(f"'{found.path}' carries no message")
+        return found
+
+
+@dataclass(frozen=True)
+class RosSource:
+    """A ROS message, or an element of an array in it.
+
+    Attributes:
+        type: The `ros.MessageType` of the message.
+        start: Where paths start.
+        joins: Python name and `ros.MessageType` of each joined message, by name of the join.
+        top: The whole message, when this is an element.
+        counters: The counters of the loop over the elements.
+        conditions: What must hold for the element to be there.
+    """
+
+    type: ros.MessageType
+    start: RosStart
+    joins: Mapping[str, tuple[str, ros.MessageType]]
+    top: RosSource | None = None
+    counters: Counters = field(default_factory=lambda: Counters({}))
+    conditions: tuple[Way, ...] = ()
+
+    def inlined(self) -> RosSource:
+        """Returns itself, as values of ROS give no names."""
+        return self
+
+    def _field(self, path: str) -> tuple[Any, tuple[Way, ...]]:
+        if path.startswith("/"):
+            return (self.top or self)._field(path[1:])  # noqa: SLF001 - of its own class
+        name, _, rest = path.partition(".")
+        if self.top is None and name in self.joins:
+            root, joined = self.joins[name]
+            found = ros_field(joined, rest or ".", RosStart(root, joined, label=name))
+            return found, (There(Place(root)),)
+        return ros_field(self.type, path, self.start), self.conditions
+
+    def value(self, path: str, policy: Policy) -> Value:
+        """Returns the value at the end of a path."""
+        try:
+            found, conditions = self._field(path)
+        except PathError:
+            counter = self.counters.value(path, policy)
+            if counter is None:
+                raise
+            return counter
+        limits = None if found.is_array else INTEGER_RANGES.get(found.type)
+        value = Read(found.place, ros_kind(found))
+        return Value(value, conditions, limits=limits, policy=policy, listed=found.constants)
+
+    def many(self, path: str) -> Many:
+        """Returns the array at the end of a path."""
+        found, conditions = self._field(path)
+        if not found.is_array:
+            raise PathError(f"'{found.path}' is no array")
+        start = RosStart("", found.message_type, found.field, found.path)
+        return Many(found.place, found.path, conditions, start, found.counts or (0, MANY))
+
+    def element(
+        self, many: Many, root: Local, counters: Counters, conditions: tuple[Way, ...]
+    ) -> RosSource:
+        """Returns an element of an array as a source."""
+        start = replace(many.start, root=root)
+        return RosSource(self.type, start, self.joins, self.top or self, counters, conditions)

@@ -1,0 +1,295 @@
+"""Surroundings of translations: what they need of the class and the module around them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from jausml_generators.bridge.translation.values import AssignmentError
+from jausml_generators.python.names import Scope, constant_name, snake_case
+from jausml.semantics.quantities import value_of
+from jausml.semantics.units import unit_step
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+    from jausml_generators.python.codec.messages import MessageView
+    from jausml.metamodel.classes import bridge, jaus, ros
+
+
+@dataclass(frozen=True)
+class Constant:
+    """A constant of the module.
+
+    Attributes:
+        name: Its name.
+        annotation: Its type.
+        items: Python text of the items, keys included.
+        brackets: What stands around them: `{}` or `()`.
+        about: What it is, in plain text.
+    """
+
+    name: str
+    annotation: str
+    items: tuple[str, ...]
+    brackets: str
+    about: str
+
+
+@dataclass(frozen=True)
+class QuantityView:
+    """A quantity of the maps, an attribute of the bridge.
+
+    Attributes:
+        name: Its name in Python and as parameter.
+        value: Its number.
+        units: Its unit; empty when the model has none.
+        documentation: What the model says of it.
+        is_maximum: Whether values are measured against it or limited by it, so that it is above 0.
+    """
+
+    name: str
+    value: float
+    units: str
+    documentation: str
+    is_maximum: bool = False
+
+
+@dataclass(frozen=True)
+class FrameView:
+    """A frame of a connection, an attribute of the bridge.
+
+    Attributes:
+        name: Its name in Python.
+        parameter: Its name as parameter, e.g. `pose.frame_id`.
+        value: The name of the frame that the map has.
+        about: Which one it is, in plain text.
+    """
+
+    name: str
+    parameter: str
+    value: str
+    about: str
+
+
+@dataclass(frozen=True)
+class UserMethod:
+    """A conversion that the user writes.
+
+    Attributes:
+        name: Name of the method, e.g. `convert_gear`.
+        model_name: Its name in the model.
+        inputs: Types of the values that it takes.
+        output: Type of what it returns.
+    """
+
+    name: str
+    model_name: str
+    inputs: tuple[str, ...]
+    output: str
+
+
+@dataclass(frozen=True)
+class Memory:
+    """An attribute that keeps a value from one message to the next.
+
+    Attributes:
+        name: Its name.
+        annotation: Its type, None included.
+    """
+
+    name: str
+    annotation: str
+
+
+@dataclass
+class NestedTranslation:
+    """A method that translates a message inside another one.
+
+    Attributes:
+        name: Name of the method.
+        source_name: Class of the message that is taken.
+        target_name: Class of the message that is made.
+        documentation: What it does.
+        lines: Its statements; none while they are written.
+    """
+
+    name: str
+    source_name: str
+    target_name: str
+    documentation: str
+    lines: tuple[str, ...] = ()
+
+
+@dataclass
+class Surroundings:
+    """Collects what the translations of one class use of it.
+
+    Attributes:
+        view_of: Returns the class of a JAUS message.
+        type_name: Returns the name of the class of a ROS type, which the module then imports.
+        overrides: Quantities of the bridge by name, which stand for those of maps.
+        attributes: Names of attributes and methods of the class.
+        constants: Constants of the module by what they are made from.
+        quantities: The quantities that are used.
+        frames: The names of frames, by connection, last part of the path and value.
+        frame_parameters: Names of the parameters of these.
+        unit_steps: The steps between units that were asked for, by assignment.
+        methods: The conversions that the user writes, by name.
+        memories: The attributes that keep values.
+        nested: The translations of messages inside others, by connection, map and direction.
+    """
+
+    view_of: Callable[[jaus.MessageDef], MessageView]
+    type_name: Callable[[ros.MessageType], str]
+    overrides: dict[str, bridge.Quantity] = field(default_factory=dict)
+    attributes: Scope = field(default_factory=Scope)
+    constant_names: Scope = field(default_factory=Scope)
+    constants: dict[object, Constant] = field(default_factory=dict)
+    quantities: dict[object, QuantityView] = field(default_factory=dict)
+    frames: dict[tuple[str, str, str], FrameView] = field(default_factory=dict)
+    frame_parameters: set[str] = field(default_factory=set)
+    unit_steps: dict[object, tuple[float, float] | None] = field(default_factory=dict)
+    methods: dict[str, UserMethod] = field(default_factory=dict)
+    memories: list[Memory] = field(default_factory=list)
+    nested: dict[object, NestedTranslation] = field(default_factory=dict)
+
+    def constant(
+        self, name: str, annotation: str, items: Sequence[str], brackets: str, about: str
+    ) -> str:
+        """Returns the name of a constant of the module; equal ones of one name share it.
+
+        Args:
+            name: What it should be called, any text.
+            annotation: Its type.
+            items: Python text of its items.
+            brackets: What stands around them.
+            about: What it is, in plain text.
+        """
+        key = (name, annotation, tuple(items))
+        if key not in self.constants:
+            claimed = self.constant_names.claim(constant_name(name))
+            self.constants[key] = Constant(claimed, annotation, tuple(items), brackets, about)
+        return self.constants[key].name
+
+    def unit_step(
+        self,
+        attribute_map: bridge.AttributeMap,
+        assignment: bridge.FieldAssignment,
+        *,
+        to_ros: bool,
+    ) -> tuple[float, float] | None:
+        """Returns what `semantics.units.unit_step` does; connections of one map share it.
+
+        Args:
+            attribute_map: The map.
+            assignment: An assignment of it.
+            to_ros: Whether the assignment fills the ROS type.
+        """
+        key = (attribute_map, assignment, to_ros)
+        if key not in self.unit_steps:
+            self.unit_steps[key] = unit_step(attribute_map, assignment, to_ros=to_ros)
+        return self.unit_steps[key]
+
+    def quantity(self, quantity: bridge.Quantity, *, is_maximum: bool) -> str:
+        """Returns the attribute of a quantity, whose value a parameter may change.
+
+        Args:
+            quantity: The quantity.
+            is_maximum: Whether values are measured against it or limited by it.
+        """
+        key = self._quantity_key(quantity)
+        if key not in self.quantities:
+            found = self.overrides.get(quantity.name, quantity)
+            about = found.documentation or quantity.documentation or ""
+            name = self.attributes.claim(snake_case(quantity.name))
+            self.quantities[key] = QuantityView(name, *key[1:], str(about))
+        if is_maximum:
+            self.quantities[key] = replace(self.quantities[key], is_maximum=True)
+        return self.quantities[key].name
+
+    def frame(self, connection: str, path: str, value: str) -> str:
+        """Returns the attribute of the name of a frame, which a parameter may change.
+
+        Args:
+            connection: The connection, by its name in Python.
+            path: Path of the field, e.g. `header.frame_id`. Those that end alike and have the same
+                value are one frame.
+            value: Its name in the model.
+        """
+        last = path.rpartition(".")[2]
+        key = (connection, last, value)
+        if key not in self.frames:
+            short = f"{connection}.{last}"
+            parameter = short if short not in self.frame_parameters else f"{connection}.{path}"
+            self.frame_parameters.add(parameter)
+            name = self.attributes.claim(snake_case(parameter.replace(".", "_")))
+            about = f"Frame in {path} of {connection}."
+            self.frames[key] = FrameView(name, parameter, value, about)
+        return self.frames[key].name
+
+    def overridden(self, quantities: Iterable[bridge.Quantity]) -> dict[str, float]:
+        """Returns what maps state for quantities that the bridge replaces.
+
+        Args:
+            quantities: Each a `bridge.Quantity` of a map.
+
+        Returns:
+            The values of the maps by names of attributes, of those that are used.
+        """
+        found: dict[str, float] = {}
+        for quantity in quantities:
+            used = self.quantities.get(self._quantity_key(quantity))
+            if used is not None and used.value != quantity.value:
+                found.setdefault(used.name, float(quantity.value))
+        return found
+
+    def _quantity_key(self, quantity: bridge.Quantity) -> tuple[str, float, str]:
+        """Returns name, value and unit: what is the same in all of them is one attribute."""
+        found = self.overrides.get(quantity.name, quantity)
+        value = value_of(quantity, self.overrides)
+        return str(quantity.name), value, str(quantity.units or found.units or "")
+
+    def user_method(self, method: str, inputs: Sequence[str], output: str) -> str:
+        """Returns the method of a conversion that the user writes.
+
+        Args:
+            method: Its name in the model.
+            inputs: Types of the values that it takes.
+            output: Type of what it returns.
+
+        Raises:
+            AssignmentError: Another assignment gives it another number of values.
+        """
+        if method not in self.methods:
+            name = self.attributes.claim(f"convert_{snake_case(method)}")
+            self.methods[method] = UserMethod(name, method, tuple(inputs), output)
+        known = self.methods[method]
+        if len(known.inputs) != len(inputs):
+            raise AssignmentError(f"user conversion '{method}' takes {len(known.inputs)} values")
+        pairs = zip(known.inputs, inputs, strict=True)
+        self.methods[method] = UserMethod(
+            known.name,
+            method,
+            tuple(_either(first, second) for first, second in pairs),
+            _either(known.output, output, "Any"),
+        )
+        return known.name
+
+    def memory(self, name: str, annotation: str) -> str:
+        """Returns the attribute that keeps a value; None before the first.
+
+        Args:
+            name: What it should be called.
+            annotation: Type of the value.
+        """
+        claimed = self.attributes.claim(f"last_{name}")
+        self.memories.append(Memory(claimed, f"{annotation} | None"))
+        return claimed
+
+
+def _either(first: str, second: str, otherwise: str = "") -> str:
+    if first == second:
+        return first
+    both = {*first.split(" | "), *second.split(" | ")}
+    return otherwise or " | ".join(sorted(both))

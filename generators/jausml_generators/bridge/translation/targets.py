@@ -1,0 +1,321 @@
+"""Targets of translations: a JAUS message, a ROS message, or an element of a list in one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Protocol
+
+from jausml_generators.bridge.translation.expressions import (
+    BITS,
+    BOOLEAN,
+    FORMAT,
+    INTEGER,
+    LIST,
+    OCTETS,
+    QUATERNION,
+    REAL,
+    TEXT,
+    TIME,
+    Constant,
+    Expression,
+    IfKept,
+    Limit,
+    New,
+    Read,
+    Scalar,
+)
+from jausml_generators.bridge.translation.places import Local, Place
+from jausml_generators.bridge.translation.ros_fields import RosStart, ros_field
+from jausml_generators.bridge.translation.steps import Append, Let, Write
+from jausml_generators.bridge.translation.values import (
+    PYTHON_TYPES,
+    AssignmentError,
+    Policy,
+    Value,
+    constant,
+    fitted_to_jaus,
+    fitted_to_ros,
+    number,
+    ros_constant,
+    ros_kind,
+)
+from jausml_generators.python.codec.compounds import PartValue, VariantValue
+from jausml_generators.python.codec.jaus_fields import JausStart, default_of, jaus_field
+from jausml_generators.python.codec.scalars import Bits, Blob, Fixed
+
+if TYPE_CHECKING:
+    from jausml_generators.bridge.translation.body import Body
+    from jausml_generators.bridge.translation.ros_fields import RosField
+    from jausml_generators.python.codec.jaus_fields import JausField
+    from jausml_generators.python.codec.messages import MessageView
+    from jausml.metamodel.classes import ros
+
+_TIMESTAMP = ("milliseconds", "seconds", "minutes", "hour", "day")
+_ZEROS: dict[str, Scalar] = {REAL: 0.0, INTEGER: 0, BOOLEAN: False, TEXT: "", OCTETS: b""}
+
+
+@dataclass(frozen=True)
+class ManyTarget:
+    """A list as the target of assignments.
+
+    Attributes:
+        place: The list.
+        path: Its path, for counters.
+        counts: Fewest and most elements; None when nothing limits them.
+        fresh: Whether the list is not there, or not empty, in a message as it is made.
+        new_element: An element without values; None where an assignment makes it.
+        start: Where paths of its elements start, without their name: JausStart or RosStart.
+    """
+
+    place: Place
+    path: str
+    counts: tuple[int, int] | None
+    fresh: bool
+    new_element: Expression | None
+    start: Any
+
+
+class Target(Protocol):
+    """Where the target paths of some assignments start."""
+
+    def kind(self, path: str) -> str:
+        """Returns the kind of value that a path takes."""
+
+    def value_type(self, path: str) -> str:
+        """Returns the Python type of the value that a path takes."""
+
+    def listed(self, path: str) -> tuple[tuple[str, str], ...]:
+        """Returns the names and values that the end of a path names."""
+
+    def prepare(self, body: Body, path: str) -> None:
+        """Adds the statements that make what a message lacks on the way to the end of a path."""
+
+    def fitted(self, path: str, value: Value) -> Expression:
+        """Returns a value as the end of a path takes it."""
+
+    def put(self, body: Body, path: str, value: Expression, remark: str = "") -> None:
+        """Adds the statement that stores a value that fits."""
+
+    def constant(self, path: str, text: str) -> Value:
+        """Returns a text of the model as a value for the end of a path."""
+
+
+@dataclass(frozen=True)
+class RosTarget:
+    """A ROS message, or an element of an array in it.
+
+    Attributes:
+        type: The `ros.MessageType` of the message.
+        start: Where paths start.
+    """
+
+    type: ros.MessageType
+    start: RosStart
+
+    def field(self, path: str) -> RosField:
+        """Returns the end of a path.
+
+        Raises:
+            PathError: The path leads nowhere.
+        """
+        return ros_field(self.type, path, self.start)
+
+    def kind(self, path: str) -> str:
+        """Returns the kind of value that a path takes."""
+        return ros_kind(self.field(path))
+
+    def value_type(self, path: str) -> str:
+        """Returns the Python type of the value that a path takes."""
+        return PYTHON_TYPES.get(self.kind(path), "Any")
+
+    def listed(self, path: str) -> tuple[tuple[str, str], ...]:
+        """Returns the constants of the type that has the end of a path."""
+        return self.field(path).constants
+
+    def prepare(self, body: Body, path: str) -> None:
+        """Adds nothing: ROS messages are complete as they are made."""
+
+    def fitted(self, path: str, value: Value) -> Expression:
+        """Returns a value as the end of a path takes it."""
+        found = self.field(path)
+        if ros_kind(found) in {QUATERNION, TIME} and value.kind == ros_kind(found):
+            return value.expression
+        return fitted_to_ros(value, found)
+
+    def put(self, body: Body, path: str, value: Expression, remark: str = "") -> None:
+        """Adds the statement that stores a value that fits."""
+        body.add(Write(self.field(path).place, value, remark))
+
+    def constant(self, path: str, text: str) -> Value:
+        """Returns a text of the model as a value for the end of a path."""
+        return ros_constant(self.field(path), text)
+
+    def many(self, path: str, type_name: str | None) -> ManyTarget:
+        """Returns the array at the end of a path.
+
+        Args:
+            path: The path.
+            type_name: Name of the class of its elements; None when they are no messages.
+        """
+        found = self.field(path)
+        if not found.is_array:
+            raise AssignmentError(f"{found.path} is no array")
+        single = replace(found, is_array=False)
+        kind = ros_kind(single)
+        new = New(type_name) if type_name else Constant(_ZEROS[kind], kind)
+        counts = found.counts
+        return ManyTarget(
+            found.place,
+            found.path,
+            counts,
+            fresh=counts is not None and counts[0] > 0,
+            new_element=new,
+            start=RosStart("", found.message_type, found.field, found.path),
+        )
+
+    def element(self, many: ManyTarget, root: Local) -> RosTarget:
+        """Returns an element of an array as a target."""
+        return RosTarget(self.type, replace(many.start, root=root))
+
+
+@dataclass(frozen=True)
+class JausTarget:
+    """A JAUS message, or an element of a list in it.
+
+    Attributes:
+        message: The message.
+        start: Where paths start.
+        made: Places of the containers that are there, with the variables of those that have one.
+    """
+
+    message: MessageView
+    start: JausStart = field(default_factory=lambda: JausStart("target"))
+    made: dict[Place, Local | None] = field(default_factory=dict)
+
+    def field(self, path: str) -> JausField:
+        """Returns the end of a path.
+
+        Raises:
+            PathError: The path leads nowhere.
+        """
+        found = jaus_field(self.message, path, self.start)
+        return replace(found, place=self._named(found.place))
+
+    def _named(self, place: Place) -> Place:
+        """A place by the variable of the innermost element of a list on the way to it."""
+        for known in reversed(self.made):
+            local = self.made[known]
+            if local is not None and place.is_within(known):
+                return place.named(known, local)
+        return place
+
+    def kind(self, path: str) -> str:
+        """Returns the kind of value that a path takes."""
+        return self.field(path).kind
+
+    def value_type(self, path: str) -> str:
+        """Returns the Python type of the value that a path takes."""
+        return PYTHON_TYPES.get(self.kind(path), "Any")
+
+    def listed(self, path: str) -> tuple[tuple[str, str], ...]:
+        """Returns the names and values of the value set at the end of a path."""
+        return tuple((name, str(value)) for name, value in self.field(path).listed)
+
+    def prepare(self, body: Body, path: str) -> None:
+        """Adds the statements that make the containers on the way to the end of a path."""
+        for place, value in self.field(path).containers:
+            if place in self.made:
+                continue
+            last = place.steps[-1] if place.steps else ""
+            if isinstance(last, str):
+                body.add(Write(self._named(place), value))
+                self.made[place] = None
+                continue
+            for index in range(last + 1):
+                self._append(body, replace(place, steps=place.steps[:-1]), index, value)
+
+    def _append(self, body: Body, place: Place, index: int, value: Expression) -> None:
+        """Adds an element to a list, unless it is there."""
+        element, appended = place.at(index), self._named(place)
+        if element in self.made:
+            return
+        self.made[element] = None
+        if isinstance(value, New):
+            local = self.made[element] = body.local_of(element)
+            body.add(Let((local,), value))
+            value = Read(Place(local))
+        body.add(Append(appended, value))
+
+    def fitted(self, path: str, value: Value) -> Expression:
+        """Returns a value as the end of a path takes it."""
+        found = self.field(path)
+        if found.kind == BITS and found.sub_fields != _TIMESTAMP:
+            raise AssignmentError(f"{found.path} is no TimeStamp")
+        return fitted_to_jaus(value, found)
+
+    def put(self, body: Body, path: str, value: Expression, remark: str = "") -> None:
+        """Adds the statement that stores a value that fits."""
+        found = self.field(path)
+        if found.index is not None:
+            value = self._alternative(body, found, value)
+        body.add(Write(found.place, value, remark or found.units))
+
+    @staticmethod
+    def _alternative(body: Body, found: JausField, value: Expression) -> Expression:
+        """A value as the alternative of a variable field; nothing where it was dropped."""
+        index = number(int(found.index or 0))
+        if not (isinstance(value, Limit) and value.drops_field):
+            return New(found.class_name, (index, value))
+        kept = Read(Place(body.local("value", value)), value.kind)
+        return IfKept(kept, New(found.class_name, (index, kept)))
+
+    def constant(self, path: str, text: str) -> Value:
+        """Returns a text of the model as a value for the end of a path."""
+        found = self.field(path)
+        made = constant(found.kind, text, found.limits, found.path, self.listed(path))
+        return Value(made, limits=found.limits)
+
+    def many(self, path: str) -> ManyTarget:
+        """Returns the list at the end of a path."""
+        found = self.field(path)
+        if found.kind != LIST:
+            raise AssignmentError(f"{found.path} is no list")
+        fewest, most = int(found.limits[0]), int(found.limits[1])
+        element = found.element
+        new: Expression | None = None
+        if isinstance(element, PartValue | Bits):
+            new = New(element.python_type)
+        elif isinstance(element, VariantValue):
+            new = New(element.python_type) if len(element.options) == 1 else None
+        elif isinstance(element, Fixed | Blob):
+            new = default_of(element)
+        return ManyTarget(
+            found.place,
+            found.path,
+            (fewest, most),
+            fresh=found.is_optional or fewest > 0,
+            new_element=new,
+            start=JausStart("", found.element, found.path),
+        )
+
+    def element(self, many: ManyTarget, root: Local) -> JausTarget:
+        """Returns an element of a list as a target."""
+        return JausTarget(self.message, replace(many.start, root=root))
+
+    def carrier(self, path: str, payload: Expression, policy: Policy) -> Expression:
+        """Returns an encoded message as the field that carries it takes it.
+
+        Args:
+            path: Path of the field.
+            payload: The bytes.
+            policy: What becomes of more of them than the field takes.
+
+        Raises:
+            AssignmentError: The field carries no message.
+        """
+        found = self.field(path)
+        if found.kind == FORMAT:
+            return New(found.class_name, (number(0), payload))
+        if found.kind == OCTETS:
+            return policy.limit("octets", payload, found.path, found.limits)
+        raise AssignmentError(f"{found.path} carries no message")

@@ -1,0 +1,225 @@
+"""The translations of a bridge: the methods of its connections, and all that they use."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml_generators.bridge.ros_classes import RosClasses
+from jausml_generators.bridge.translation.alike import AlikeMaps
+from jausml_generators.bridge.translation.maps import stop, to_jaus, to_ros
+from jausml_generators.bridge.translation.printing import OWN_NAMES, printed
+from jausml_generators.bridge.translation.sharing import SharedTranslations
+from jausml_generators.bridge.translation.surroundings import Surroundings
+from jausml_generators.python.names import Scope, names_in, snake_case
+from jausml.metamodel.classes import bridge
+from jausml.semantics import calls
+from jausml.semantics.stops import has_stop
+from jausml.semantics.used_maps import used_maps
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+
+    from jausml_generators.python.codec.messages import MessageView
+    from jausml.metamodel.classes import jaus
+
+# Attributes that the base class has anyway.
+_TAKEN_ATTRIBUTES = names_in(
+    """
+    accept at clock close component connections exchanges follow is_active list_driver
+    list_drivers loop note_guardian note_unasked now on_control_lost on_not_ready open parameters
+    publisher report ros set_active settings simulation standing subscribe ward
+    """
+)
+
+
+@dataclass(frozen=True)
+class TranslatedJoin:
+    """A joined message as a parameter.
+
+    Attributes:
+        join: The join.
+        name: Its name in Python.
+        type_name: Name of its message class in the module.
+    """
+
+    join: bridge.Join | bridge.ReportJoin
+    name: str
+    type_name: str
+
+
+@dataclass(frozen=True)
+class Translated:
+    """The methods of one connection.
+
+    Attributes:
+        name: Name of the connection in Python.
+        ros_name: Name of its ROS message class in the module.
+        joins: The joined messages.
+        lines: The statements that make `target` from `source`.
+        safe_lines: The statements that return what is sent when the source is lost; none without a
+            safe value.
+        alike: What is equal for connections whose translations differ in the name alone.
+    """
+
+    name: str
+    ros_name: str
+    joins: tuple[TranslatedJoin, ...]
+    lines: tuple[str, ...]
+    safe_lines: tuple[str, ...]
+    alike: Hashable
+
+
+@dataclass(frozen=True)
+class TranslatedCall:
+    """The methods of one service connection.
+
+    Attributes:
+        name: Name of the connection in Python.
+        request_name: Name of the class of its requests in the module.
+        response_name: Name of the class of its responses in the module.
+        halves: Its halves that maps translate, as connections, with their translations.
+    """
+
+    name: str
+    request_name: str
+    response_name: str
+    halves: Mapping[str, tuple[bridge.Connection, Translated]]
+
+
+@dataclass(frozen=True)
+class Translations:
+    """All translations of a bridge.
+
+    Attributes:
+        connections: Those of the connections, in model order.
+        calls: Those of the service connections, in model order.
+        uses: What they use of class and module.
+        ros_classes: Names of the ROS message classes.
+    """
+
+    connections: tuple[Translated, ...]
+    calls: tuple[TranslatedCall, ...]
+    uses: Surroundings
+    ros_classes: RosClasses
+
+
+def translate(
+    element: bridge.Bridge,
+    connections: Iterable[bridge.Connection],
+    view_of: Callable[[jaus.MessageDef], MessageView],
+    taken: Iterable[str],
+) -> Translations:
+    """Translates the connections of a bridge.
+
+    Args:
+        element: The bridge.
+        connections: What it carries across.
+        view_of: Returns the class of a JAUS message.
+        taken: Names of other classes in the module.
+
+    Raises:
+        AssignmentError: A value does not fit its target.
+        PathError: A path leads nowhere.
+    """
+    ros_classes = RosClasses(taken)
+    overrides = {str(each.name): each for each in element.quantities}
+    attributes = Scope(_TAKEN_ATTRIBUTES)
+    uses = Surroundings(view_of, ros_classes.name_of, overrides, attributes)
+    named = [
+        (each, attributes.claim(snake_case(each.name)), ros_classes.name_of(each.map.type))
+        for each in connections
+    ]
+    shared, maps = SharedTranslations(uses), AlikeMaps()
+    translated = tuple(_translated(*each, uses, shared, maps) for each in named)
+    calling = [
+        (each, attributes.claim(snake_case(each.name)), ros_classes)
+        for each in element.serviceConnections
+    ]
+    of_calls = tuple(_translated_call(*each, uses, shared, maps) for each in calling)
+    return Translations(translated, of_calls, uses, ros_classes)
+
+
+def _translated_call(
+    connection: bridge.RosServiceConnection,
+    name: str,
+    ros_classes: RosClasses,
+    uses: Surroundings,
+    shared: SharedTranslations,
+    maps: AlikeMaps,
+) -> TranslatedCall:
+    request, response = map(ros_classes.name_of, calls.types(connection))
+    halves = {}
+    for half in calls.halves(connection):
+        made = calls.as_connection(connection, half)
+        own = uses.attributes.claim(f"{name}_{half.kind}")
+        ros_name = ros_classes.name_of(half.map.type)
+        translated = _translated(made, own, ros_name, uses, shared, maps)
+        halves[half.kind] = (made, translated)
+    return TranslatedCall(name, request, response, halves)
+
+
+def _joins(connection: bridge.Connection, uses: Surroundings) -> tuple[TranslatedJoin, ...]:
+    """Returns what is joined to the message that a connection takes."""
+    scope, used = Scope(OWN_NAMES), connection.map
+    if connection.direction.name == "jausToRos":
+        return tuple(
+            TranslatedJoin(
+                each, scope.claim(snake_case(each.name)), uses.view_of(each.message).class_name
+            )
+            for each in used.reportJoins
+        )
+    return tuple(
+        TranslatedJoin(each, scope.claim(snake_case(each.name)), uses.type_name(each.type))
+        for each in used.joins
+    )
+
+
+def _translated(
+    connection: bridge.Connection,
+    name: str,
+    ros_name: str,
+    uses: Surroundings,
+    shared: SharedTranslations,
+    maps: AlikeMaps,
+) -> Translated:
+    used, message = connection.map, uses.view_of(connection.map.message)
+    is_to_ros = connection.direction.name == "jausToRos"
+    joins = _joins(connection, uses)
+
+    def make(name: str, around: Surroundings) -> tuple[str, ...]:
+        parameters = [each.name for each in joins]
+        if is_to_ros:
+            reports = {
+                str(join.name): (each.name, uses.view_of(join.message))
+                for each in joins
+                if isinstance(join := each.join, bridge.ReportJoin)
+            }
+            steps = to_ros(connection, message, name, ros_name, reports, around).steps
+            return printed(steps, parameters)
+        types = {
+            str(join.name): (each.name, join.type)
+            for each in joins
+            if isinstance(join := each.join, bridge.Join)
+        }
+        return printed(to_jaus(connection, message, name, types, around).steps, parameters)
+
+    alike = (maps.first(used), is_to_ros, connection.outOfRange.name)
+    if any(each is not used for each in used_maps(used, to_ros=is_to_ros)):
+        # Each connection has its own methods for the messages inside its message.
+        lines = make(name, uses)
+    else:
+        lines = shared.lines(alike, name, make)
+    safe_lines: tuple[str, ...] = ()
+    # Lists and calls, which are in no model as connections, end in ways of their own.
+    if connection.eContainer() is not None and has_stop(connection):
+        made = stop(connection, message, name, ros_name, uses)
+        safe_lines = _returned(printed(made.steps))
+    return Translated(name, ros_name, joins, lines, safe_lines, alike)
+
+
+def _returned(lines: Sequence[str]) -> tuple[str, ...]:
+    """Returns statements that make `target` as ones that return it, unnamed if nothing is set."""
+    *before, last = lines
+    made = last.removeprefix("target = ")
+    return (*lines, "return target") if made == last else (*before, f"return {made}")

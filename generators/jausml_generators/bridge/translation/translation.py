@@ -1,0 +1,250 @@
+"""Assignments as statements: fields, constants and the clock."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from jausml_generators.bridge.translation.body import conditions
+from jausml_generators.bridge.translation.conversions import Chain
+from jausml_generators.bridge.translation.expressions import (
+    BITS,
+    TEXT,
+    Convert,
+    Either,
+    Expression,
+    Limit,
+    Now,
+    Read,
+    Setting,
+)
+from jausml_generators.bridge.translation.places import Place, joined
+from jausml_generators.bridge.translation.steps import Keep, WhereKept
+from jausml_generators.bridge.translation.values import (
+    NO_POLICY,
+    UNLIMITED,
+    AssignmentError,
+    Value,
+    constant,
+)
+from jausml_generators.python.names import snake_case
+from jausml.metamodel.classes import bridge
+from jausml.semantics.conversions import UnitEffect, conversion_of
+from jausml.semantics.conversions.times import TimeToTimestamp
+from jausml.semantics.paths import place
+from jausml.semantics.units import attribute_measure, result_measure
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+    from jausml_generators.bridge.translation.body import Body
+    from jausml_generators.bridge.translation.places import Way
+    from jausml_generators.bridge.translation.sources import JausSource, RosSource
+    from jausml_generators.bridge.translation.surroundings import Surroundings
+    from jausml_generators.bridge.translation.targets import JausTarget, RosTarget
+
+
+def paths_of(text: str) -> list[str]:
+    """Returns the paths of a source or target."""
+    return [path.strip() for path in text.split(",")]
+
+
+@dataclass(frozen=True)
+class Translation(ABC):
+    """Assignments of one map in one direction, or of one list in it.
+
+    Attributes:
+        body: Takes the statements.
+        surroundings: The class and the module around.
+        map: The map.
+        source: Where source paths start.
+        target: Where target paths start.
+        name: Name of the translation, for what it keeps between messages.
+        nested_method: Returns the Python path of the method that translates by another map.
+    """
+
+    body: Body
+    surroundings: Surroundings
+    map: bridge.AttributeMap
+    source: JausSource | RosSource
+    target: JausTarget | RosTarget
+    name: str
+    nested_method: Callable[[Translation, bridge.AttributeMap], str]
+
+    @property
+    def to_ros(self) -> bool:
+        """Whether the target is of ROS."""
+        return not hasattr(self.target, "message")
+
+    def require(self, assignments: Iterable[bridge.Assignment]) -> None:
+        """Adds the refusal of messages that lack what the assignments cannot do without."""
+        for assignment in assignments:
+            if not isinstance(assignment, (bridge.FieldAssignment, bridge.ListAssignment)):
+                continue
+            if assignment.whenAbsent.name != "dropMessage":
+                continue
+            paths = paths_of(assignment.source)
+            if isinstance(assignment, bridge.ListAssignment):
+                many = self.source.many(paths.pop(0))
+                self.body.require(many.conditions, many.path)
+            for path in paths:
+                self.body.require(self.source.value(path, NO_POLICY).conditions, path)
+
+    def add(self, assignments: Iterable[bridge.Assignment]) -> None:
+        """Adds the statements of assignments."""
+        for assignment in assignments:
+            match assignment:
+                case bridge.FieldAssignment():
+                    self._field(assignment)
+                case bridge.ConstantAssignment():
+                    self._constant(assignment)
+                case bridge.ClockAssignment():
+                    self._clock(assignment)
+                case bridge.ListAssignment():
+                    self.add_list(assignment)
+                case bridge.MessageAssignment():
+                    self.add_message(assignment)
+
+    @abstractmethod
+    def add_list(self, assignment: bridge.ListAssignment) -> None:
+        """Adds the statements that fill a list of the target."""
+
+    @abstractmethod
+    def add_message(self, assignment: bridge.MessageAssignment) -> None:
+        """Adds the statements that translate a message inside a message."""
+
+    # -- constants and the clock -----------------------------------------------------------------
+
+    def _constant(self, assignment: bridge.ConstantAssignment) -> None:
+        self.target.prepare(self.body, assignment.target)
+        self._store_constant(assignment.target, assignment.value)
+
+    def _store_constant(self, path: str, text: str) -> None:
+        value = self.target.constant(path, text).expression
+        if self.to_ros and value.kind == TEXT and path.endswith("frame_id"):
+            value = Setting(self.surroundings.frame(self.name, path, text), TEXT)
+        self.target.put(self.body, path, value)
+
+    def _clock(self, assignment: bridge.ClockAssignment) -> None:
+        self.target.prepare(self.body, assignment.target)
+        now: Expression = Now()
+        if not self.to_ros:
+            now = Convert(TimeToTimestamp.name, (now,), kind=BITS)
+        fitted = self.target.fitted(assignment.target, Value(now))
+        self.target.put(self.body, assignment.target, fitted)
+
+    # -- fields ----------------------------------------------------------------------------------
+
+    def values_of(self, assignment: bridge.FieldAssignment) -> list[Value]:
+        """Returns the values of the sources of an assignment, with what they need to be there."""
+        policy = self.body.policy_of(assignment)
+        return [self.source.value(path, policy) for path in paths_of(assignment.source)]
+
+    def results_of(
+        self, assignment: bridge.FieldAssignment, values: Sequence[Value]
+    ) -> list[Value]:
+        """Returns the values for the targets of an assignment, in the unit of the targets."""
+        targets, to_ros = paths_of(assignment.target), self.to_ros
+        chain = Chain(self.body, self.surroundings, self.target, targets, to_ros=to_ros)
+        results = chain.apply(assignment.conversions, values, paths_of(assignment.source))
+        step = self.surroundings.unit_step(self.map, assignment, to_ros=to_ros)
+        return chain.scaled(results, step)
+
+    def _field(self, assignment: bridge.FieldAssignment) -> None:
+        targets = paths_of(assignment.target)
+        for path in targets:
+            self.target.prepare(self.body, path)
+        values = self.values_of(assignment)
+        policy = assignment.whenAbsent.name
+        if policy == "useDefault" and len(values) > 1:
+            self._field_of_some(assignment)
+            return
+        ways = joined(each for value in values for each in value.conditions)
+        if policy == "useDefault" and ways:
+            for path in targets:
+                self._store_constant(path, assignment.defaultValue or "")
+        if policy == "lastValue" and ways:
+            self._field_with_memory(assignment, values, ways)
+            return
+        with self.body.given(ways):
+            self._store(assignment, values)
+
+    def _field_of_some(self, assignment: bridge.FieldAssignment) -> None:
+        """Several sources, of which the absent ones count as the default value."""
+        source, policy = self.source.inlined(), self.body.policy_of(assignment)
+        values = [source.value(path, policy) for path in paths_of(assignment.source)]
+        tests = [conditions(value.conditions) for value in values]
+        if all(tests):
+            with self.body.where(*dict.fromkeys(tests)):
+                self._store(assignment, [self._or_default(assignment, each) for each in values])
+        else:
+            self._store(assignment, [self._or_default(assignment, each) for each in values])
+
+    def _or_default(self, assignment: bridge.FieldAssignment, value: Value) -> Value:
+        if not value.conditions:
+            return value
+        text, target = assignment.defaultValue or "", assignment.target
+        default = constant(value.kind, text, UNLIMITED, target, value.listed)
+        either = Either(conditions(value.conditions), value.expression, default)
+        local = self.body.local(_hint(value.expression), either)
+        return replace(value, expression=Read(Place(local), value.kind), conditions=())
+
+    def _field_with_memory(
+        self,
+        assignment: bridge.FieldAssignment,
+        values: Sequence[Value],
+        ways: Sequence[Way],
+    ) -> None:
+        """Keeps what the last message with the sources gave, and stores that."""
+        targets = paths_of(assignment.target)
+        kept = [
+            Setting(
+                self.surroundings.memory(
+                    f"{self.name}_{snake_case(path.replace('.', '_'))}",
+                    self.target.value_type(path),
+                ),
+                self.target.kind(path),
+            )
+            for path in targets
+        ]
+        with self.body.given(ways):
+            for path, setting, value in zip(
+                targets, kept, self.results_of(assignment, values), strict=True
+            ):
+                self.body.add(Keep(setting.name, self.target.fitted(path, value)))
+        for path, setting in zip(targets, kept, strict=True):
+            inner = self.body.deeper()
+            self.target.put(inner, path, setting)
+            self.body.add(WhereKept(setting.name, tuple(inner.steps)))
+
+    def _store(self, assignment: bridge.FieldAssignment, values: Sequence[Value]) -> None:
+        results = self.results_of(assignment, values)
+        remark = self._unit_remark(assignment)
+        # A conversion may make another quantity of the source, in a unit that nobody states.
+        effects = [conversion_of(each).units for each in assignment.conversions]
+        keeps_units = all(each is UnitEffect.SAME for each in effects)
+        for path, value in zip(paths_of(assignment.target), results, strict=True):
+            words = remark or (value.units if self.to_ros and keeps_units else "")
+            self.target.put(self.body, path, self.target.fitted(path, value), words)
+
+    def _unit_remark(self, assignment: bridge.FieldAssignment) -> str:
+        """Both units, where the units of source and target differ."""
+        if self.surroundings.unit_step(self.map, assignment, to_ros=self.to_ros) is None:
+            return ""
+        placed = place(self.map, assignment, to_ros=self.to_ros)
+        if placed is None:
+            raise AssignmentError(f"{assignment.target}: its map does not have it")
+        given = getattr(result_measure(placed), "text", "")
+        wanted = [attribute_measure(found) for _, found in placed.targets]
+        return f"{given} to {next(each.text for each in wanted if each is not None)}"
+
+
+def _hint(value: Expression) -> str:
+    """What a variable for a value should be called: as what it reads is."""
+    while isinstance(value, Limit):
+        value = value.value
+    if not isinstance(value, Read):
+        return "value"
+    place = value.place
+    return snake_case(str(place.steps[-1] if place.steps else place.last))

@@ -1,0 +1,379 @@
+"""View of a bridge package, for its templates."""
+
+from __future__ import annotations
+
+import functools
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.generation.artifact import MethodContract, SkeletonContract
+from jausml.generation.languages.python import Imports, offered
+from jausml.generation.literals import python_literal, python_string
+from jausml.generation.system import source_of, system_of
+from jausml_generators.bridge.actions import (
+    ActionView,
+    answers_of_driver,
+    carried,
+    messages_of_driver,
+)
+from jausml_generators.bridge.base_module import BaseModule, names_of, stub
+from jausml_generators.bridge.call_views import CallView
+from jausml_generators.bridge.connections import ConnectionView
+from jausml_generators.bridge.flat.transcoders import TranscodersModule
+from jausml_generators.bridge.jaus_ends import query_of
+from jausml_generators.bridge.light.module import LightModule
+from jausml_generators.bridge.report_joins import messages_of_joins
+from jausml_generators.bridge.translation import AssignmentError, Translations, translate
+from jausml_generators.bridge.translation.ros_fields import PathError
+from jausml_generators.common import runtime
+from jausml_generators.common.components import (
+    SUBSYSTEM_TYPES,
+    address_call,
+    component_settings,
+    own_bridges,
+    service_identities,
+    transport_settings,
+)
+from jausml_generators.python.codec.message_builder import build_message_map
+from jausml_generators.python.names import class_name, package_name
+from jausml_generators.python.package import EntryPoint, laid_out
+from jausml_generators.python.statements import long_string
+from jausml.semantics import calls
+from jausml.semantics.installed import package_of
+from jausml.semantics.requests import requested_fields
+from jausml.semantics.unanswered import told_command
+from jausml.semantics.used_maps import used_maps
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from jausml_generators.python.codec.messages import MessageView
+    from jausml.metamodel.classes import bridge, jaus, ros
+    from jausml.metamodel.classes.bridge import Bridge, Connection
+    from jausml.metamodel.classes.system import System
+    from jausml.model.model import Model
+
+
+@dataclass(frozen=True)
+class BridgeView:
+    """A modelled bridge.
+
+    Args:
+        bridge: The bridge.
+        system: The system that owns it.
+        source: Model file.
+    """
+
+    bridge: Bridge
+    system: System
+    source: str
+
+    @property
+    def element_id(self) -> str:
+        """Identity of the model element."""
+        return f"bridge:{self.bridge.name}"
+
+    @property
+    def name(self) -> str:
+        """Name of the bridge, of its node and of its JAUS identification."""
+        return str(self.bridge.name)
+
+    @property
+    def title(self) -> str:
+        """What texts call it, e.g. `bridge turtle`; one that is named `bridge` just that."""
+        return "bridge" if self.name.lower() == "bridge" else f"bridge {self.name}"
+
+    @property
+    def package(self) -> str:
+        """Package, module of the skeleton and executable."""
+        return package_name(self.name)
+
+    @property
+    def class_name(self) -> str:
+        """Class of the user's skeleton."""
+        return class_name("".join(word.capitalize() for word in self.package.split("_")))
+
+    @property
+    def base_name(self) -> str:
+        """Class that is generated anew each time."""
+        return f"{self.class_name}Base"
+
+    @property
+    def documentation(self) -> str:
+        """What the model says that the bridge is for."""
+        return self.bridge.documentation or f"The {self.title} of the system {self.system.name}."
+
+    @functools.cached_property
+    def translations(self) -> Translations:
+        """The translations of the connections.
+
+        Raises:
+            AssignmentError: A value does not fit its target.
+            PathError: A path leads nowhere.
+        """
+        classes = {view.class_name for view in self.messages}
+        taken = {*classes, *runtime.names(), self.class_name, self.base_name}
+        return translate(self.bridge, self._carried, self.message_of, taken)
+
+    @functools.cached_property
+    def light(self) -> LightModule:
+        """The light classes of the ROS types of the connections."""
+        return LightModule(
+            [*_ros_types_of(self._carried), *_types_of_calls(self.bridge.serviceConnections)]
+        )
+
+    @functools.cached_property
+    def connections(self) -> tuple[ConnectionView, ...]:
+        """The connections in model order, under names that are unique in Python."""
+        requested = requested_fields(self.bridge)
+        translated = self.translations.connections
+        count = len(self.bridge.bridgeConnections)
+        own = zip(self.bridge.bridgeConnections, translated[:count], strict=True)
+        lists = zip(
+            self._carried[count:], translated[count:], self.bridge.actionConnections, strict=True
+        )
+        return (
+            *(
+                ConnectionView(
+                    connection,
+                    found,
+                    self.message_of,
+                    requested,
+                )
+                for connection, found in own
+            ),
+            *(
+                ActionView(connection, found, self.message_of, action=action)
+                for connection, found, action in lists
+            ),
+        )
+
+    @property
+    def actions(self) -> tuple[ActionView, ...]:
+        """The connections with ROS actions."""
+        return tuple(each for each in self.connections if isinstance(each, ActionView))
+
+    @functools.cached_property
+    def _carried(self) -> tuple[Connection, ...]:
+        return tuple(carried(self.bridge))
+
+    @functools.cached_property
+    def calls(self) -> tuple[CallView, ...]:
+        """The service connections in model order."""
+        pairs = zip(self.bridge.serviceConnections, self.translations.calls, strict=True)
+        return tuple(CallView(connection, each, self.message_of) for connection, each in pairs)
+
+    @functools.cached_property
+    def translated(self) -> tuple[ConnectionView, ...]:
+        """All that has a translation: connections, and the halves of calls."""
+        halves = (half for call in self.calls for half in call.halves.values())
+        return (*self.connections, *halves)
+
+    @functools.cached_property
+    def connection_names(self) -> frozenset[str]:
+        """The names of the connections in Python."""
+        return frozenset(view.name for view in self.connections)
+
+    @functools.cached_property
+    def message_map(self) -> dict[jaus.MessageDef, MessageView]:
+        """The JAUS messages that the bridge takes, makes and asks for."""
+        drivers = map(messages_of_driver, self.bridge.actionConnections)
+        elements = (
+            element
+            for connection in self._carried
+            for element in (
+                *_messages_of(connection),
+                query_of(connection),
+                *messages_of_joins(connection),
+            )
+        )
+        of_calls = (
+            element
+            for connection in self.bridge.serviceConnections
+            for element in _messages_of_calls(connection)
+        )
+        of_drivers = (each for one in drivers for each in (one.execute, one.query, one.report))
+        answered = (
+            message
+            for action in self.bridge.actionConnections
+            for each in answers_of_driver(action)
+            for message in (each.query, each.report)
+        )
+        told = (
+            message
+            for connection in self.bridge.bridgeConnections
+            if (each := told_command(connection)) is not None
+            for message in (each.query, each.report)
+        )
+        found = (*elements, *of_calls, *of_drivers, *answered, *told)
+        return build_message_map(each for each in found if each is not None)
+
+    @functools.cached_property
+    def messages(self) -> tuple[MessageView, ...]:
+        """The classes of these messages."""
+        return tuple(dict.fromkeys(self.message_map.values()))
+
+    def message_of(self, element: jaus.MessageDef) -> MessageView:
+        """Returns the class of a JAUS message of the bridge."""
+        return self.message_map[element]
+
+    @property
+    def settings(self) -> tuple[tuple[str, str], ...]:
+        """Arguments of BridgeSettings, as names and expressions."""
+        bridge = self.bridge
+        services = tuple(("services", f"({', '.join(self.services)},)") for _ in self.services[:1])
+        return (
+            ("name", python_string(self.name)),
+            ("address", address_call(bridge)),
+            ("description", long_string(" ".join(self.documentation.split()))),
+            ("namespace", python_string(bridge.namespace or "")),
+            ("frequency", python_literal(float(bridge.frequency))),
+            ("component_type", str(SUBSYSTEM_TYPES[bridge.type.name])),
+            ("authority", str(bridge.authority)),
+            ("component", component_settings(self.system, bridge)),
+            ("transport", transport_settings(self.system, bridge)),
+            *(() if bridge.guardian else (("guardian", "False"),)),
+            *services,
+        )
+
+    @functools.cached_property
+    def services(self) -> tuple[str, ...]:
+        """The services that the bridge provides, inherited ones before those that inherit."""
+        return service_identities(self.bridge)
+
+    # ------------------------------------------------------------------ the modules
+
+    @property
+    def base_imports(self) -> Imports:
+        """What the base may import."""
+        return Imports(
+            {
+                **runtime.names(),
+                **self.light.origins(self.translations.ros_classes, ".ros_types"),
+                **offered(".messages", *(view.class_name for view in self.messages)),
+                **offered(".", "transcoders"),
+                **offered("typing", "Any"),
+            }
+        )
+
+    @property
+    def skeleton_imports(self) -> Imports:
+        """What the skeleton may import."""
+        return self.base_imports.and_also(offered(f".{self.package}_base", self.base_name))
+
+    @functools.cached_property
+    def module(self) -> BaseModule:
+        """What stands in the module of the base besides the connections."""
+        return BaseModule(self.translations.uses)
+
+    @functools.cached_property
+    def transcoders(self) -> TranscodersModule:
+        """The flat forms of the translations."""
+        return TranscodersModule(self)
+
+    @property
+    def dependencies(self) -> tuple[str, ...]:
+        """Packages that the package needs at run time, by their names for rosdep, sorted."""
+        packages = {"diagnostic_msgs", runtime.FACE, "rcl_interfaces", "rclpy"}
+        # A translation that cannot be written is reported by the template that it stands in.
+        with suppress(AssignmentError, PathError):
+            packages |= {kind.package for kind in self.translations.ros_classes.names}
+            packages |= {package_of(each.type) for each in self.bridge.actionConnections}
+            if self.transcoders.uses_numpy:
+                packages.add("python3-numpy")
+        return tuple(sorted(packages))
+
+    @property
+    def entry_point(self) -> EntryPoint:
+        """How its process runs."""
+        return EntryPoint(
+            title=self.title,
+            runner="run_bridge",
+            arguments=f"{self.class_name}(), arguments",
+            end="SIGINT, SIGTERM or a JAUS Shutdown",
+        )
+
+    def contract(self) -> SkeletonContract:
+        """Returns what the base expects of the user's class."""
+        translations = tuple(
+            MethodContract(
+                f"translate_{view.name}",
+                ("source", *(join.name for join in view.joins)),
+                "",  # nothing stays when a connection is renamed
+                _stub(view),
+                optional=True,
+            )
+            for view in self.translated
+        )
+        of_goals = tuple(
+            MethodContract(each.hook, each.hook_parameters, "", each.hook_stub, optional=True)
+            for each in self.actions
+        )
+        hooks = tuple(
+            MethodContract(name, (), f"hook:{name}", "", optional=True)
+            for name in ("on_not_ready", "on_control_lost")
+        )
+        conversions = tuple(
+            MethodContract(each.name, names_of(each), f"conversion:{each.model_name}", stub(each))
+            for each in self.module.methods
+        )
+        return SkeletonContract(
+            self.class_name, self.base_name, (*translations, *of_goals, *hooks, *conversions)
+        )
+
+
+def bridge_views(model: Model) -> tuple[BridgeView, ...]:
+    """Returns the bridges of the system that is generated; `model.made` shares them.
+
+    Args:
+        model: A valid model.
+
+    Raises:
+        NoSystemError: It has no system, or several.
+    """
+    system, source = system_of(model), source_of(model)
+    return tuple(BridgeView(each, system, source) for each in own_bridges(system))
+
+
+def _messages_of(connection: bridge.Connection) -> Iterator[jaus.MessageDef]:
+    """Yields the message of a connection and those inside it that have maps of their own."""
+    to_ros = connection.direction.name == "jausToRos"
+    for attribute_map in used_maps(connection.map, to_ros=to_ros):
+        yield attribute_map.message
+
+
+def _messages_of_calls(connection: bridge.RosServiceConnection) -> Iterator[jaus.MessageDef]:
+    """Yields the messages of a service connection and those inside them."""
+    yield from calls.messages(connection)
+    for half in calls.halves(connection):
+        for attribute_map in used_maps(half.map, to_ros=half.to_ros):
+            yield attribute_map.message
+
+
+def _ros_types_of(connections: Iterable[bridge.Connection]) -> Iterator[ros.MessageType]:
+    """Yields the ROS types that connections take and make, joined and nested ones too."""
+    for connection in connections:
+        to_ros = connection.direction.name == "jausToRos"
+        for attribute_map in used_maps(connection.map, to_ros=to_ros):
+            yield attribute_map.type
+            yield from (join.type for join in attribute_map.joins)
+
+
+def _types_of_calls(
+    connections: Iterable[bridge.RosServiceConnection],
+) -> Iterator[ros.MessageType]:
+    """Yields the types of requests and responses, and nested ones too."""
+    for each in connections:
+        yield from calls.types(each)
+        for half in calls.halves(each):
+            yield from (used.type for used in used_maps(half.map, to_ros=half.to_ros))
+
+
+def _stub(view: ConnectionView) -> str:
+    name, parameters = f"translate_{view.name}", ", ".join(view.parameters)
+    arguments = ", ".join(["source", *(join.name for join in view.joins)])
+    return laid_out(
+        f"    def {name}({parameters}) -> {view.target_name} | None:\n"
+        f"        return super().{name}({arguments})\n"
+    )

@@ -1,0 +1,288 @@
+"""JAUS components as targets see them: address, services, settings of their transport."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.generation.literals import python_string
+from jausml_generators.python.statements import call
+from jausml.metamodel.classes import bridge, jaus
+from jausml.semantics.core_services import CORE
+from jausml.semantics.hosts import endpoint_of, host_of
+from jausml.semantics.services import inputs_by_name, outputs_by_name, query_name
+from jausml.semantics.standard_services import answers_for_subsystem, with_standard
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from jausml.metamodel.classes.system import Host, System
+
+SUBSYSTEM_TYPES = {
+    "vehicle": 10001,
+    "ocu": 20001,
+    "other": 30001,
+    "node": 40001,
+    "payload": 50001,
+    "component": 60001,
+}
+"""Type that Discovery reports, by literal of SubsystemType (AS5710, ReportIdentification)."""
+
+
+def plain_components(system: System) -> list[jaus.Component]:
+    """Returns the components of a system that are no bridges, and are not there already."""
+    return [
+        each
+        for each in system.components
+        if not isinstance(each, bridge.Bridge) and not each.external
+    ]
+
+
+def own_bridges(system: System) -> list[bridge.Bridge]:
+    """Returns the bridges of a system that are not there already."""
+    return [each for each in system.bridges if not each.external]
+
+
+def with_inherited(services: Iterable[jaus.Service]) -> list[jaus.Service]:
+    """Returns services and those that they inherit, the inherited ones first, each once.
+
+    Args:
+        services: The services.
+    """
+    found: list[jaus.Service] = []
+    for service in services:
+        chain = [service]
+        while chain[-1].inherits is not None and chain[-1].inherits not in chain:
+            chain.append(chain[-1].inherits)
+        found += [each for each in reversed(chain) if each not in found]
+    return found
+
+
+def inherits(service: jaus.Service, name: str) -> bool:
+    """Tells whether a service is, or inherits, a core service.
+
+    Args:
+        service: The service.
+        name: Name of the core service, e.g. `Management`.
+    """
+    return any(each.urn == CORE + name for each in with_inherited([service]))
+
+
+def provides(component: jaus.Component, name: str) -> bool:
+    """Tells whether a component provides a core service.
+
+    Args:
+        component: The component.
+        name: Name of the core service, e.g. `Management`.
+    """
+    return any(inherits(each, name) for each in with_standard(component))
+
+
+def service_identities(component: jaus.Component) -> tuple[str, ...]:
+    """Returns what Discovery reports of the services of a component and those that they inherit.
+
+    Service sets of different age may inherit different versions of a core service; the component
+    speaks the newest of them. Standard services raise no version of what the model names: peers
+    of core 1.0 do not know, for example, that events of 1.1 lapse.
+
+    Args:
+        component: The component.
+    """
+    versions: dict[str, tuple[int, int]] = {}
+    for service in with_inherited(component.provides):
+        urn = str(service.urn)
+        versions[urn] = max(versions.get(urn, (0, 0)), _version(service))
+    for service in with_inherited(with_standard(component)):
+        versions.setdefault(str(service.urn), _version(service))
+    return tuple(
+        call("ServiceIdentity", python_string(urn), str(major), str(minor))
+        for urn, (major, minor) in versions.items()
+    )
+
+
+def _version(service: jaus.Service) -> tuple[int, int]:
+    major, minor = str(service.version).split(".")
+    return int(major), int(minor)
+
+
+def component_settings(system: System, component: jaus.Component) -> str:
+    """Returns the modelled behaviour of a component as a Python expression.
+
+    Args:
+        system: The system.
+        component: The component.
+    """
+    arguments = [
+        f"default_authority={int(component.defaultAuthority)}",
+        f"control_timeout={int(component.controlTimeout)}",
+        f"event_timeout={int(component.eventTimeout)}",
+    ]
+    arguments += _stated(component, _EVENT_BUDGETS)
+    if answers_for_subsystem(component, _elements(system)):
+        arguments.append("discovery_scope=Scope.SUBSYSTEM")
+    greeted = [
+        f"{address_call(each)}: Scope.{_SCOPES.get(each.type.name, 'COMPONENT')}"
+        for each in _elements(system)
+        if each.greet and each.external
+    ]
+    if greeted:
+        arguments.append(f"greeted={{{', '.join(greeted)}}}")
+    return call("ComponentSettings", *arguments)
+
+
+def address_call(component: jaus.Component) -> str:
+    """Returns the address of a component as a Python expression.
+
+    Args:
+        component: The component.
+    """
+    return call("JausAddress", *(str(int(part)) for part in component.address.split(".")))
+
+
+def search_call(search: jaus.PeerSearch) -> str:
+    """Returns a search for peers as a Python expression.
+
+    Args:
+        search: The search.
+    """
+    urns = [python_string(str(service.urn)) for service in search.services]
+    arguments = [f"({', '.join(urns)},)" if len(urns) == 1 else f"({', '.join(urns)})"]
+    arguments += [
+        f"{feature}={number}"
+        for feature, number in (("subsystem", search.subsystem), ("node", search.node))
+        if number
+    ]
+    if search.within.name != "system":
+        arguments.append(f"within=Scope.{search.within.name.upper()}")
+    if search.choice.name != "nearest":
+        arguments.append(f"choice=PeerChoice.{search.choice.name.upper()}")
+    return call("PeerSearch", *arguments)
+
+
+TRANSPORTS = {"judp": "judp", "jtcp": "jtcp", "nodeManager": "node-manager"}
+"""Values of the option `--jaus-transport` of a process, by literal of Transport."""
+
+_SCOPES = {"vehicle": "SUBSYSTEM", "ocu": "SUBSYSTEM", "other": "SUBSYSTEM", "node": "NODE"}
+_FRAGMENT_SIZE = 4079
+_EVENT_BUDGETS = {"maxEvents": "max_events", "eventRateBudget": "event_rate_budget"}
+_TRANSPORT_BUDGETS = {
+    "amplificationLimit": "amplification_limit",
+    "maxPeers": "max_peers",
+    "maxConnections": "max_connections",
+    "idleTimeout": "idle_timeout",
+}
+_TRANSPORT_KINDS = {"jtcp": "JTCP", "nodeManager": "NODE_MANAGER"}
+
+
+def transport_settings(system: System, component: jaus.Component) -> str:
+    """Returns the transport settings of a component: of its host, of its peers, and its own.
+
+    Args:
+        system: The system.
+        component: The component.
+    """
+    arguments = [*_host_arguments(system, component), *_source_arguments(component)]
+    return call("TransportSettings", *arguments)
+
+
+def _host_arguments(system: System, component: jaus.Component) -> list[str]:
+    """Returns what is not as the runtime has it by itself because of the host and the peers."""
+    host = host_of(system, component)
+    arguments = [] if host is None else _network_arguments(host)
+    book = _address_book(system, host)
+    if book:
+        arguments.append(f"address_book={call('peers', *map(python_string, book))}")
+    return arguments
+
+
+def _network_arguments(host: Host) -> list[str]:
+    arguments = [
+        f"interface={python_string(host.interface)}",
+        f"port={int(host.port)}",
+        f"multicast_group={python_string(host.multicastGroup)}",
+        f"multicast_ttl={int(host.multicastTtl)}",
+    ]
+    if host.fragmentSize != _FRAGMENT_SIZE:
+        arguments.append(f"fragment_size={int(host.fragmentSize)}")
+    if host.transport.name in _TRANSPORT_KINDS:
+        arguments.append(f"transport=TransportKind.{_TRANSPORT_KINDS[host.transport.name]}")
+    return arguments
+
+
+def _source_arguments(component: jaus.Component) -> list[str]:
+    """Returns what says from where a bridge takes messages."""
+    if not isinstance(component, bridge.Bridge):
+        return []
+    arguments = []
+    if component.allowedHosts:
+        hosts = ", ".join(map(python_string, component.allowedHosts))
+        comma = "," if len(component.allowedHosts) == 1 else ""
+        arguments.append(f"allowed_hosts=({hosts}{comma})")
+    if component.fixedSources:
+        arguments.append("fixed_sources=True")
+    return [*arguments, *_stated(component, _TRANSPORT_BUDGETS)]
+
+
+def _stated(component: jaus.Component, budgets: Mapping[str, str]) -> list[str]:
+    """Returns the budgets of a bridge that are not as the runtime has them by itself."""
+    if not isinstance(component, bridge.Bridge):
+        return []
+    default = bridge.Bridge()
+    return [
+        f"{argument}={getattr(component, feature)!r}"
+        for feature, argument in budgets.items()
+        if getattr(component, feature) != getattr(default, feature)
+    ]
+
+
+def _address_book(system: System, host: Host | None) -> list[str]:
+    """Returns the components that are not found from a host without being told where they are.
+
+    Those are external components with a place of their own, and for TCP all on other hosts. Behind
+    a node manager it is the node manager that knows.
+    """
+    transport = "judp" if host is None else host.transport.name
+    if transport == "nodeManager":
+        return []
+    found = []
+    for each in _elements(system):
+        where = host_of(system, each)
+        place = endpoint_of(system, each)
+        is_told = each.external if where is None else transport == "jtcp" and where is not host
+        if is_told and place is not None:
+            found.append(f"{each.address}={place[0]}:{place[1]}")
+    return found
+
+
+def _elements(system: System) -> list[jaus.Component]:
+    return [*system.components, *system.bridges]
+
+
+def query_for(report: jaus.MessageDef, services: Iterable[jaus.Service]) -> jaus.MessageDef | None:
+    """Returns the query that a report answers: QueryX for ReportX, or X.
+
+    Args:
+        report: The report.
+        services: Where to look for the query.
+    """
+    wanted = query_name(report)
+    found = (inputs_by_name(service).get(wanted) for service in services)
+    return next((each for each in found if each is not None), None)
+
+
+def report_for(query: jaus.MessageDef, services: Iterable[jaus.Service]) -> jaus.MessageDef | None:
+    """Returns the report that answers a query: ReportX, or X, for QueryX.
+
+    Args:
+        query: The query.
+        services: Where to look for the report.
+    """
+    name = str(query.name)
+    if not name.startswith("Query"):
+        return None
+    stem = name.removeprefix("Query")
+    for service in services:
+        named = outputs_by_name(service)
+        report = named.get(f"Report{stem}") or named.get(stem)
+        if report is not None:
+            return report
+    return None

@@ -1,0 +1,195 @@
+"""Who of a deployed system exchanges what with whom, over which ports, as far as the model says."""
+
+from __future__ import annotations
+
+import ipaddress
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.generation.errors import GenerationError
+from jausml.generation.system import system_of
+from jausml_generators.deployment.ports import jaus_ports
+from jausml_generators.deployment.questions import bridges_on, questions
+from jausml.semantics.hosts import endpoint_of, host_of, is_ipv4
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+    from jausml_generators.bringup.views import ProcessView
+    from jausml.metamodel.classes import jaus
+    from jausml.metamodel.classes.system import Host, System
+    from jausml.model.model import Model
+
+
+@dataclass(frozen=True)
+class Peer:
+    """A JAUS component of another host.
+
+    Attributes:
+        name: Its name in the model.
+        address: Its JAUS address.
+        endpoint: IPv4 address and port of its host, as `192.168.0.7:3794`.
+    """
+
+    name: str
+    address: str
+    endpoint: str
+
+
+@dataclass(frozen=True)
+class Deployed:
+    """A host that processes of the system run on, and what passes to and from it.
+
+    Attributes:
+        host: The host.
+        processes: What runs there.
+        peers: JAUS components of other hosts, by address.
+        jaus_hosts: IPv4 addresses and networks that JAUS is taken from, this host left out.
+        ros_hosts: IPv4 addresses of the other hosts on which the system has ROS 2 nodes.
+        questions: What the model does not say, and what stands in its place.
+    """
+
+    host: Host
+    processes: tuple[ProcessView, ...]
+    peers: tuple[Peer, ...]
+    jaus_hosts: tuple[str, ...]
+    ros_hosts: tuple[str, ...]
+    questions: tuple[str, ...]
+
+    @property
+    def transport(self) -> str:
+        """How its JAUS messages travel: `judp`, `jtcp` or `nodeManager`."""
+        return str(self.host.transport.name)
+
+    @property
+    def finds_by_multicast(self) -> bool:
+        """Whether components of other hosts are found by multicast."""
+        return _finds_by_multicast(self.host)
+
+    @property
+    def speaks_jaus(self) -> bool:
+        """Whether some process is a JAUS component."""
+        return any(each.speaks_jaus for each in self.processes)
+
+    @property
+    def speaks_ros(self) -> bool:
+        """Whether some process is a ROS 2 node."""
+        return any(each.speaks_ros for each in self.processes)
+
+    @property
+    def jaus_ports(self) -> tuple[str, ...]:
+        """Ports at which its JAUS processes are reached: single ones, and ranges."""
+        speaking = sum(each.speaks_jaus for each in self.processes)
+        return jaus_ports(self.host, speaking)
+
+
+def deployed_hosts(model: Model, processes: Sequence[ProcessView]) -> tuple[Deployed, ...]:
+    """Returns the hosts that processes of a system run on, in the order of the model.
+
+    Args:
+        model: A valid model.
+        processes: All processes of its system.
+
+    Raises:
+        GenerationError: The model has no host, or one that the others cannot reach.
+    """
+    system = system_of(model)
+    faults = list(_faults(system))
+    if faults:
+        located = (f"{model.location(each, feature)}: {text}" for each, feature, text in faults)
+        raise GenerationError("; ".join(located))
+    by_host = {host: _of_host(processes, host) for host in system.hosts}
+    return tuple(_deployed(system, host, by_host) for host in system.hosts if by_host[host])
+
+
+def _faults(system: System) -> Iterator[tuple[System | Host, str, str]]:
+    """Says what several hosts lack to hear each other: element, feature and fault of each."""
+    if not system.hosts:
+        fault = f"system '{system.name}' has no host to deploy on; add one,"
+        yield system, "hosts", f'{fault} for example: host onboard {{ interface: "192.168.0.7" }}'
+        return
+    first, *others = system.hosts
+    if others:
+        yield from _unreachable(system.hosts)
+    for each in others:
+        if not (_finds_by_multicast(each) and _finds_by_multicast(first)):
+            continue
+        for feature in ("port", "multicastGroup"):
+            here, there = getattr(each, feature), getattr(first, feature)
+            if here != there:
+                fault = f"host '{each.name}' has {feature} {here} and '{first.name}' {there}"
+                yield each, feature, f"{fault}, so that they do not find each other"
+
+
+def _unreachable(hosts: Iterable[Host]) -> Iterator[tuple[Host, str, str]]:
+    """Says which hosts have an interface that others cannot send to, or another one's."""
+    owners: dict[ipaddress.IPv4Address, Host] = {}
+    for each in hosts:
+        address = ipaddress.IPv4Address(each.interface)
+        fault = f"host '{each.name}' has the interface {address}"
+        if address.is_loopback:
+            yield each, "interface", f"{fault}, which no other host reaches"
+        elif (owner := owners.setdefault(address, each)) is not each:
+            yield each, "interface", f"{fault}, which is that of '{owner.name}'"
+
+
+def _finds_by_multicast(host: Host) -> bool:
+    return host.transport.name != "jtcp" and host.multicastTtl > 0
+
+
+def _of_host(processes: Iterable[ProcessView], host: Host) -> tuple[ProcessView, ...]:
+    return tuple(each for each in processes if each.host == host.name)
+
+
+def _deployed(system: System, host: Host, by_host: dict[Host, tuple[ProcessView, ...]]) -> Deployed:
+    elsewhere = [
+        (each, where)
+        for each in (*system.components, *system.bridges)
+        if (where := host_of(system, each)) is not None and where is not host
+    ]
+    allowed = [text for each in bridges_on(system, host) for text in each.allowedHosts]
+    allowed += _stated_addresses(system)
+    speaks_jaus = any(each.speaks_jaus for each in by_host[host])
+    speaks_ros = any(each.speaks_ros for each in by_host[host])
+    return Deployed(
+        host=host,
+        processes=by_host[host],
+        peers=tuple(
+            Peer(each.name, str(each.address), f"{where.interface}:{where.port}")
+            for each, where in sorted(elsewhere, key=lambda pair: _key(pair[0]))
+        ),
+        jaus_hosts=_networks([*(where.interface for _, where in elsewhere), *allowed])
+        if speaks_jaus
+        else (),
+        ros_hosts=_networks(
+            other.interface
+            for other, those in by_host.items()
+            if speaks_ros and other is not host and any(each.speaks_ros for each in those)
+        ),
+        questions=tuple(questions(system, host, by_host[host])),
+    )
+
+
+def _stated_addresses(system: System) -> list[str]:
+    """Returns the IPv4 addresses that are stated of components on no host of the system."""
+    places = (
+        endpoint_of(system, each)
+        for each in (*system.components, *system.bridges)
+        if host_of(system, each) is None
+    )
+    return [place[0] for place in places if place is not None and is_ipv4(place[0])]
+
+
+def _key(component: jaus.Component) -> tuple[int, ...]:
+    return tuple(int(part) for part in str(component.address).split("."))
+
+
+def _networks(texts: Iterable[str]) -> tuple[str, ...]:
+    """Returns addresses and networks, sorted, none within another."""
+    all_of_them = {ipaddress.IPv4Network(text) for text in texts}
+    found = [
+        each
+        for each in sorted(all_of_them)
+        if not any(each != other and each.subnet_of(other) for other in all_of_them)
+    ]
+    return tuple(str(each).removesuffix("/32") for each in found)

@@ -1,0 +1,75 @@
+"""Target `jaus_component`: one package for each modelled component that is no bridge."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.generation.system import source_of, system_of
+from jausml.generation.target import Target
+from jausml.generation.tasks import FileTask, Task, templates_beside
+from jausml_generators.common.components import plain_components
+from jausml_generators.common.runtime import FACE
+from jausml_generators.jaus_component.views import ComponentView
+from jausml_generators.messages.views import SystemMessages
+from jausml_generators.python.package import (
+    PACKAGE_TEMPLATES,
+    package_tasks,
+    package_view,
+    program_tasks,
+)
+
+if TYPE_CHECKING:
+    from jausml.model.model import Model
+
+
+def tasks(model: Model) -> list[Task]:
+    """Returns the files of every component."""
+    system, source = system_of(model), source_of(model)
+    views = [ComponentView(component, system, source) for component in plain_components(system)]
+    messages = SystemMessages(system, source)
+    packages = [
+        package_view(
+            system,
+            view.package,
+            element_id=view.element_id,
+            source=source,
+            description=view.documentation,
+            element=view.component,
+            dependencies=(FACE, *messages.needed_by(view)),
+            executables=((view.package, f"{view.package}.main"),),
+        )
+        for view in views
+    ]
+    return [
+        *package_tasks(packages),
+        FileTask(
+            "used_messages.py.j2",
+            [messages.used_by(view) for view in views],
+            lambda used: used.path,
+        ),
+        *program_tasks(
+            views,
+            base="component_base.py.j2",
+            skeleton="component.py.j2",
+        ),
+        FileTask(
+            "test_component.py.j2",
+            views,
+            lambda view: f"{view.package}/test/test_{view.package}.py",
+            imports=lambda view: view.test_imports,
+        ),
+        FileTask(
+            "states.md.j2",
+            [view for view in views if view.state_machines],
+            lambda view: f"{view.package}/states.md",
+        ),
+    ]
+
+
+TARGET = Target(
+    name="jaus_component",
+    description="JAUS components with skeletons, one ament_python package each.",
+    tasks=tasks,
+    template_folders=(templates_beside(__file__), PACKAGE_TEMPLATES),
+)
+"""Base, skeleton, entry point and tests of each component."""

@@ -1,0 +1,437 @@
+"""View of a component package, for its templates."""
+
+from __future__ import annotations
+
+import functools
+import textwrap
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from jausml.generation.artifact import MethodContract, SkeletonContract
+from jausml.generation.docstrings import clean, docstring, sentence
+from jausml.generation.errors import GenerationError
+from jausml.generation.languages.python import Imports, Origin, offered
+from jausml.generation.literals import LINE_WIDTH, python_string
+from jausml_generators.common import components, runtime
+from jausml_generators.jaus_component import machines
+from jausml_generators.jaus_component.handlers import (
+    GUARD_TEXTS,
+    Answer,
+    Handler,
+    Method,
+    Peer,
+    Received,
+    documented,
+)
+from jausml_generators.python import names
+from jausml_generators.python.codec.message_builder import build_message_map
+from jausml_generators.python.codec.message_examples import example_bytes
+from jausml_generators.python.guards import condition, may_set_limits
+from jausml_generators.python.package import EntryPoint
+from jausml_generators.python.statements import long_string
+from jausml.semantics.commands import guard_of
+from jausml.semantics.core_services import SERVED_BY_RUNTIME, is_core_message
+from jausml.semantics.services import provided_services
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml_generators.jaus_component.machine_views import EventView, MachineView
+    from jausml_generators.python.codec.messages import MessageView
+    from jausml.metamodel.classes import jaus
+    from jausml.metamodel.classes.system import System
+
+_MARGIN = " " * 4
+_LONGEST_EXAMPLE = 16_384  # bytes
+# Hooks of every component, with their parameters; the base does nothing in them.
+_HOOKS = {
+    "on_initialize": (),
+    "on_ready": (),
+    "on_not_ready": (),
+    "on_control_lost": (),
+    "on_controller_changed": ("controller",),
+    "on_emergency": ("active",),
+    "on_set_time": ("time",),
+    "on_list_changed": (),
+    "on_shutdown": (),
+    "host_time": (),
+    "supports_element": ("element",),
+}
+# Methods of the component itself that a message of an unlucky name must not replace.
+_TAKEN = (
+    frozenset([*_HOOKS, "on_message", "on_payload", "report_changed"]) | machines.COMPONENT_NAMES
+)
+
+
+@dataclass(frozen=True)
+class ComponentView:
+    """A modelled component.
+
+    Args:
+        component: The component.
+        system: The system that owns it.
+        source: Model file.
+    """
+
+    component: jaus.Component
+    system: System
+    source: str
+
+    @property
+    def element_id(self) -> str:
+        """Identity of the model element."""
+        return f"component:{self.component.name}"
+
+    @property
+    def name(self) -> str:
+        """Name of the component in the model, clean."""
+        return clean(self.component.name)
+
+    @property
+    def package(self) -> str:
+        """Package, module of the skeleton and executable."""
+        return names.package_name(str(self.component.name))
+
+    @property
+    def class_name(self) -> str:
+        """Class of the user's skeleton."""
+        return names.class_name("".join(word.capitalize() for word in self.package.split("_")))
+
+    @property
+    def base_name(self) -> str:
+        """Class that is generated anew each time."""
+        return f"{self.class_name}Base"
+
+    @property
+    def documentation(self) -> str:
+        """What the model says that the component is for."""
+        known = clean(self.component.documentation)
+        return sentence(known or f"component {self.name} of the system {clean(self.system.name)}")
+
+    def docstring(self, column: int) -> str:
+        """Returns the docstring of a module or class of the component.
+
+        Args:
+            column: Column at which it will stand.
+        """
+        return docstring(self.documentation, column)
+
+    # -- messages --------------------------------------------------------------------------------
+
+    @functools.cached_property
+    def _services(self) -> tuple[jaus.Service, ...]:
+        """Provided services whose messages the component itself handles, bases first."""
+        provided = components.with_inherited(self.component.provides)
+        return tuple(s for s in provided if s.urn not in SERVED_BY_RUNTIME)
+
+    @functools.cached_property
+    def _provided(self) -> tuple[jaus.Service, ...]:
+        """All services that the component provides, which decide whom it obeys."""
+        return tuple(provided_services(self.component))
+
+    @functools.cached_property
+    def _messages(self) -> dict[jaus.MessageDef, MessageView]:
+        """Every message of the component by model element."""
+        used = components.with_inherited(self.component.uses)
+        services = [*self._services, *(s for s in used if s.urn not in SERVED_BY_RUNTIME)]
+        elements = [m for s in services for m in [*s.inputs, *s.outputs]]
+        elements += machines.messages_of(self._services)
+        for connection in self.component.connections:
+            elements += [connection.message, self._query_of(connection)]
+        return build_message_map(dict.fromkeys(elements))
+
+    @property
+    def message_map(self) -> dict[jaus.MessageDef, MessageView]:
+        """The messages that are not in the runtime, as those of core services are."""
+        return {e: v for e, v in self._messages.items() if not is_core_message(e)}
+
+    @property
+    def messages(self) -> tuple[MessageView, ...]:
+        """The classes of these messages."""
+        return tuple(dict.fromkeys(self.message_map.values()))
+
+    @property
+    def examples(self) -> tuple[str, ...]:
+        """Class name and bytes of an example of each message of the package, as tuples.
+
+        Those that nobody could read in a test are left out.
+        """
+        found = ((view.class_name, example_bytes(view)) for view in self.messages)
+        return tuple(_example(*each) for each in found if len(each[1]) <= _LONGEST_EXAMPLE)
+
+    def _query_of(self, connection: jaus.ServiceConnection) -> jaus.MessageDef:
+        if connection.query is not None:
+            return connection.query
+        report = connection.message
+        service = report.eContainer()
+        query = components.query_for(report, [service]) if service is not None else None
+        if query is None:
+            raise GenerationError(f"connection '{connection.name}': no query for {report.name}")
+        return query
+
+    # -- methods ---------------------------------------------------------------------------------
+
+    @functools.cached_property
+    def _methods(self) -> names.Scope:
+        return names.Scope(_TAKEN)
+
+    @functools.cached_property
+    def parts(self) -> tuple[tuple[Handler, ...], tuple[Answer, ...], tuple[Received, ...]]:
+        """Handlers, answers and received reports, under method names that are unique."""
+        handlers: dict[int, Handler] = {}
+        answers: dict[int, Answer] = {}
+        for service in self._services:
+            for message in service.inputs:
+                view = self._messages[message]
+                report = components.report_for(message, components.with_inherited([service]))
+                if view.code in handlers or view.code in answers or self._machines.takes(view.code):
+                    continue
+                if report is None:
+                    handlers[view.code] = self._handler(message, service)
+                else:
+                    answers[view.code] = self._answer(message, report)
+        received = tuple(self._received(each) for each in self.component.connections)
+        return tuple(handlers.values()), tuple(answers.values()), received
+
+    @functools.cached_property
+    def _machines(self) -> machines.Machines:
+        return machines.Machines(self._services, self._messages, self._methods)
+
+    @property
+    def state_machines(self) -> tuple[MachineView, ...]:
+        """The state machines."""
+        return self._machines.views
+
+    @property
+    def events(self) -> tuple[EventView, ...]:
+        """Internal events that the component may raise."""
+        return self._machines.events if self.state_machines else ()
+
+    @property
+    def machine_registrations(self) -> tuple[str, ...]:
+        """Statements of the constructor that give messages to the machines."""
+        found: dict[int, str] = {}
+        for service in self._services:
+            for message in service.inputs:
+                code = self._messages[message].code
+                if self._machines.takes(code):
+                    found[code] = self._machines.registration(message, service, self._provided)
+        return tuple(found.values())
+
+    @property
+    def superclass(self) -> str:
+        """Class of the runtime that the base derives from."""
+        return "ModelledComponent" if self.state_machines else "JausComponent"
+
+    @property
+    def handlers(self) -> tuple[Handler, ...]:
+        """Input messages that are no queries."""
+        return self.parts[0]
+
+    @property
+    def answers(self) -> tuple[Answer, ...]:
+        """Queries and their reports."""
+        return self.parts[1]
+
+    @property
+    def received(self) -> tuple[Received, ...]:
+        """Reports of other components."""
+        return self.parts[2]
+
+    @property
+    def methods(self) -> tuple[Method, ...]:
+        """The methods of the skeleton."""
+        return tuple(self._all_methods())
+
+    def _all_methods(self) -> Iterator[Method]:
+        yield from (handler.method for handler in self.handlers)
+        yield from (answer.method for answer in self.answers)
+        yield from self._machines.methods
+        for each in self.received:
+            yield each.method
+            if each.silent:
+                yield each.silent
+
+    def _handler(self, message: jaus.MessageDef, service: jaus.Service) -> Handler:
+        view, guard = self._messages[message], guard_of(message, service, self._provided)
+        whom = GUARD_TEXTS[guard]
+        if guard == "READY" and may_set_limits(message):
+            whom += "; limits in Standby too"
+        method = Method(
+            self._methods.claim(f"on_{names.snake_case(view.class_name)}"),
+            (("message", view.class_name), ("sender", "JausAddress")),
+            "Completion | None",
+            documented(message, f"take {clean(message.name)} {whom}"),
+            view.code_text,
+        )
+        return Handler(view, method, condition(message, guard))
+
+    def _answer(self, query: jaus.MessageDef, report: jaus.MessageDef) -> Answer:
+        asked, told = self._messages[query], self._messages[report]
+        stem = names.snake_case(told.class_name).removeprefix("report_")
+        method = Method(
+            self._methods.claim(f"report_{stem}"),
+            (("query", asked.class_name), ("sender", "JausAddress")),
+            f"{told.class_name} | None",
+            documented(report, f"return {clean(report.name)}, or None while there is none"),
+            asked.code_text,
+        )
+        return Answer(asked, told, method)
+
+    def _received(self, connection: jaus.ServiceConnection) -> Received:
+        view = self._messages[connection.message]
+        identity = f"connection:{connection.name}"
+        name = f"on_{names.snake_case(str(connection.name))}"
+        provider, peer_name = self._provider_of(connection)
+        method = Method(
+            self._methods.claim(name),
+            (("report", view.class_name), ("provider", "JausAddress")),
+            "None",
+            documented(connection, f"take {clean(view.jaus_name)} of {peer_name}"),
+            identity,
+        )
+        silent = None
+        if connection.silenceTimeout > 0 and connection.exchange.name != "oneTime":
+            silent = Method(
+                self._methods.claim(f"{method.name}_silent"),
+                (("provider", "JausAddress"),),
+                "None",
+                sentence(f"take notice that {peer_name} has stopped to report"),
+                f"{identity}:silent",
+            )
+        query = self._messages[self._query_of(connection)]
+        return Received(connection, query, view, provider, method, silent)
+
+    def _provider_of(self, connection: jaus.ServiceConnection) -> tuple[str, str]:
+        """Who sends the report of a connection, as an expression and for people."""
+        if connection.search is not None:
+            services = " and ".join(clean(each.name) for each in connection.search.services)
+            return components.search_call(connection.search), f"a provider of {services}"
+        if connection.provider is None:
+            raise GenerationError(f"connection '{connection.name}' has no provider")
+        peer = self._peer_of[connection.provider]
+        return f"self.{peer.constant}", peer.name
+
+    @functools.cached_property
+    def _peer_of(self) -> dict[jaus.Component, Peer]:
+        scope = names.Scope(frozenset(["CODE", "NAME"]))
+        controlled = list(self.component.controls)
+        every = (each.provider for each in self.component.connections)
+        providers = [each for each in every if each is not None]
+        found = {}
+        for each in dict.fromkeys([*controlled, *providers]):
+            constant = scope.claim(names.constant_name(str(each.name)))
+            control = f"control_of_{constant.lower()}" if each in controlled else ""
+            found[each] = Peer(constant, components.address_call(each), clean(each.name), control)
+        return found
+
+    @property
+    def peers(self) -> tuple[Peer, ...]:
+        """Other components that this one controls or receives reports from."""
+        return tuple(self._peer_of.values())
+
+    @property
+    def is_managed(self) -> bool:
+        """Whether the component has the states of Management."""
+        return components.provides(self.component, "Management")
+
+    # -- text ------------------------------------------------------------------------------------
+
+    @property
+    def address(self) -> str:
+        """The modelled address."""
+        return components.address_call(self.component)
+
+    @property
+    def services(self) -> tuple[str, ...]:
+        """The services that Discovery reports."""
+        return components.service_identities(self.component)
+
+    @property
+    def component_type(self) -> int:
+        """The type that Discovery reports."""
+        return components.SUBSYSTEM_TYPES[self.component.type.name]
+
+    @property
+    def name_text(self) -> str:
+        """The name as a Python string."""
+        return python_string(self.name)
+
+    @property
+    def description(self) -> str:
+        """What the component is for, as a Python string."""
+        return long_string(self.documentation)
+
+    @property
+    def settings(self) -> str:
+        """The modelled behaviour."""
+        return components.component_settings(self.system, self.component)
+
+    @property
+    def transport(self) -> str:
+        """The modelled settings of the transport."""
+        return components.transport_settings(self.system, self.component)
+
+    @property
+    def entry_point(self) -> EntryPoint:
+        """How its process runs."""
+        return EntryPoint(
+            title=f"component {self.name}",
+            runner="run_component",
+            arguments=f"{self.class_name}, PROGRAM, arguments",
+            end="SIGINT, SIGTERM or a JAUS Shutdown",
+            needs_program=True,
+        )
+
+    @property
+    def base_imports(self) -> Imports:
+        """What the base may import."""
+        core = [v.class_name for e, v in self._messages.items() if is_core_message(e)]
+        return Imports(
+            {
+                **runtime.names(),
+                **offered(runtime.MESSAGES, *core),
+                **offered(".messages", *(view.class_name for view in self.messages)),
+            }
+        )
+
+    @property
+    def skeleton_imports(self) -> Imports:
+        """What the skeleton may import."""
+        return replace(self._outer_imports, for_user=True)
+
+    @property
+    def _outer_imports(self) -> Imports:
+        own = offered(f".{self.package}_base", "ADDRESS", "SETTINGS", self.base_name)
+        return self.base_imports.and_also(own)
+
+    @property
+    def test_imports(self) -> Imports:
+        """What the tests may import."""
+        return Imports(
+            {
+                **runtime.names(),
+                "messages": Origin(self.package, "messages"),
+                **offered(f"{self.package}.{self.package}", self.class_name),
+            },
+            own=self.package,
+        )
+
+    def contract(self) -> SkeletonContract:
+        """Returns what the base expects of the user's class."""
+        hooks = (
+            MethodContract(name, parameters, f"hook:{name}", "", optional=True)
+            for name, parameters in _HOOKS.items()
+        )
+        methods = (*(method.contract for method in self.methods), *hooks)
+        return SkeletonContract(self.class_name, self.base_name, methods)
+
+
+def _example(name: str, data: bytes) -> str:
+    """Returns a tuple of a name and the digits of some bytes, in lines when they are many."""
+    line = f'("{name}", "{data.hex()}"),'
+    if len(_MARGIN + line) <= LINE_WIDTH:
+        return _MARGIN + line
+    digits = textwrap.wrap(data.hex(" ", -4), LINE_WIDTH - 2 * len(_MARGIN))
+    lines = ["(", *(_MARGIN + each for each in (f'"{name}",', '"""', *digits, '""",')), "),"]
+    return "\n".join(_MARGIN + each for each in lines)

@@ -1,0 +1,310 @@
+"""Classes inside a message class, one view for each kind."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, ClassVar, TypeAlias
+
+from jausml.generation import docstrings as docs
+from jausml_generators.python.codec.compounds import MAXIMUM_COMPLEXITY, VariantValue
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from jausml_generators.python.codec.members import Member, Run, Single
+    from jausml_generators.python.codec.scalars import Fixed
+
+
+@dataclass(frozen=True)
+class Enumeration:
+    """The listed values of a field.
+
+    Attributes:
+        name: Name of the class.
+        of: What it lists the values of, clean text.
+        constants: Names and values.
+    """
+
+    kind: ClassVar[str] = "enumeration"
+    name: str
+    of: str
+    constants: tuple[tuple[str, int], ...]
+
+    def docstring(self, column: int) -> str:
+        """Returns the docstring of the class.
+
+        Args:
+            column: Column at which it will stand.
+        """
+        return docs.docstring(f"Values of {self.of}.", column)
+
+
+@dataclass(frozen=True)
+class SubField:
+    """A group of bits of a bit field.
+
+    Attributes:
+        jaus_name: Name in the model.
+        attribute: Name in Python.
+        low: Lowest bit.
+        mask: Its bits, shifted down.
+        value: Its legal values.
+        documentation: Clean text of the model.
+        enumeration: Name of the class of its listed values, or empty.
+    """
+
+    jaus_name: str
+    attribute: str
+    low: int
+    mask: int
+    value: Fixed
+    documentation: str = ""
+    enumeration: str = ""
+
+    @property
+    def packed(self) -> str:
+        """The checked value, moved to its place in the integer."""
+        value = self.value.pack(f"self.{self.attribute}", self.attribute)
+        return f"{value} << {self.low}" if self.low else value
+
+    @property
+    def extracted(self) -> str:
+        """The value out of the integer `bits`."""
+        bits = f"bits >> {self.low} & 0x{self.mask:X}" if self.low else f"bits & 0x{self.mask:X}"
+        return bits if self.value.is_plain else self.value.unpack(f"({bits})")
+
+    @property
+    def description(self) -> str:
+        """What the docstring says of it."""
+        see = f"; see {self.enumeration}" if self.enumeration else ""
+        first = docs.described(self.documentation or self.jaus_name)
+        return f"{first} {self.value.range_text}{see}."
+
+
+@dataclass(frozen=True)
+class BitFieldClass:
+    """The class of a bit field.
+
+    Attributes:
+        name: Name of the class.
+        path: Full name.
+        summary: First line of the docstring.
+        sub_fields: The groups of bits.
+        is_inherited: Whether the base of the message, StampedMessage, brings it.
+    """
+
+    kind: ClassVar[str] = "bit_field"
+    name: str
+    path: str
+    summary: str
+    sub_fields: tuple[SubField, ...]
+    is_inherited: bool = False
+
+    def docstring(self, column: int) -> str:
+        """Returns the docstring of the class.
+
+        Args:
+            column: Column at which it will stand.
+        """
+        return docs.docstring(self.summary, column, (), self.attributes)
+
+    @property
+    def extracted(self) -> tuple[str, ...]:
+        """Arguments of the constructor out of the integer `bits`."""
+        return tuple(sub.extracted for sub in self.sub_fields)
+
+    @property
+    def attributes(self) -> tuple[tuple[str, str], ...]:
+        """Names and descriptions for the docstring."""
+        return tuple((sub.attribute, sub.description) for sub in self.sub_fields)
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """A type that a variable field may take.
+
+    Attributes:
+        index: Its index on the wire.
+        value: The number.
+        jaus_name: Name in the model.
+        units: Unit of the number, as the model says it.
+    """
+
+    index: int
+    value: Fixed
+    jaus_name: str
+    units: str
+
+    @property
+    def description(self) -> str:
+        """Unit and range in words."""
+        facts = " ".join(filter(None, [self.value.range_text, self.units]))
+        return facts or docs.clean(self.jaus_name)
+
+
+@dataclass(frozen=True)
+class VariableFieldClass:
+    """The class of a variable field: an index and a number.
+
+    Attributes:
+        name: Name of the class.
+        path: Full name.
+        summary: First line of the docstring.
+        python_type: Type of the number.
+        alternatives: What may be chosen.
+        jaus_name: Name in the model.
+    """
+
+    kind: ClassVar[str] = "variable_field"
+    name: str
+    path: str
+    summary: str
+    python_type: str
+    alternatives: tuple[Alternative, ...]
+    jaus_name: str = ""
+
+    @property
+    def min_size(self) -> int:
+        """Fewest bytes on the wire."""
+        return 1 + min(alternative.value.size for alternative in self.alternatives)
+
+    @property
+    def default(self) -> str:
+        """Default number."""
+        return self.alternatives[0].value.default
+
+    def docstring(self, column: int) -> str:
+        """Returns the docstring of the class.
+
+        Args:
+            column: Column at which it will stand.
+        """
+        return docs.docstring(self.summary, column, (), self.attributes)
+
+    @property
+    def attributes(self) -> tuple[tuple[str, str], ...]:
+        """Names and descriptions for the docstring."""
+        choices = "; ".join(f"{a.index}: {a.description}" for a in self.alternatives)
+        return (("index", f"Which type and unit: {choices}."), ("value", "The number."))
+
+    @property
+    def is_complex(self) -> bool:
+        """Whether its methods have more branches than the style allows."""
+        return len(self.alternatives) + 1 > MAXIMUM_COMPLEXITY
+
+
+@dataclass(frozen=True)
+class ContainerClass:
+    """A class of members: the message itself or a record or sequence inside it.
+
+    Attributes:
+        name: Name of the class.
+        path: Full name.
+        summary: First line of the docstring.
+        paragraphs: What follows in the docstring.
+        members: The attributes.
+        segments: How they stand on the wire, which follows from the members.
+        presence_struct: Name of the constant for the presence vector, or empty.
+        presence_size: Bytes of the presence vector.
+        tag: Position in the variant that it is an option of.
+        jaus_name: Name in the model of what it is the class of.
+        is_wrapper: Whether it only gives a class to a list, array, variant or single field.
+        is_format: Whether it is the index of a format and bytes (AS5684 variable_format_field).
+    """
+
+    kind: ClassVar[str] = "container"
+    name: str
+    path: str
+    summary: str
+    paragraphs: tuple[str, ...]
+    members: tuple[Member, ...]
+    segments: tuple[Run | Single, ...] = field(compare=False, repr=False)
+    presence_struct: str = ""
+    presence_size: int = 0
+    tag: int | None = None
+    jaus_name: str = ""
+    is_wrapper: bool = False
+    is_format: bool = False
+
+    @cached_property
+    def by_jaus_name(self) -> Mapping[str, Member]:
+        """The members by their names in the model."""
+        return {each.jaus_name: each for each in reversed(self.members)}
+
+    @cached_property
+    def by_attribute(self) -> Mapping[str, Member]:
+        """The members by their names in Python."""
+        return {each.attribute: each for each in self.members}
+
+    @property
+    def min_size(self) -> int:
+        """Fewest bytes on the wire."""
+        always = (member.value.min_size for member in self.members if not member.is_optional)
+        return self.presence_size + sum(always)
+
+    @property
+    def presence_mask(self) -> int:
+        """The known bits of the presence vector."""
+        return sum(member.bit for member in self.members)
+
+    @property
+    def has_unknown_bits(self) -> bool:
+        """Whether the presence vector has bits that no member uses."""
+        return self.presence_mask < (1 << 8 * self.presence_size) - 1
+
+    @property
+    def has_optional(self) -> bool:
+        """Whether any member is optional."""
+        return self.presence_mask != 0
+
+    def docstring(self, column: int) -> str:
+        """Returns the docstring of the class.
+
+        Args:
+            column: Column at which it will stand.
+        """
+        return docs.docstring(self.summary, column, self.paragraphs, self.attributes)
+
+    @property
+    def attributes(self) -> tuple[tuple[str, str], ...]:
+        """Names and descriptions for the docstring."""
+        return tuple((member.attribute, member.description) for member in self.members)
+
+    @property
+    def arguments(self) -> tuple[str, ...]:
+        """Arguments of the constructor after reading."""
+        return tuple(member.result for member in self.members)
+
+    @property
+    def variants(self) -> tuple[VariantValue, ...]:
+        """The variants among its members, in lists and arrays too."""
+        values = (getattr(member.value, "element", member.value) for member in self.members)
+        return tuple(value for value in values if isinstance(value, VariantValue))
+
+    @property
+    def is_complex(self) -> bool:
+        """Whether its methods have more branches than the style allows."""
+        branches = [member for member in self.members if member.is_optional]
+        branches += [member for member in self.members if member.item]
+        return len(branches) + 1 > MAXIMUM_COMPLEXITY
+
+
+@dataclass(frozen=True)
+class VariantAlias:
+    """The union of the classes of a variant.
+
+    Attributes:
+        name: Its name in the message class.
+        options: Names of the classes.
+    """
+
+    kind: ClassVar[str] = "alias"
+    name: str
+    options: tuple[str, ...]
+
+
+NestedClass: TypeAlias = (
+    Enumeration | BitFieldClass | VariableFieldClass | ContainerClass | VariantAlias
+)
+"""What may stand inside the class of a message."""

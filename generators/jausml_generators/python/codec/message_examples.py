@@ -1,0 +1,78 @@
+"""Examples of messages as bytes, for generated tests.
+
+They are put together from the layout of the fields alone, so that a test holds the generated codec
+to something else than itself.
+"""
+
+from __future__ import annotations
+
+import struct
+from typing import TYPE_CHECKING
+
+from jausml_generators.python.codec.classes import BitFieldClass, ContainerClass, VariableFieldClass
+from jausml_generators.python.codec.compounds import ArrayValue, ListValue, PartValue, VariantValue
+from jausml_generators.python.codec.scalars import Bits, Blob, Fixed
+
+if TYPE_CHECKING:
+    from jausml_generators.python.codec.messages import MessageView
+
+
+def example_bytes(view: MessageView) -> bytes:
+    """Returns the code and the body of a message with every field present.
+
+    Args:
+        view: The message.
+    """
+    bits = {item.path: item for item in view.nested if isinstance(item, BitFieldClass)}
+    return struct.pack("<H", view.code) + _Examples(bits).container(view.body)
+
+
+class _Examples:
+    def __init__(self, bits: dict[str, BitFieldClass]) -> None:
+        self._bits = bits
+
+    def container(self, part: ContainerClass) -> bytes:
+        # A definition with more optional members than bits (CBRNDetection) sends those with bits.
+        known = (1 << 8 * part.presence_size) - 1
+        present = [member for member in part.members if member.bit <= known]
+        presence = sum(member.bit for member in present)
+        body = b"".join(self.value(member.value) for member in present)
+        return presence.to_bytes(part.presence_size, "little") + body
+
+    def value(
+        self, value: Fixed | Blob | PartValue | VariantValue | ListValue | ArrayValue
+    ) -> bytes:
+        if isinstance(value, Fixed):
+            return self._fixed(value)
+        if isinstance(value, Blob):
+            content = b"x" * max(1, value.lower)
+            return len(content).to_bytes(value.count_size, "little") + content
+        if isinstance(value, ListValue):
+            count = max(1, value.stated)
+            return count.to_bytes(value.count_size, "little") + self.value(value.element) * count
+        if isinstance(value, ArrayValue):
+            return self.value(value.element) * value.count
+        if isinstance(value, VariantValue):
+            last = len(value.options) - 1
+            return last.to_bytes(value.tag_size, "little") + self.value(value.options[last])
+        if isinstance(value.part, ContainerClass):
+            return self.container(value.part)
+        if isinstance(value.part, VariableFieldClass):
+            first = value.part.alternatives[0]
+            return first.index.to_bytes(1, "little") + self._fixed(first.value)
+        raise TypeError(f"{value.part.name} has no example")
+
+    def _fixed(self, value: Fixed) -> bytes:
+        if value.python_type == "str":
+            return b"x".ljust(value.size, b"\0")
+        if isinstance(value, Bits):
+            subs = self._bits[value.python_type].sub_fields
+            bits = sum(int(sub.value.default) - sub.value.offset << sub.low for sub in subs)
+            return bits.to_bytes(value.size, "little")
+        if value.scale is not None:
+            # A third of the range is a whole number of steps for every width.
+            return (((1 << 8 * value.size) - 1) // 3).to_bytes(value.size, "little")
+        number = float(value.default)
+        if value.format in "fd":
+            return struct.pack(f"<{value.format}", number)
+        return struct.pack(f"<{value.format}", int(number) - value.offset)

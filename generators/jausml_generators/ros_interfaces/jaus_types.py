@@ -1,0 +1,241 @@
+"""JAUS messages as ROS messages.
+
+A record becomes a message type of its own, a list a bounded sequence, a variant a tag and one field
+for each option, a bit field one unsigned integer for each of its parts. An optional field has a
+field `has_<name>` before it. Scaled integers become the real numbers that they stand for.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml import wire
+from jausml.generation.errors import GenerationError
+from jausml_generators.python import names as common_names
+from jausml_generators.ros_interfaces.definitions import (
+    ConstantLine,
+    DefinitionFile,
+    DefinitionSection,
+    FieldLine,
+)
+from jausml_generators.ros_interfaces.names import constant_name, field_name, type_name
+from jausml_generators.ros_interfaces.ros_types import described
+from jausml.interfaces.definitions import BOUNDED, FIXED, SINGLE, UNBOUNDED, FieldType
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from jausml.metamodel.classes import jaus
+
+_LONGEST_SEQUENCE = 2**16 - 1
+"""A sequence that may be longer is not bounded: nobody would reserve the memory."""
+
+
+class MessagesPackage:
+    """The messages of one package, and the types nested in them.
+
+    Args:
+        package: Name of the package.
+        source: Model file.
+    """
+
+    def __init__(self, package: str, source: str) -> None:
+        self._package = package
+        self._source = source
+        self._names = common_names.Scope(separator="")
+        self.files: list[DefinitionFile] = []
+
+    def add(self, message: jaus.MessageDef) -> None:
+        """Adds a message.
+
+        Args:
+            message: The message.
+
+        Raises:
+            GenerationError: The message cannot be encoded; validation tells users before.
+        """
+        try:
+            layout = wire.resolve(message)
+        except wire.LayoutError as error:
+            raise GenerationError(str(error)) from None
+        name = self._names.claim(type_name(layout.name))
+        section = DefinitionSection(f"JAUS message {layout.name} ({message.code}).")
+        if layout.documentation:
+            section.comment += f"\n\n{layout.documentation}"
+        fields = _Fields(self, name, section)
+        for each in layout.members:
+            fields.add(each)
+        self._file(name, section, f"message:{message.code}:{layout.name}")
+
+    def nested(self, name: str, documentation: str, fill: Callable[[_Fields], None]) -> FieldType:
+        """Adds a type that is nested in another one.
+
+        Args:
+            name: The name that it would have.
+            documentation: What stands at its head.
+            fill: Adds its fields.
+        """
+        claimed = self._names.claim(type_name(name))
+        section = DefinitionSection(documentation)
+        fill(_Fields(self, claimed, section))
+        self._file(claimed, section, f"type:{claimed}")
+        return FieldType(claimed)
+
+    def _file(self, name: str, section: DefinitionSection, identity: str) -> None:
+        file = DefinitionFile(self._package, name, "msg", (section,), identity, self._source)
+        self.files.append(file)
+
+
+class _Fields:
+    """The fields of one message type while it is built."""
+
+    def __init__(self, package: MessagesPackage, owner: str, section: DefinitionSection) -> None:
+        self._package = package
+        self._owner = owner
+        self._section = section
+        self._fields = common_names.Scope()
+        self._constants = common_names.Scope()
+
+    def add(self, field: wire.Field) -> None:
+        """Adds a field."""
+        name = self._fields.claim(field_name(field.name))
+        if field.is_optional:
+            flag = self._fields.claim(field_name(f"has_{name}"))
+            self._put(flag, FieldType("bool"), f"Whether {name} is there.")
+        if isinstance(field.kind, wire.Number):
+            self._number(name, field.kind, field.documentation)
+        else:
+            kind = self._type(field)
+            self._put(name, kind, field.documentation if kind.is_primitive else "")
+
+    def _put(self, name: str, kind: FieldType, comment: str = "") -> None:
+        self._section.fields.append(FieldLine(name, kind, comment))
+
+    # -- types -----------------------------------------------------------------------------------
+
+    def _type(self, field: wire.Field) -> FieldType:
+        """Returns the type of a field; nested types are added to the package."""
+        match field.kind:
+            case wire.Integer() | wire.Real() | wire.Scaled():
+                return FieldType(_numeric(field.kind))
+            case wire.FixedText(length=length):
+                return FieldType("string", "", length)
+            case wire.Text(count=count):
+                return FieldType("string", "", _bound(count))
+            case wire.Octets(count=count):
+                return _sequence("uint8", _bound(count))
+            case wire.List(element=element, count=count):
+                kind = self._element(element)
+                return _sequence(kind.name, _bound(count), kind.string_bound)
+            case wire.Array(element=element):
+                kind = self._element(element)
+                return FieldType(kind.name, "", kind.string_bound, FIXED, field.kind.length)
+        name = self._owner + type_name(field.name)
+        return self._package.nested(
+            name, field.documentation, lambda fields: fields.add_parts(field.kind)
+        )
+
+    def _element(self, element: wire.Field) -> FieldType:
+        kind = self._type(element)
+        if kind.array == SINGLE:
+            return kind
+        # A sequence of sequences is not possible: the inner one becomes a type.
+        name = self._owner + type_name(element.name)
+        return self._package.nested(name, element.documentation, lambda fields: fields.add(element))
+
+    # -- parts of nested types -------------------------------------------------------------------
+
+    def add_parts(self, kind: wire.Kind) -> None:
+        """Adds what a type that is nested holds."""
+        match kind:
+            case wire.Record():
+                for each in kind.members:
+                    self.add(each)
+            case wire.BitField():
+                self._bits(kind)
+            case wire.VariableNumber():
+                self._alternatives(kind)
+            case wire.FormattedOctets():
+                self._formats(kind)
+            case wire.Variant():
+                self._options(kind)
+
+    def _bits(self, field: wire.BitField) -> None:
+        for part in field.groups:
+            name = self._fields.claim(field_name(part.name))
+            kind = _holding(part.reach)
+            self._named(name, kind, part.legal.listed)
+            noun = "bit" if part.width == 1 else "bits"
+            self._put(name, FieldType(kind), f"{part.width} {noun}.")
+
+    def _alternatives(self, field: wire.VariableNumber) -> None:
+        choice = self._fields.claim("choice")
+        for each in field.alternatives:
+            self._constant(choice, each.name, "uint8", each.index)
+        self._put(choice, FieldType("uint8"), "Which of the fields below counts.")
+        for each in field.alternatives:
+            name = self._fields.claim(field_name(each.name))
+            self._number(name, each.number, each.documentation)
+
+    def _formats(self, field: wire.FormattedOctets) -> None:
+        for each in field.formats:
+            self._constant("format", each.name, "uint8", each.index)
+        self._put("format", FieldType("uint8"), "What the bytes are.")
+        self._put("data", _sequence("uint8", _bound(field.count)))
+
+    def _options(self, field: wire.Variant) -> None:
+        tag = self._fields.claim("tag")
+        for index, each in enumerate(field.options):
+            self._constant(tag, each.name, field.tag.name, index)
+        self._put(tag, FieldType(field.tag.name), "Which of the fields below counts.")
+        for each in field.options:
+            self.add(each)
+
+    # -- numbers ---------------------------------------------------------------------------------
+
+    def _number(self, name: str, number: wire.Number, documentation: str) -> None:
+        if isinstance(number, wire.Integer):
+            self._named(name, _numeric(number), number.legal.listed)
+        units = "" if number.units in ("one", "1") else number.units
+        comment = described(documentation, units, _limits(number))
+        self._put(name, FieldType(_numeric(number)), comment)
+
+    def _named(self, field: str, kind: str, listed: Iterable[wire.Listed]) -> None:
+        limits = wire.INTEGERS[kind]
+        for each in listed:
+            if limits.lower <= each.value <= limits.upper:
+                self._constant(field, each.name, kind, each.value, each.documentation)
+
+    def _constant(self, field: str, name: str, kind: str, value: int, text: str = "") -> None:
+        claimed = self._constants.claim(constant_name(field, name))
+        self._section.constants.append(ConstantLine(claimed, kind, str(value), text))
+
+
+def _numeric(number: wire.Number) -> str:
+    if isinstance(number, wire.Integer) and number.legal.offset:
+        return _holding(number.reach)
+    return "float64" if isinstance(number, wire.Scaled) else number.type.name
+
+
+def _holding(reach: tuple[int, int]) -> str:
+    """Returns the smallest type that holds what the wire can bring, or the largest of its sign."""
+    lower, upper = reach
+    kinds = wire.UNSIGNED if lower >= 0 else wire.INTEGERS
+    fitting = (name for name, each in kinds.items() if each.lower <= lower and upper <= each.upper)
+    return next(fitting, "uint64" if lower >= 0 else "int64")
+
+
+def _limits(number: wire.Number) -> str:
+    if isinstance(number, wire.Scaled):
+        return f"{number.lower:.15g} to {number.upper:.15g}"
+    stated = number.legal.intervals
+    return ", ".join(f"{each.lower:.15g} to {each.upper:.15g}" for each in stated)
+
+
+def _bound(count: wire.Count) -> int:
+    """Returns the largest number of elements, 0 for any."""
+    return count.upper if count.upper <= _LONGEST_SEQUENCE else 0
+
+
+def _sequence(name: str, size: int, string_bound: int = 0) -> FieldType:
+    return FieldType(name, "", string_bound, BOUNDED if size else UNBOUNDED, size)

@@ -1,0 +1,107 @@
+"""Target `ros_interfaces`: interface packages, which colcon builds like any other."""
+
+from __future__ import annotations
+
+from pathlib import PurePath
+from typing import TYPE_CHECKING
+
+from jausml.generation.system import source_of, system_of
+from jausml.generation.target import Target, WholeLibrary
+from jausml.generation.tasks import FileTask, Task, templates_beside
+from jausml_generators.python.names import package_name
+from jausml_generators.ros_interfaces.jaus_types import MessagesPackage
+from jausml_generators.ros_interfaces.ros_types import package_files
+from jausml_generators.ros_interfaces.selection import (
+    all_messages,
+    declared_packages,
+    unmapped_messages,
+)
+from jausml_generators.ros_interfaces.views import InterfacesView
+from jausml.metamodel.classes import jaus, ros
+from jausml.metamodel.classes import system as system_language
+from jausml.metamodel.filling import new_object
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from jausml.model.model import Model
+
+
+def declared_tasks(model: Model) -> list[Task]:
+    """Returns the files of the declared packages; none for a package without interfaces."""
+    system, source = _system(model), source_of(model)
+    packages = []
+    for package in declared_packages(model):
+        description = str(package.documentation or f"Interfaces of {system.name}.")
+        files = list(package_files(package, source))
+        packages.append(InterfacesView(system, str(package.name), description, files, source))
+    return _tasks(packages)
+
+
+def tasks(model: Model) -> list[Task]:
+    """Returns the files of the package of messages that no map turns into a ROS type."""
+    return _messages_tasks(model, unmapped_messages(model))
+
+
+def whole_library_tasks(model: Model) -> list[Task]:
+    """Returns the files of the package of all messages of the model's services."""
+    return _messages_tasks(model, all_messages(model))
+
+
+def _messages_tasks(model: Model, chosen: Iterable[jaus.MessageDef]) -> list[Task]:
+    system, source = _system(model), source_of(model)
+    taken = {str(package.name) for package in model.instances(ros.InterfacePackage)}
+    name = package_name(f"{system.name}_jaus_msgs")
+    while name in taken:
+        name += "_2"
+    messages = MessagesPackage(name, source)
+    for message in chosen:
+        messages.add(message)
+    description = f"JAUS messages of {system.name} as ROS messages."
+    return _tasks([InterfacesView(system, name, description, messages.files, source)])
+
+
+def _tasks(packages: Sequence[InterfacesView]) -> list[Task]:
+    packages = [package for package in packages if package.files]
+    files = [file for package in packages for file in package.files]
+    return [
+        FileTask("package.xml.j2", packages, lambda view: f"{view.name}/package.xml"),
+        FileTask("CMakeLists.txt.j2", packages, lambda view: f"{view.name}/CMakeLists.txt"),
+        FileTask("definition.j2", files, lambda file: file.path),
+    ]
+
+
+def _system(model: Model) -> system_language.System:
+    """Returns the system; without one, a system named after the file."""
+    document = model.documents[0]
+    if any(isinstance(root, system_language.System) for root in document.roots):
+        return system_of(model)
+    system: system_language.System = new_object(model.metamodels.classes["system.System"])
+    system.name = PurePath(document.display).stem
+    return system
+
+
+TARGET = Target(
+    name="ros_interfaces",
+    description="A package of ROS messages for the JAUS messages without a map.",
+    tasks=tasks,
+    template_folders=(templates_beside(__file__),),
+    is_on_request=True,
+    needs_system=False,
+    whole_library=WholeLibrary(
+        help="every message of the services that the system uses", tasks=whole_library_tasks
+    ),
+)
+"""JAUS messages as ROS messages, in the package `<system or model file>_jaus_msgs`."""
+
+DECLARED = Target(
+    name="declared_interfaces",
+    description="The packages of ROS interfaces that the model declares.",
+    tasks=declared_tasks,
+    template_folders=(templates_beside(__file__),),
+    needs_system=False,
+)
+"""The interface packages that a model declares in its own file.
+
+Those of files that it refers to are elsewhere: they were imported from what is installed.
+"""
