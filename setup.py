@@ -3,5 +3,10 @@
 from setuptools import find_packages, setup
 
 setup(
-    packages=[*find_packages(include=["jausml", "jausml.*"]), "jausml.metamodels", "jausml.models"]
+    packages=[
+        *find_packages(include=["jausml", "jausml.*"]),
+        *find_packages("generators"),
+        "jausml.metamodels",
+        "jausml.models",
+    ]
 )

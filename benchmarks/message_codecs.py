@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 from figures import rounded
 
 from jausml.generation import render
-from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml.model import read_models
 from jausml.runtime import messages as core_messages
+from jausml_generators.messages.target import TARGET as MESSAGES
 
 if TYPE_CHECKING:
     from scale import Scale

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 from ends import FIRST_BRIDGE, PEER, SINK
 
 from jausml.generation import render
+from jausml.model import read_models
+from jausml.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGES
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.runtime.target import TARGET as RUNTIME
-from jausml.model import read_models
-from jausml.text.notation import NOTATIONS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

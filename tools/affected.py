@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from pathlib import Path
 
-PACKAGE = "jausml"
+PACKAGES = {"jausml": "jausml", "jausml_generators": "generators/jausml_generators"}
+"""Where each package lies in a checkout."""
 FAR = 3
 """Imports beyond which a test file says little about a module."""
 JUDGED = ("metamodels", "models")
@@ -48,12 +49,12 @@ def changed_files(root: Path, base: str = "") -> list[str]:
 
 def affected(root: Path, changed: Iterable[str]) -> list[Path]:
     """Returns the test files that changed files can break, the nearest first."""
-    graph = grimp.build_graph(PACKAGE, cache_dir=None)
+    graph = grimp.build_graph(*PACKAGES, cache_dir=None)
     imports = {module: graph.find_modules_that_directly_import(module) for module in graph.modules}
     names = list(changed)
     modules = _modules(root, names, graph.modules)
     distances = _distances(modules, imports)
-    words = _words(" ".join(modules)) - {PACKAGE}
+    words = _words(" ".join(modules)) - _words(" ".join(PACKAGES))
     folders = {name.partition("/")[0] for name in names}
     ends = [_words("/".join(name.rpartition(".")[0].split("/")[-2:])) for name in names]
     files = {root / name for name in names}
@@ -84,17 +85,19 @@ def _modules(root: Path, changed: list[str], known: set[str]) -> set[str]:
     for name in changed:
         parts = name.removesuffix(".py").removesuffix("/__init__").split("/")
         if parts[0] == "metamodels":
-            found |= {each for each in known if each.startswith(f"{PACKAGE}.metamodel.")}
-        if parts[0] != PACKAGE:
+            found |= {each for each in known if each.startswith("jausml.metamodel.")}
+        home = next((each for each, at in PACKAGES.items() if name.startswith(f"{at}/")), None)
+        if home is None:
             continue
-        module = ".".join(parts)
+        above = len(PACKAGES[home].split("/"))
+        module = ".".join([home, *parts[above:]])
         if module in known:
             found.add(module)
             continue
         folder = (root / name).parent
         while not (folder / "__init__.py").exists() and folder != root:
             folder = folder.parent
-        package = ".".join(folder.relative_to(root).parts)
+        package = ".".join([home, *folder.relative_to(root).parts[above:]])
         found |= {each for each in known if each == package or each.startswith(f"{package}.")}
     return found
 

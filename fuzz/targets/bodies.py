@@ -12,13 +12,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from jausml.generation import FileTask, Target, render
+from jausml.metamodel.classes import jaus
+from jausml.model import Model, read_models
+from jausml.runtime.wire.message import DecodeError, EncodeError, Message
 from jausml_generators.python.codec.message_builder import build_messages
 from jausml_generators.python.codec.message_examples import example_bytes
 from jausml_generators.python.codec.messages import MessagesModule, MessageView
 from jausml_generators.python.package import PACKAGE_TEMPLATES
-from jausml.metamodel.classes import jaus
-from jausml.model import Model, read_models
-from jausml.runtime.wire.message import DecodeError, EncodeError, Message
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

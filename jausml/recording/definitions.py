@@ -9,12 +9,12 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from jausml_generators.ros_interfaces.ros_types import section_of
 from jausml.interfaces import Installation, parse_definition
 from jausml.interfaces.types import is_type_name
 from jausml.metamodel.classes import ros
 from jausml.model.inputs import read_text
 from jausml.semantics.installed import package_of
+from jausml_generators.ros_interfaces.ros_types import section_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

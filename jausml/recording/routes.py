@@ -11,8 +11,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.system import system_of
-from jausml_generators.bridge.views import bridge_views
-from jausml_generators.common.components import own_bridges
 from jausml.metamodel.classes import bridge, system
 from jausml.model.made import made_model
 from jausml.recording.definitions import full_name, modelled_definition
@@ -21,13 +19,15 @@ from jausml.semantics.services import code
 from jausml.semantics.topics import endpoints
 from jausml.semantics.ways import TO_ROS
 from jausml.workers.making import Maker
+from jausml_generators.bridge.views import bridge_views
+from jausml_generators.common.components import own_bridges
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from jausml_generators.bridge.views import BridgeView
     from jausml.metamodel.classes import jaus
     from jausml.model import Model
+    from jausml_generators.bridge.views import BridgeView
 
 Addresses = frozenset[str]
 """JAUS ids; none means that of anybody."""

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.system import system_of
-from jausml_generators.bridge.views import bridge_views
-from jausml_generators.common.components import own_bridges
 from jausml.recording.definitions import full_name
 from jausml.semantics.topics import endpoints, resolve_topic
 from jausml.semantics.ways import MESSAGE, TO_JAUS
+from jausml_generators.bridge.views import bridge_views
+from jausml_generators.common.components import own_bridges
 
 if TYPE_CHECKING:
     from jausml.metamodel.classes import bridge

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-FOLDERS = ("benchmarks", "docs", "jausml", "metamodels", "models", "tests", "tools")
+FOLDERS = ("benchmarks", "docs", "generators", "jausml", "metamodels", "models", "tests", "tools")
 # Pages, and how many places each names at least: a pattern that finds nothing proves nothing.
 PAGES = {
     "CONTRIBUTING.md": 4,

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 from workspaces import packages_of, python_path
 
 from jausml.generation import render
+from jausml.text.notation import NOTATIONS
+from jausml.validation.engine import validate
 from jausml_generators.bridge.target import TARGET
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.runtime.target import TARGET as RUNTIME
-from jausml.text.notation import NOTATIONS
-from jausml.validation.engine import validate
 
 if TYPE_CHECKING:
     from types import ModuleType

@@ -15,12 +15,12 @@ from lxml import etree
 from jausml import wire
 from jausml.generation import FileTask, Target
 from jausml.generation import render as render_targets
+from jausml.metamodel.classes import jaus
+from jausml.model import read_models
 from jausml_generators.python.codec.classes import BitFieldClass, ContainerClass
 from jausml_generators.python.codec.message_builder import build_message_map
 from jausml_generators.python.codec.messages import MessagesModule, MessageView
 from jausml_generators.python.codec.scalars import Tag
-from jausml.metamodel.classes import jaus
-from jausml.model import read_models
 
 if TYPE_CHECKING:
     from types import ModuleType

@@ -13,13 +13,13 @@ from workspaces import python_path
 
 from jausml.generation import InternalError, Kind, render
 from jausml.generation.system import system_of
+from jausml.model import read_models
 from jausml_generators.bridge.checks.ends import Ends
 from jausml_generators.bridge.checks.samples import sample_of
 from jausml_generators.bridge.target import TARGET
 from jausml_generators.bridge.views import BridgeView
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.runtime.target import TARGET as RUNTIME
-from jausml.model import read_models
 
 ROOT = Path(__file__).resolve().parents[2]
 CASE = ROOT / "tests" / "cases" / "bridge_loop" / "model.xmi"

@@ -9,13 +9,13 @@ import pytest
 import yaml
 
 from jausml.generation import render
-from jausml_generators.bringup.target import TARGET as BRINGUP
-from jausml_generators.bringup.views import SETTINGS
 from jausml.metamodel.classes import bridge, ros
 from jausml.model import read_models
 from jausml.runtime.base.settings import TransportSettings
 from jausml.semantics import stops
 from jausml.text.notation import NOTATIONS
+from jausml_generators.bringup.target import TARGET as BRINGUP
+from jausml_generators.bringup.views import SETTINGS
 
 from .node_support import CASES, ROOT, artifacts, model_of, ros_environment, run, write
 

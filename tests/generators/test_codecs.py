@@ -18,9 +18,9 @@ from codec_support import codec, definitions, library, listed_definitions, shipp
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from jausml_generators.python.codec.message_examples import example_bytes
 from jausml.runtime.wire.message import DecodeError, EncodeError
 from jausml.runtime.wire.selection import optional_fields
+from jausml_generators.python.codec.message_examples import example_bytes
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "6"))
 FEW = settings(

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from jausml.generation import render
-from jausml_generators.bridge.target import TARGET
 from jausml.model import read_models
 from jausml.text.notation import NOTATIONS
+from jausml_generators.bridge.target import TARGET
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -7,13 +7,13 @@ import ast
 import pytest
 
 from jausml.generation import render
+from jausml.model import read_models
+from jausml.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.bringup.target import TARGET as BRINGUP
 from jausml_generators.bringup.target import processes
 from jausml_generators.jaus_component.target import TARGET as COMPONENT
 from jausml_generators.messages.target import TARGET as MESSAGES
-from jausml.model import read_models
-from jausml.text.notation import NOTATIONS
 
 VEHICLE = "component vehicle { address: 100.1.1 provides: VelocityStateSensor external: true }\n"
 FRONT = """

@@ -13,14 +13,14 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from jausml_generators.bridge.flat.cdr_writing import CdrWriting
-from jausml_generators.bridge.flat.constants import Constants
-from jausml_generators.bridge.flat.errors import NotFlatError
-from jausml_generators.python.names import Scope
 from jausml.metamodel.classes import ros
 from jausml.model import read_models
 from jausml.runtime.bridge.layouts import CdrLayouts
 from jausml.runtime.wire import EncodeError
+from jausml_generators.bridge.flat.cdr_writing import CdrWriting
+from jausml_generators.bridge.flat.constants import Constants
+from jausml_generators.bridge.flat.errors import NotFlatError
+from jausml_generators.python.names import Scope
 
 LIBRARY = Path(__file__).resolve().parents[2] / "models" / "library" / "ros"
 TYPES = {

@@ -15,6 +15,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from test_codecs import mutations
 
+from jausml.runtime.bridge.layouts import PresenceLayouts
+from jausml.runtime.wire import DecodeError
 from jausml_generators.bridge.flat.constants import Constants
 from jausml_generators.bridge.flat.errors import NotFlatError
 from jausml_generators.bridge.flat.jaus_reading import JausReading
@@ -23,8 +25,6 @@ from jausml_generators.python.codec.compounds import ArrayValue, ListValue, Part
 from jausml_generators.python.codec.message_examples import example_bytes
 from jausml_generators.python.codec.scalars import Bits
 from jausml_generators.python.names import Scope
-from jausml.runtime.bridge.layouts import PresenceLayouts
-from jausml.runtime.wire import DecodeError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator

@@ -9,8 +9,8 @@ import pytest
 from codec_nearness import coded_values
 from codec_support import FieldNames, golden_vectors, library, shipped_sets
 
-from jausml_generators.python.codec.scalars import Bits
 from jausml.runtime.wire.codec import scaled
+from jausml_generators.python.codec.scalars import Bits
 
 VECTORS = [vector for vector in golden_vectors() if vector["set"] in shipped_sets()]
 

@@ -9,8 +9,8 @@ import pytest
 from counting import calls as counted
 
 from jausml.generation import load_targets, render, select
-from jausml_generators.bringup.target import processes
 from jausml.validation.engine import validate
+from jausml_generators.bringup.target import processes
 
 TARGETS = ("bridge", "jaus_component", "messages", "bringup")
 GROWTH = Path(__file__).parents[2] / "benchmarks" / "growth.py"

@@ -15,12 +15,12 @@ from workspaces import python_path
 
 from jausml.generation import render
 from jausml.generation.artifact import Artifact, Kind
+from jausml.model import read_models
+from jausml.runtime import JausComponent
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.jaus_component.target import TARGET
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.runtime.target import TARGET as RUNTIME
-from jausml.model import read_models
-from jausml.runtime import JausComponent
 
 HERE = Path(__file__).parent
 MODEL = HERE / "components.xmi"

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generation import render
-from jausml_generators.bridge.target import TARGET
 from jausml.model import read_models
 from jausml.text.notation import NOTATIONS
+from jausml_generators.bridge.target import TARGET
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -13,11 +13,6 @@ from codec_support import ROOT
 from workspaces import packages_of, python_path
 
 from jausml.generation import render
-from jausml_generators.jaus_component.diagrams import guard_text
-from jausml_generators.jaus_component.machines import COMPONENT_NAMES, STANDARD_GUARDS
-from jausml_generators.jaus_component.target import TARGET
-from jausml_generators.messages.target import TARGET as MESSAGES
-from jausml_generators.runtime.target import TARGET as RUNTIME
 from jausml.languages.guards import parse_guard
 from jausml.model import read_models
 from jausml.runtime.base.address import JausAddress
@@ -25,6 +20,11 @@ from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component.modelled import ModelledComponent
 from jausml.runtime.transports.selecting import create_transport
+from jausml_generators.jaus_component.diagrams import guard_text
+from jausml_generators.jaus_component.machines import COMPONENT_NAMES, STANDARD_GUARDS
+from jausml_generators.jaus_component.target import TARGET
+from jausml_generators.messages.target import TARGET as MESSAGES
+from jausml_generators.runtime.target import TARGET as RUNTIME
 
 MODEL = Path(__file__).parent / "lamp.xmi"
 BASE = "spot/spot/spot_base.py"

@@ -13,12 +13,12 @@ from lxml import etree
 from workspaces import python_path
 
 from jausml.generation import render
+from jausml.model import read_models
 from jausml_generators.bridge.target import TARGET as BRIDGES
 from jausml_generators.jaus_component.target import TARGET as COMPONENTS
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.ros_node.target import TARGET as NODES
 from jausml_generators.runtime.target import TARGET as RUNTIME
-from jausml.model import read_models
 
 from .node_support import CASES, ROOT, model_of, run
 

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml_generators.python import names
 from jausml.model.words import LONGEST
+from jausml_generators.python import names
 
 
 @pytest.mark.parametrize(

@@ -8,9 +8,9 @@ import pytest
 from lxml import etree
 
 from jausml.generation import render
-from jausml_generators.bringup.target import TARGET as BRINGUP
 from jausml.model import read_models
 from jausml.text.notation import NOTATIONS
+from jausml_generators.bringup.target import TARGET as BRINGUP
 
 ROOT = Path(__file__).resolve().parents[2]
 LISTS = ROOT / "tests" / "live" / "waypoint_lists.ros2jaus"

@@ -12,6 +12,7 @@ import pytest
 
 from jausml import generation as gen
 from jausml import runtime
+from jausml.model import read_models
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.bringup.target import TARGET as BRINGUP
 from jausml_generators.common import runtime as public
@@ -19,7 +20,6 @@ from jausml_generators.jaus_component.target import TARGET as COMPONENT
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.ros_node.target import TARGET as ROS_NODE
 from jausml_generators.runtime.target import TARGET as RUNTIME
-from jausml.model import read_models
 
 from .node_support import ROOT, run
 

@@ -11,15 +11,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jausml import generation as gen
+from jausml.model import read_models
+from jausml.runtime.messages import ReportTime, SetTime
+from jausml.runtime.wire import EncodeError, Message, StampedMessage, TimeStamp
 from jausml_generators.bridge.target import TARGET as BRIDGES
 from jausml_generators.jaus_component.target import TARGET as COMPONENTS
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.python.codec.classes import BitFieldClass
 from jausml_generators.python.codec.message_builder import MessageBuilder
 from jausml_generators.ros_node.target import TARGET as NODES
-from jausml.model import read_models
-from jausml.runtime.messages import ReportTime, SetTime
-from jausml.runtime.wire import EncodeError, Message, StampedMessage, TimeStamp
 
 LAYOUT = definitions("core-v1.1")["Time.SetTime"].layout
 STAMP = next(each for each in LAYOUT.body.kind.members if each.name == "TimeStamp")

@@ -13,11 +13,11 @@ from ports import free_port
 from workspaces import python_path
 
 from jausml.generation import render
+from jausml.model import read_models
 from jausml_generators.bringup.target import TARGET as BRINGUP
 from jausml_generators.jaus_component.target import TARGET as COMPONENT
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.runtime.target import TARGET as RUNTIME
-from jausml.model import read_models
 
 pytestmark = pytest.mark.ports
 

@@ -8,10 +8,10 @@ from codec_support import load, render
 from hypothesis import HealthCheck, given, settings
 from jsidl_support import constants, good, record, run, service, type_set, winch
 
-from jausml_generators.python.codec.message_builder import build_messages
 from jausml.model import read_models
 from jausml.model.comparison import compare
 from jausml.model.xmi.writer import write_model
+from jausml_generators.python.codec.message_builder import build_messages
 
 
 def fields(text, *others, types=""):

@@ -26,6 +26,8 @@ from network_hosts import two_hosts
 from workspaces import python_path
 
 from jausml.generation import generate
+from jausml.model import read_models
+from jausml.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.bringup.target import TARGET as BRINGUP
 from jausml_generators.deployment.target import TARGET as DEPLOYMENT
@@ -33,8 +35,6 @@ from jausml_generators.jaus_component.target import TARGET as COMPONENT
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.ros_node.target import TARGET as ROS_NODE
 from jausml_generators.runtime.target import TARGET as RUNTIME
-from jausml.model import read_models
-from jausml.text.notation import NOTATIONS
 
 from .bridge_support import wait_for
 

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from jausml_generators.wireshark.services import library_services
-from jausml_generators.wireshark.views import DissectorView
 from jausml.live.messages import load_catalogue
 from jausml.metamodel.classes import jaus
 from jausml.model import read_models
+from jausml_generators.wireshark.services import library_services
+from jausml_generators.wireshark.views import DissectorView
 
 from .wireshark_bodies import body, matches
 from .wireshark_support import (

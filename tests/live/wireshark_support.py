@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation import render
-from jausml_generators.wireshark.target import TARGET
 from jausml.model import read_models
+from jausml_generators.wireshark.target import TARGET
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence

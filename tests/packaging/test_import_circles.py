@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import grimp
+from sources import PACKAGES
 
 
 def circles():
     """All groups of modules that import each other, directly or through others."""
-    graph = grimp.build_graph("jausml", cache_dir=None)
+    graph = grimp.build_graph(*PACKAGES, cache_dir=None)
+    assert {each.partition(".")[0] for each in graph.modules} == set(PACKAGES)
     found = set()
     for module in graph.modules:
         others = graph.find_upstream_modules(module) & graph.find_downstream_modules(module)

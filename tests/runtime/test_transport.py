@@ -8,7 +8,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from jausml_generators.wireshark.views import NEIGHBOUR_PORTS
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
@@ -17,6 +16,7 @@ from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlag
 from jausml.runtime.transports.udp import judp
 from jausml.runtime.transports.udp.judp import JudpTransport
 from jausml.runtime.transports.udp.shared_port import neighbour_ports
+from jausml_generators.wireshark.views import NEIGHBOUR_PORTS
 
 pytestmark = pytest.mark.ports
 

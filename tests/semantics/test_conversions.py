@@ -7,11 +7,11 @@ import inspect
 import math
 import re
 from datetime import datetime, timezone
-from pathlib import Path
 
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from sources import ROOT, modules_below
 
 from jausml.languages.expressions import parse_expression
 from jausml.metamodel import documentation, load_metamodels
@@ -19,7 +19,6 @@ from jausml.runtime import conversions as runtime
 from jausml.semantics.conversions import CONVERSIONS, ArgumentKind, NoValueError
 from jausml.semantics.conversions.authored import Formula
 
-ROOT = Path(__file__).resolve().parents[2]
 LITERALS = load_metamodels().package_named("bridge").enumerations["ConversionKind"].literals
 CALLED = [each for each in CONVERSIONS.values() if not each.is_in_place]
 BY_NAME = [pytest.param(each, id=each.name) for each in CONVERSIONS.values()]
@@ -99,7 +98,7 @@ AMBIGUOUS = {"scale", "clamp", "limit", "square", "expression", "user", "linear"
 
 def test_no_other_file_lists_names_of_conversions():
     found = {}
-    for path in (ROOT / "jausml").rglob("*.py"):
+    for path in modules_below():
         place = path.relative_to(ROOT)
         if {"runtime", "conversions"} & set(place.parts[:-1]):
             continue

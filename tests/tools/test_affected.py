@@ -19,6 +19,10 @@ FILES = {
     "jausml/shelves.py": "import jausml.books",
     "jausml/alone/__init__.py": "",
     "jausml/alone/templates/page.j2": "",
+    "generators/jausml_generators/__init__.py": "",
+    "generators/jausml_generators/press.py": "from jausml.alone import ink",
+    "generators/jausml_generators/templates/sheet.j2": "",
+    "tests/test_sheets.py": "from jausml_generators import press",
     "tests/conftest.py": "",
     "tests/paper.py": "from jausml import words",
     "tests/test_lines.py": "from jausml.lines import wrap",
@@ -50,7 +54,12 @@ def listed(checkout):
     """Names the test files for changed files, in a process that finds the checkout's package."""
 
     def run(*changed):
-        command = [sys.executable, "-c", f"import sys; sys.path.insert(0, '.'); {LIST}", *changed]
+        command = [
+            sys.executable,
+            "-c",
+            f"import sys; sys.path[:0] = ['.', 'generators']; {LIST}",
+            *changed,
+        ]
         environment = {"PYTHONPATH": str(ROOT / "tools")}
         result = subprocess.run(
             command, cwd=checkout, env=environment, capture_output=True, text=True, timeout=60
@@ -73,11 +82,15 @@ def test_a_changed_test_comes_before_all(listed):
 def test_files_that_tests_import_count_for_them(listed):
     assert listed("tests/paper.py") == ["tests/test_paper.py"]
     assert listed("tools/press.py") == ["tests/tools/test_press.py"]
-    assert len(listed("tests/conftest.py")) == 9
+    assert len(listed("tests/conftest.py")) == 10
 
 
 def test_what_is_no_module_counts_as_its_package(listed):
     assert listed("jausml/alone/templates/page.j2") == ["tests/test_alone.py"]
+
+
+def test_what_is_no_module_of_the_generators_counts_as_its_package(listed):
+    assert listed("generators/jausml_generators/templates/sheet.j2") == ["tests/test_sheets.py"]
 
 
 def test_what_is_loaded_by_name_is_found_by_name(listed):

@@ -13,10 +13,6 @@ from typing import TYPE_CHECKING
 from jausml.generation.docstrings import docstring
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import printable, python_literal, python_string
-from jausml_generators.bridge.connections import ConnectionView
-from jausml_generators.common.components import address_call, search_call
-from jausml_generators.common.ros import ros_type
-from jausml_generators.python.statements import call, tuple_of
 from jausml.metamodel.classes import bridge
 from jausml.semantics.answers import answer_alike
 from jausml.semantics.list_drivers import (
@@ -26,12 +22,16 @@ from jausml.semantics.list_drivers import (
     speed_answer,
 )
 from jausml.semantics.services import code
+from jausml_generators.bridge.connections import ConnectionView
+from jausml_generators.common.components import address_call, search_call
+from jausml_generators.common.ros import ros_type
+from jausml_generators.python.statements import call, tuple_of
 
 if TYPE_CHECKING:
-    from jausml_generators.python.codec.messages import MessageView
     from jausml.metamodel.classes import jaus
     from jausml.semantics.answers import Answer
     from jausml.semantics.list_drivers import DriverMessages
+    from jausml_generators.python.codec.messages import MessageView
 
 
 def carried(owner: bridge.Bridge) -> list[bridge.Connection]:

@@ -7,22 +7,22 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal, python_string
+from jausml.semantics import calls
+from jausml.semantics.commands import is_command
+from jausml.semantics.requests import requested_in
 from jausml_generators.bridge.connections import ConnectionView
 from jausml_generators.bridge.jaus_ends import guard_of, peers_of, priority_of, query_call
 from jausml_generators.common.ros import ros_type
 from jausml_generators.python.guards import condition
 from jausml_generators.python.names import snake_case
 from jausml_generators.python.statements import call
-from jausml.semantics import calls
-from jausml.semantics.commands import is_command
-from jausml.semantics.requests import requested_in
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from jausml.metamodel.classes import bridge, jaus
     from jausml_generators.bridge.translation import TranslatedCall
     from jausml_generators.python.codec.messages import MessageView
-    from jausml.metamodel.classes import bridge, jaus
 
 
 @dataclass(frozen=True)

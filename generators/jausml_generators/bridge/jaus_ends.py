@@ -5,6 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
+from jausml.semantics.commands import needs_control, needs_ready
+from jausml.semantics.services import provided_services, searched_services
+from jausml.semantics.standard_services import standard_services
 from jausml_generators.bridge.topics import list_of
 from jausml_generators.common.components import (
     address_call,
@@ -13,15 +16,12 @@ from jausml_generators.common.components import (
     with_inherited,
 )
 from jausml_generators.python.statements import call
-from jausml.semantics.commands import needs_control, needs_ready
-from jausml.semantics.services import provided_services, searched_services
-from jausml.semantics.standard_services import standard_services
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterable
 
-    from jausml_generators.python.codec.messages import MessageView
     from jausml.metamodel.classes import bridge, jaus
+    from jausml_generators.python.codec.messages import MessageView
 from jausml.semantics.answers import PRESENCE_VECTOR
 
 

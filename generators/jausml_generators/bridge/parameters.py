@@ -10,20 +10,20 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import printable
+from jausml.semantics.freshness import freshness_of
+from jausml.semantics.topics import reliability, resolve_topic
 from jausml_generators.bridge.actions import ActionView
 from jausml_generators.bridge.topics import JoinView
 from jausml_generators.bridge.translation import AssignmentError
 from jausml_generators.bridge.translation.ros_fields import PathError
-from jausml.semantics.freshness import freshness_of
-from jausml.semantics.topics import reliability, resolve_topic
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.metamodel.classes import bridge
     from jausml_generators.bridge.call_views import CallView
     from jausml_generators.bridge.connections import ConnectionView
     from jausml_generators.bridge.views import BridgeView
-    from jausml.metamodel.classes import bridge
 
 
 QUEUE_AGE_LIMIT = 2.0

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal, python_string
+from jausml.semantics.topics import reliability
 from jausml_generators.python.names import snake_case
 from jausml_generators.python.statements import call
-from jausml.semantics.topics import reliability
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -11,6 +11,11 @@ from jausml.generation.artifact import MethodContract, SkeletonContract
 from jausml.generation.languages.python import Imports, offered
 from jausml.generation.literals import python_literal, python_string
 from jausml.generation.system import source_of, system_of
+from jausml.semantics import calls
+from jausml.semantics.installed import package_of
+from jausml.semantics.requests import requested_fields
+from jausml.semantics.unanswered import told_command
+from jausml.semantics.used_maps import used_maps
 from jausml_generators.bridge.actions import (
     ActionView,
     answers_of_driver,
@@ -39,20 +44,15 @@ from jausml_generators.python.codec.message_builder import build_message_map
 from jausml_generators.python.names import class_name, package_name
 from jausml_generators.python.package import EntryPoint, laid_out
 from jausml_generators.python.statements import long_string
-from jausml.semantics import calls
-from jausml.semantics.installed import package_of
-from jausml.semantics.requests import requested_fields
-from jausml.semantics.unanswered import told_command
-from jausml.semantics.used_maps import used_maps
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from jausml_generators.python.codec.messages import MessageView
     from jausml.metamodel.classes import bridge, jaus, ros
     from jausml.metamodel.classes.bridge import Bridge, Connection
     from jausml.metamodel.classes.system import System
     from jausml.model.model import Model
+    from jausml_generators.python.codec.messages import MessageView
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.languages.python import Imports, offered
 from jausml.generation.literals import printable, python_string, yaml_string
+from jausml.metamodel.classes import jaus, ros
+from jausml.semantics.hosts import host_of
 from jausml_generators.bridge.parameters import ParameterLine, parameter_lines
 from jausml_generators.bringup.policies import PolicyView
 from jausml_generators.common.components import (
@@ -17,15 +19,13 @@ from jausml_generators.common.components import (
 from jausml_generators.common.ros import parameter_value
 from jausml_generators.python.names import package_name
 from jausml_generators.python.statements import call
-from jausml.metamodel.classes import jaus, ros
-from jausml.semantics.hosts import host_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from jausml_generators.bridge.views import BridgeView
     from jausml.metamodel.classes.bridge import Bridge
     from jausml.metamodel.classes.system import Host, System
+    from jausml_generators.bridge.views import BridgeView
 
 LAUNCH_IMPORTS = Imports(
     {

@@ -6,8 +6,8 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml_generators.python.names import Scope, class_name
 from jausml.semantics.installed import kind_of, package_of
+from jausml_generators.python.names import Scope, class_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -14,8 +14,8 @@ from jausml_generators.deployment.views import DeploymentView
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from jausml_generators.deployment.views import HostView, UnitView
     from jausml.model.model import Model
+    from jausml_generators.deployment.views import HostView, UnitView
 
 
 def tasks(model: Model) -> list[Task]:

@@ -6,14 +6,14 @@ import ipaddress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from jausml.semantics.topics import resolve_topic
 from jausml_generators.deployment.ports import dds_ports
 from jausml_generators.python.names import package_name
-from jausml.semantics.topics import resolve_topic
 
 if TYPE_CHECKING:
+    from jausml.metamodel.classes.system import System
     from jausml_generators.bringup.views import ProcessView
     from jausml_generators.deployment.network import Deployed
-    from jausml.metamodel.classes.system import System
 
 USER = "jaus"
 """The user that the processes run as; it is no person, and owns nothing."""

@@ -13,8 +13,8 @@ from jausml_generators.python.package import laid_out
 from jausml_generators.python.statements import call
 
 if TYPE_CHECKING:
-    from jausml_generators.python.codec.messages import MessageView
     from jausml.metamodel.classes import jaus
+    from jausml_generators.python.codec.messages import MessageView
 
 GUARD_TEXTS = {
     "ANY": "from whoever sends it",

@@ -7,13 +7,6 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.docstrings import clean, sentence
 from jausml.generation.literals import python_string
-from jausml_generators.common import components
-from jausml_generators.jaus_component.handlers import Method, documented
-from jausml_generators.jaus_component.machine_views import EventView, MachineMethod, MachineView
-from jausml_generators.jaus_component.walks import walks
-from jausml_generators.python import names
-from jausml_generators.python.guards import condition
-from jausml_generators.python.statements import call, tuple_of
 from jausml.languages.guards import (
     AllOf,
     AnyOf,
@@ -26,12 +19,19 @@ from jausml.languages.guards import (
 from jausml.semantics.commands import guard_of
 from jausml.semantics.core_services import SERVED_BY_RUNTIME
 from jausml.semantics.inherited_machines import CORE_STATES, Machine, Node, event_name, machines_of
+from jausml_generators.common import components
+from jausml_generators.jaus_component.handlers import Method, documented
+from jausml_generators.jaus_component.machine_views import EventView, MachineMethod, MachineView
+from jausml_generators.jaus_component.walks import walks
+from jausml_generators.python import names
+from jausml_generators.python.guards import condition
+from jausml_generators.python.statements import call, tuple_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from jausml_generators.python.codec.messages import MessageView
     from jausml.metamodel.classes import jaus
+    from jausml_generators.python.codec.messages import MessageView
 
 STANDARD_GUARDS = {
     "isControllingClient": "is_controlling_client",

@@ -12,6 +12,9 @@ from jausml.generation.docstrings import clean, docstring, sentence
 from jausml.generation.errors import GenerationError
 from jausml.generation.languages.python import Imports, Origin, offered
 from jausml.generation.literals import LINE_WIDTH, python_string
+from jausml.semantics.commands import guard_of
+from jausml.semantics.core_services import SERVED_BY_RUNTIME, is_core_message
+from jausml.semantics.services import provided_services
 from jausml_generators.common import components, runtime
 from jausml_generators.jaus_component import machines
 from jausml_generators.jaus_component.handlers import (
@@ -29,17 +32,14 @@ from jausml_generators.python.codec.message_examples import example_bytes
 from jausml_generators.python.guards import condition, may_set_limits
 from jausml_generators.python.package import EntryPoint
 from jausml_generators.python.statements import long_string
-from jausml.semantics.commands import guard_of
-from jausml.semantics.core_services import SERVED_BY_RUNTIME, is_core_message
-from jausml.semantics.services import provided_services
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml_generators.jaus_component.machine_views import EventView, MachineView
-    from jausml_generators.python.codec.messages import MessageView
     from jausml.metamodel.classes import jaus
     from jausml.metamodel.classes.system import System
+    from jausml_generators.jaus_component.machine_views import EventView, MachineView
+    from jausml_generators.python.codec.messages import MessageView
 
 _MARGIN = " " * 4
 _LONGEST_EXAMPLE = 16_384  # bytes

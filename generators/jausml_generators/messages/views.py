@@ -19,9 +19,9 @@ from jausml_generators.python.names import Scope, package_name, snake_case
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from jausml_generators.python.codec.messages import MessageView
     from jausml.metamodel.classes import jaus
     from jausml.metamodel.classes.system import System
+    from jausml_generators.python.codec.messages import MessageView
 
 
 class User(Protocol):

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from jausml import wire
 from jausml.generation.errors import GenerationError
+from jausml.interfaces.definitions import BOUNDED, FIXED, SINGLE, UNBOUNDED, FieldType
 from jausml_generators.python import names as common_names
 from jausml_generators.ros_interfaces.definitions import (
     ConstantLine,
@@ -20,7 +21,6 @@ from jausml_generators.ros_interfaces.definitions import (
 )
 from jausml_generators.ros_interfaces.names import constant_name, field_name, type_name
 from jausml_generators.ros_interfaces.ros_types import described
-from jausml.interfaces.definitions import BOUNDED, FIXED, SINGLE, UNBOUNDED, FieldType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

@@ -5,8 +5,8 @@ from __future__ import annotations
 import keyword
 import re
 
-from jausml_generators.python import names
 from jausml.model import words
+from jausml_generators.python import names
 
 # Words of C and C++ that a struct's member cannot have; those of Python come from `keyword`.
 _RESERVED = frozenset(

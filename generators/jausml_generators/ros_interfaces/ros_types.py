@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from jausml.interfaces.definitions import FieldType
+from jausml.metamodel.classes import ros
+from jausml.semantics.installed import kind_of, package_of, parts_of
 from jausml_generators.ros_interfaces.definitions import (
     ConstantLine,
     DefinitionFile,
     DefinitionSection,
     FieldLine,
 )
-from jausml.interfaces.definitions import FieldType
-from jausml.metamodel.classes import ros
-from jausml.semantics.installed import kind_of, package_of, parts_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

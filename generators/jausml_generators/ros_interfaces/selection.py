@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml_generators.common.components import with_inherited
 from jausml.metamodel.classes import bridge, jaus, ros
 from jausml.semantics import calls
 from jausml.semantics.core_services import CORE
+from jausml_generators.common.components import with_inherited
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING
 from jausml.generation.system import source_of, system_of
 from jausml.generation.target import Target, WholeLibrary
 from jausml.generation.tasks import FileTask, Task, templates_beside
+from jausml.metamodel.classes import jaus, ros
+from jausml.metamodel.classes import system as system_language
+from jausml.metamodel.filling import new_object
 from jausml_generators.python.names import package_name
 from jausml_generators.ros_interfaces.jaus_types import MessagesPackage
 from jausml_generators.ros_interfaces.ros_types import package_files
@@ -17,9 +20,6 @@ from jausml_generators.ros_interfaces.selection import (
     unmapped_messages,
 )
 from jausml_generators.ros_interfaces.views import InterfacesView
-from jausml.metamodel.classes import jaus, ros
-from jausml.metamodel.classes import system as system_language
-from jausml.metamodel.filling import new_object
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

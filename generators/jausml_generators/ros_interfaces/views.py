@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml_generators.ros_interfaces.definitions import DefinitionFile
     from jausml.metamodel.classes.system import System
+    from jausml_generators.ros_interfaces.definitions import DefinitionFile
 
 
 class InterfacesView:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generation.system import system_of
-from jausml_generators.common.components import with_inherited
 from jausml.metamodel.classes import jaus
 from jausml.model import library_root, read_models
 from jausml.semantics import calls
 from jausml.semantics.core_services import CORE
 from jausml.semantics.standard_services import NEWEST_SET
+from jausml_generators.common.components import with_inherited
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from jausml import wire
 from jausml.generation.literals import printable
-from jausml_generators.python.names import Scope
 from jausml.model import words
+from jausml_generators.python.names import Scope
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

@@ -13,9 +13,9 @@ from jausml_generators.wireshark.tables import TableBuilder, label
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from jausml_generators.wireshark.tables import Table
     from jausml.metamodel.classes import jaus
     from jausml.metamodel.classes.system import System
+    from jausml_generators.wireshark.tables import Table
 
 JAUS_PORT = 3794
 NEIGHBOUR_PORTS = range(53794, 53826)

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any
 from workspaces import packages_of
 
 from jausml.generation import render
-from jausml_generators.bridge.target import TARGET as BRIDGE
-from jausml_generators.messages.target import TARGET as MESSAGES
-from jausml_generators.runtime.target import TARGET as RUNTIME
 from jausml.metamodel.classes import bridge, ros
 from jausml.model import read_models
 from jausml.text.notation import NOTATIONS
 from jausml.validation.engine import check
+from jausml_generators.bridge.target import TARGET as BRIDGE
+from jausml_generators.messages.target import TARGET as MESSAGES
+from jausml_generators.runtime.target import TARGET as RUNTIME
 
 if TYPE_CHECKING:
     from jausml.model.reading.reader import ReadResult

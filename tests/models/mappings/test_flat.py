@@ -28,9 +28,9 @@ from mapping_support import (
     ready_maps,
 )
 
+from jausml.metamodel.classes import bridge as bridge_classes
 from jausml_generators.bridge.views import BridgeView
 from jausml_generators.python.codec.message_builder import build_message_map
-from jausml.metamodel.classes import bridge as bridge_classes
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -13,11 +13,11 @@ import pytest
 from workspaces import python_path
 
 from jausml.generation import render
+from jausml.model import read_models
+from jausml.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.runtime.target import TARGET as RUNTIME
-from jausml.model import read_models
-from jausml.text.notation import NOTATIONS
 
 MODEL = Path(__file__).resolve().parents[2] / "live" / "stops.ros2jaus"
 SCALE = 100.0

@@ -6,6 +6,9 @@ import functools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from jausml.metamodel.classes import bridge, ros
+from jausml.semantics.paths import source_paths
+from jausml.semantics.used_maps import used_maps
 from jausml_generators.bridge.checks.check import store
 from jausml_generators.bridge.checks.figures import NO_STEP, Chain, quantities_of
 from jausml_generators.bridge.checks.filling import PRESENT, JausMessage, RosMessage
@@ -13,9 +16,6 @@ from jausml_generators.bridge.checks.overlaps import Paths
 from jausml_generators.bridge.report_joins import ReportJoinView
 from jausml_generators.bridge.translation.expressions import TEXT
 from jausml_generators.python.statements import call
-from jausml.metamodel.classes import bridge, ros
-from jausml.semantics.paths import source_paths
-from jausml.semantics.used_maps import used_maps
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence

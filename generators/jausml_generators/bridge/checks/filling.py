@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 from jausml.generation.literals import python_literal
+from jausml.semantics.jaus_paths import JausPlace, message_place
 from jausml_generators.bridge.checks.check import store
 from jausml_generators.bridge.translation.body import conditions
 from jausml_generators.bridge.translation.expressions import BOOLEAN, INTEGER, REAL, TEXT
@@ -21,17 +22,16 @@ from jausml_generators.bridge.translation.values import ros_kind
 from jausml_generators.python.codec.jaus_fields import JausStart, jaus_field
 from jausml_generators.python.names import snake_case
 from jausml_generators.python.statements import call
-from jausml.semantics.jaus_paths import JausPlace, message_place
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from jausml.metamodel.classes import jaus, ros
     from jausml_generators.bridge.translation import places
     from jausml_generators.bridge.translation.expressions import Expression
     from jausml_generators.bridge.translation.ros_fields import RosField
     from jausml_generators.python.codec.jaus_fields import JausField
     from jausml_generators.python.codec.messages import MessageView
-    from jausml.metamodel.classes import jaus, ros
 
 _ELEMENT = re.compile(r"(?P<list>.*)\[(?P<index>[0-9]+)\]")
 # A shorter last step, such as x, says little alone.

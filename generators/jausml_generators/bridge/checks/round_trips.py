@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal
+from jausml.semantics.conversions.conversion import QUATERNION
 from jausml_generators.bridge.checks.assertions import is_there
 from jausml_generators.bridge.checks.check import Check, store, tidy
 from jausml_generators.bridge.checks.filling import Code, JausMessage, short_name
@@ -16,16 +17,15 @@ from jausml_generators.bridge.translation.expressions import INTEGER, REAL
 from jausml_generators.bridge.translation.ros_fields import ros_field
 from jausml_generators.python.names import Scope
 from jausml_generators.python.statements import call
-from jausml.semantics.conversions.conversion import QUATERNION
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from jausml.metamodel.classes import bridge
     from jausml_generators.bridge.checks.ends import Ends
     from jausml_generators.bridge.checks.figures import Chain
     from jausml_generators.bridge.checks.filling import Place
     from jausml_generators.bridge.checks.samples import Sample
-    from jausml.metamodel.classes import bridge
 
 _EXAMPLES = 50
 # Near the vertical, roll and yaw turn about the same axis and cannot be told apart.

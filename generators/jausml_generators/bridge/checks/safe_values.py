@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml_generators.bridge.checks.check import Check, equals, store
-from jausml_generators.bridge.checks.filling import Code, ValueTextError
 from jausml.metamodel.classes import bridge
 from jausml.semantics.paths import target_paths
 from jausml.semantics.stops import stop_assignments
+from jausml_generators.bridge.checks.check import Check, equals, store
+from jausml_generators.bridge.checks.filling import Code, ValueTextError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

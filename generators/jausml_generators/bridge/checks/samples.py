@@ -11,6 +11,10 @@ from dataclasses import dataclass, field
 from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any
 
+from jausml.semantics import attributes
+from jausml.semantics.conversions import NoValueError, conversion
+from jausml.semantics.conversions.authored import LookUp
+from jausml.semantics.conversions.orientations import orientation
 from jausml_generators.bridge.checks.filling import PRESENT, Place, Scalar, ValueTextError
 from jausml_generators.bridge.translation.expressions import (
     BITS,
@@ -21,10 +25,6 @@ from jausml_generators.bridge.translation.expressions import (
     TIME,
 )
 from jausml_generators.bridge.translation.ros_fields import PathError
-from jausml.semantics import attributes
-from jausml.semantics.conversions import NoValueError, conversion
-from jausml.semantics.conversions.authored import LookUp
-from jausml.semantics.conversions.orientations import orientation
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

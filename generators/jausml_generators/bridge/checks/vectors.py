@@ -14,9 +14,9 @@ from jausml_generators.python.names import snake_case
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.metamodel.classes import bridge
     from jausml_generators.bridge.checks.ends import Ends
     from jausml_generators.bridge.checks.filling import Message
-    from jausml.metamodel.classes import bridge
 
 ABSENT = "absent"
 # Rounding of the sums that turn integers of the wire into values.

@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
-from jausml_generators.bridge.flat.errors import NotFlatError
 from jausml.metamodel.classes import ros
+from jausml_generators.bridge.flat.errors import NotFlatError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

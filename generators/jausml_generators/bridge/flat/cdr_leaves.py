@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.generation.literals import python_literal
+from jausml.metamodel.classes import ros
 from jausml_generators.bridge.flat.cdr_layout import LETTERS
 from jausml_generators.bridge.flat.errors import NotFlatError
-from jausml.metamodel.classes import ros
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

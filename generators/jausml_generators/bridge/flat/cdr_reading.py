@@ -30,9 +30,9 @@ from jausml_generators.python.statements import call, tuple_of
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from jausml.metamodel.classes import ros
     from jausml_generators.bridge.flat.constants import Constants
     from jausml_generators.python.names import Scope
-    from jausml.metamodel.classes import ros
 
 
 _STEP = " " * 4

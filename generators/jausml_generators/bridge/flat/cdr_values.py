@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_string
+from jausml.metamodel.classes import ros
 from jausml_generators.bridge.flat.cdr_chunks import SIZES
 from jausml_generators.bridge.flat.cdr_leaves import (
     ManyLeaf,
@@ -22,7 +23,6 @@ from jausml_generators.bridge.flat.protocols import Given, Numbers, Place, Targe
 from jausml_generators.bridge.flat.vectors import NUMBERS
 from jausml_generators.python.names import snake_case
 from jausml_generators.python.statements import call, tuple_of
-from jausml.metamodel.classes import ros
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

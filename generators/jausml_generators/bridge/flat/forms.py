@@ -21,12 +21,12 @@ from jausml_generators.python.names import Scope, names_in
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from jausml.metamodel.classes import bridge, jaus
     from jausml_generators.bridge.flat.constants import Constants
     from jausml_generators.bridge.flat.expressions import SourceValues
     from jausml_generators.bridge.flat.protocols import Reading, Writing
     from jausml_generators.bridge.translation import Translated
     from jausml_generators.python.codec.messages import MessageView
-    from jausml.metamodel.classes import bridge, jaus
 
 _ATTRIBUTE = re.compile(r"\bself\.(\w+)")
 # What the functions of the module use besides their own variables.

@@ -6,6 +6,8 @@ import ast
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from jausml.semantics.attributes import TIME_STAMP
+from jausml.semantics.conversions import CONVERSIONS
 from jausml_generators.bridge.flat.errors import NotFlatError
 from jausml_generators.bridge.flat.expressions import (
     Names,
@@ -17,8 +19,6 @@ from jausml_generators.bridge.flat.expressions import (
 from jausml_generators.bridge.flat.limits import limit_call
 from jausml_generators.bridge.flat.texts import text_of
 from jausml_generators.python.names import snake_case
-from jausml.semantics.attributes import TIME_STAMP
-from jausml.semantics.conversions import CONVERSIONS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence

@@ -18,9 +18,9 @@ from jausml_generators.python.statements import call, tuple_of
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from jausml.metamodel.classes import ros
     from jausml_generators.bridge.light.layout import FieldLayout, Sizes
     from jausml_generators.bridge.light.runs import Runs
-    from jausml.metamodel.classes import ros
 
 _OWN_CONSTANTS = frozenset({"LAYOUT", "LEAST", "NESTED", "TYPE"})
 _OWN_ATTRIBUTES = frozenset({"from_cdr", "self", "to_cdr"})

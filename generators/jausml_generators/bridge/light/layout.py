@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.errors import GenerationError
-from jausml_generators.bridge.translation.ros_fields import full_name
 from jausml.metamodel.classes import ros
+from jausml_generators.bridge.translation.ros_fields import full_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -16,8 +16,8 @@ from jausml_generators.python.names import snake_case
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from jausml_generators.bridge.ros_classes import RosClasses
     from jausml.metamodel.classes import ros
+    from jausml_generators.bridge.ros_classes import RosClasses
 
 _TAKEN = ("ClassVar", "Layout", "LightMessage")
 

@@ -11,9 +11,9 @@ from jausml_generators.python.statements import call
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from jausml.metamodel.classes import ros
     from jausml_generators.bridge.light.layout import FieldLayout, Sizes
     from jausml_generators.bridge.light.runs import Runs
-    from jausml.metamodel.classes import ros
 
 _OWN_NAMES = frozenset({"append", "cdr_", "len", "offset", "run", "self"})
 

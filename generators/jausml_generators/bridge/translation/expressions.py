@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
-    from jausml_generators.bridge.translation.places import Condition, Place
     from jausml.languages import expressions as authored
+    from jausml_generators.bridge.translation.places import Condition, Place
 
 REAL, INTEGER, BOOLEAN, TEXT, OCTETS = "real", "integer", "boolean", "text", "octets"
 BITS, LIST, FORMAT, OTHER = "bits", "list", "format", "other"

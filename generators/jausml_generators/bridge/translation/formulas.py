@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from jausml.languages.expressions import Call, Conditional, Operation, Variable, operands_of
 from jausml_generators.python.expressions import python_condition, python_expression
 from jausml_generators.python.statements import Assign, If
-from jausml.languages.expressions import Call, Conditional, Operation, Variable, operands_of
 
 if TYPE_CHECKING:
+    from jausml.languages.expressions import Expression
     from jausml_generators.python.names import Scope
     from jausml_generators.python.statements import Statement
-    from jausml.languages.expressions import Expression
 
 # Characters of an expression that is read at a glance.
 _LONG = 72

@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.literals import python_string
+from jausml.semantics.conversions import conversion_of
+from jausml.semantics.conversions.authored import User
 from jausml_generators.bridge.translation.expressions import (
     INTEGER,
     LIST,
@@ -21,16 +23,14 @@ from jausml_generators.bridge.translation.places import AsLongAs, Local, Place, 
 from jausml_generators.bridge.translation.sources import COUNT, INDEX, Counters
 from jausml_generators.bridge.translation.steps import Each, Require, Write, gives
 from jausml_generators.bridge.translation.values import NO_POLICY, AssignmentError
-from jausml.semantics.conversions import conversion_of
-from jausml.semantics.conversions.authored import User
 
 if TYPE_CHECKING:
+    from jausml.metamodel.classes import bridge
     from jausml_generators.bridge.translation.expressions import Expression
     from jausml_generators.bridge.translation.places import Way
     from jausml_generators.bridge.translation.sources import Many
     from jausml_generators.bridge.translation.targets import ManyTarget
     from jausml_generators.bridge.translation.translation import Translation
-    from jausml.metamodel.classes import bridge
 
 
 def add_list(translation: Translation, assignment: bridge.ListAssignment) -> None:

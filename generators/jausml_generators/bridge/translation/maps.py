@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import printable
+from jausml.metamodel.classes import bridge, ros
+from jausml.semantics.stops import stop_assignments
 from jausml_generators.bridge.translation.body import Body
 from jausml_generators.bridge.translation.expressions import New
 from jausml_generators.bridge.translation.lists import add_list
@@ -20,8 +22,6 @@ from jausml_generators.bridge.translation.translation import Translation, paths_
 from jausml_generators.python.codec.jaus_fields import JausStart
 from jausml_generators.python.guards import CURRENT_COMMAND, may_set_limits
 from jausml_generators.python.names import snake_case
-from jausml.metamodel.classes import bridge, ros
-from jausml.semantics.stops import stop_assignments
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -17,9 +17,9 @@ from jausml_generators.bridge.translation.steps import Require
 from jausml_generators.bridge.translation.values import NO_POLICY
 
 if TYPE_CHECKING:
+    from jausml.metamodel.classes import bridge
     from jausml_generators.bridge.translation.translation import Translation
     from jausml_generators.bridge.translation.values import Value
-    from jausml.metamodel.classes import bridge
 
 
 def add_message(translation: Translation, assignment: bridge.MessageAssignment) -> None:

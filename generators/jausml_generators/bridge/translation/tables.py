@@ -17,8 +17,8 @@ from jausml_generators.bridge.translation.values import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml_generators.bridge.translation.values import Value
     from jausml.metamodel.classes import bridge
+    from jausml_generators.bridge.translation.values import Value
 
 
 @dataclass(frozen=True)

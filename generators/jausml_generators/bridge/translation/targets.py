@@ -44,11 +44,11 @@ from jausml_generators.python.codec.jaus_fields import JausStart, default_of, ja
 from jausml_generators.python.codec.scalars import Bits, Blob, Fixed
 
 if TYPE_CHECKING:
+    from jausml.metamodel.classes import ros
     from jausml_generators.bridge.translation.body import Body
     from jausml_generators.bridge.translation.ros_fields import RosField
     from jausml_generators.python.codec.jaus_fields import JausField
     from jausml_generators.python.codec.messages import MessageView
-    from jausml.metamodel.classes import ros
 
 _TIMESTAMP = ("milliseconds", "seconds", "minutes", "hour", "day")
 _ZEROS: dict[str, Scalar] = {REAL: 0.0, INTEGER: 0, BOOLEAN: False, TEXT: "", OCTETS: b""}

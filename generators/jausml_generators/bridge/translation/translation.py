@@ -6,6 +6,11 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from jausml.metamodel.classes import bridge
+from jausml.semantics.conversions import UnitEffect, conversion_of
+from jausml.semantics.conversions.times import TimeToTimestamp
+from jausml.semantics.paths import place
+from jausml.semantics.units import attribute_measure, result_measure
 from jausml_generators.bridge.translation.body import conditions
 from jausml_generators.bridge.translation.conversions import Chain
 from jausml_generators.bridge.translation.expressions import (
@@ -29,11 +34,6 @@ from jausml_generators.bridge.translation.values import (
     constant,
 )
 from jausml_generators.python.names import snake_case
-from jausml.metamodel.classes import bridge
-from jausml.semantics.conversions import UnitEffect, conversion_of
-from jausml.semantics.conversions.times import TimeToTimestamp
-from jausml.semantics.paths import place
-from jausml.semantics.units import attribute_measure, result_measure
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
