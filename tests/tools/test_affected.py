@@ -20,7 +20,7 @@ FILES = {
     "jausml/alone/__init__.py": "",
     "jausml/alone/templates/page.j2": "",
     "generators/jausml_generators/__init__.py": "",
-    "generators/jausml_generators/press.py": "from jausml.alone import ink",
+    "generators/jausml_generators/press.py": "",
     "generators/jausml_generators/templates/sheet.j2": "",
     "tests/test_sheets.py": "from jausml_generators import press",
     "tests/conftest.py": "",
