@@ -77,8 +77,8 @@ def runtime_constants() -> RuntimeConstants:
         check_interval=definitions.default("ComponentSettings", "check_interval"),
         watch_interval=definitions.default("ComponentSettings", "watch_interval"),
         renewals=int(_File("clients/controlled_target.py").value("RENEWALS")),
-        queue_age_limit=_File("bridge/parameters.py").value("QUEUE_AGE_LIMIT"),
-        least_depth=int(_File("bridge/ros_profiles.py").value("LEAST_DEPTH")),
+        queue_age_limit=_File("bridge/ends/parameters.py").value("QUEUE_AGE_LIMIT"),
+        least_depth=int(_File("bridge/ros/profiles.py").value("LEAST_DEPTH")),
     )
 
 

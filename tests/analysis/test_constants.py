@@ -6,7 +6,7 @@ import pytest
 
 from jausml.analysis.constants import runtime_constants
 from jausml.runtime.base.settings import MAX_FRAGMENT_SIZE, TransportSettings
-from jausml.runtime.bridge.parameters import QUEUE_AGE_LIMIT
+from jausml.runtime.bridge.ends.parameters import QUEUE_AGE_LIMIT
 from jausml.runtime.clients.controlled_target import RENEWALS
 from jausml.runtime.clients.event_client import EVENT_HEADER
 from jausml.runtime.services.definitions import MAX_EVENT_RATE, ComponentSettings
@@ -36,5 +36,5 @@ def test_constants_are_those_of_the_runtime():
 
 
 def test_the_least_depth_is_that_of_the_ros_side():
-    profiles = pytest.importorskip("jausml.runtime.bridge.ros_profiles")
+    profiles = pytest.importorskip("jausml.runtime.bridge.ros.profiles")
     assert runtime_constants().least_depth == profiles.LEAST_DEPTH

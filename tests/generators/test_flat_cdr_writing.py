@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from jausml.metamodel.classes import ros
 from jausml.model import read_models
-from jausml.runtime.bridge.layouts import CdrLayouts
+from jausml.runtime.bridge.messages.layouts import CdrLayouts
 from jausml.runtime.wire import EncodeError
 from jausml_generators.bridge.flat.cdr_writing import CdrWriting
 from jausml_generators.bridge.flat.constants import Constants

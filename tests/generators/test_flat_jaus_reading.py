@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from test_codecs import mutations
 
-from jausml.runtime.bridge.layouts import PresenceLayouts
+from jausml.runtime.bridge.messages.layouts import PresenceLayouts
 from jausml.runtime.wire import DecodeError
 from jausml_generators.bridge.flat.constants import Constants
 from jausml_generators.bridge.flat.errors import NotFlatError

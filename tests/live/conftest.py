@@ -38,7 +38,7 @@ def loop():
 @pytest.fixture
 def node(peer, loop, waiting):
     """Makes ROS sides of bridges, which end with the test."""
-    from jausml.runtime.bridge.ros import RosNode
+    from jausml.runtime.bridge.ros.node import RosNode
 
     del peer  # it sets the domain
     nodes = []

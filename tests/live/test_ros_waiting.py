@@ -13,11 +13,11 @@ import pytest
 pytest.importorskip("rclpy")
 
 from jausml.runtime.base.loop import Loop
-from jausml.runtime.bridge import ros_internals, ros_listener
-from jausml.runtime.bridge.errors import RosLostError
-from jausml.runtime.bridge.parameters import ParameterError
-from jausml.runtime.bridge.ros_taking import AT_ONCE
-from jausml.runtime.bridge.topics import Qos, Topic, TopicCounts
+from jausml.runtime.bridge.ros import internals as ros_internals, listener as ros_listener
+from jausml.runtime.bridge.messages.errors import RosLostError
+from jausml.runtime.bridge.ends.parameters import ParameterError
+from jausml.runtime.bridge.ros.taking import AT_ONCE
+from jausml.runtime.bridge.ends.topics import Qos, Topic, TopicCounts
 
 from .bridge_support import wait_for
 
@@ -196,7 +196,7 @@ def test_nothing_is_called_missed_that_another_publisher_explains(node, peer, to
 
 @pytest.mark.parametrize("waiting", ["listener"], indirect=True)
 def test_a_turn_takes_so_many_messages_and_no_more(peer, waiting, topic):
-    from jausml.runtime.bridge.ros import RosNode
+    from jausml.runtime.bridge.ros.node import RosNode
 
     with Loop() as loop:
         tested = RosNode("tested", "", None, waiting)
@@ -354,7 +354,7 @@ def test_it_ends_in_any_order_and_nobody_writes_to_its_descriptors(
 ):
     from std_msgs.msg import Float64
 
-    from jausml.runtime.bridge.ros import RosNode
+    from jausml.runtime.bridge.ros.node import RosNode
 
     before = eventfds()
     with Loop() as loop:
@@ -398,7 +398,7 @@ def eventfds():
 
 
 def made(name, **options):
-    from jausml.runtime.bridge.ros import RosNode
+    from jausml.runtime.bridge.ros.node import RosNode
 
     return RosNode(name, "", None, **options)
 

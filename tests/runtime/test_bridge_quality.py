@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime.bridge.quality import Conflict, conflicts
-from jausml.runtime.bridge.topics import Qos
+from jausml.runtime.bridge.ends.quality import Conflict, conflicts
+from jausml.runtime.bridge.ends.topics import Qos
 
 
 @pytest.mark.parametrize(

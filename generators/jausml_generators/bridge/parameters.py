@@ -1,6 +1,6 @@
 """Parameters of a bridge as its parameter file lists them: what the runtime declares, in words.
 
-The runtime declares them (`runtime/bridge/parameters.py`); tests compare both.
+The runtime declares them (`runtime/bridge/ends/parameters.py`); tests compare both.
 """
 
 from __future__ import annotations

@@ -93,7 +93,7 @@ def _topics(node: Any) -> list[GraphTopic]:
 
 
 def _ends(infos: Iterable[Any], own: Any) -> tuple[GraphEnd, ...]:
-    from jausml.runtime.bridge.ros_profiles import qos_of  # noqa: PLC0415
+    from jausml.runtime.bridge.ros.profiles import qos_of  # noqa: PLC0415
 
     found = []
     for each in infos:

@@ -22,13 +22,13 @@ from ..component.component import JausComponent
 from ..conversions import Time
 from ..services.definitions import Guard, Status
 from ..services.management import PASSIVE
-from . import parameters
+from .ends import parameters
 from .diagnosing import Diagnosing
-from .list_driver import ListDriver
-from .sharing import SharedMessages, SharedTopics
-from .simulation import Simulation
-from .stops import Standing, StopReason
-from .transcoding import Form
+from .ends.list_driver import ListDriver
+from .connections.sharing import SharedMessages, SharedTopics
+from .ends.simulation import Simulation
+from .reports.stops import Standing, StopReason
+from .connections.transcoding import Form
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -40,13 +40,13 @@ if TYPE_CHECKING:
     from ..services.element_list import ListElement
     from ..transports.transport import Transport
     from ..wire.message import Message
-    from .by_sender import Taker
-    from .carried import Carried
-    from .ends import Feed, ReportHolder, RosPublisher, RosSide
-    from .list_driver import ListMessages
-    from .parameters import AttributeParameter
-    from .settings import BridgeSettings
-    from .topics import Topic
+    from .ends.by_sender import Taker
+    from .connections.carried import Carried
+    from .ends.ends import Feed, ReportHolder, RosPublisher, RosSide
+    from .ends.list_driver import ListMessages
+    from .ends.parameters import AttributeParameter
+    from .ends.settings import BridgeSettings
+    from .ends.topics import Topic
 
 
 class Bridge:

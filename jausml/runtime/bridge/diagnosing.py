@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol
 
-from .accounting import Accounting
-from .diagnostic_array import DiagnosticArray
-from .diagnostics import (
+from .reports.accounting import Accounting
+from .reports.diagnostic_array import DiagnosticArray
+from .reports.diagnostics import (
     double_status,
     greeting_status,
     guardian_status,
@@ -14,16 +14,16 @@ from .diagnostics import (
     state_status,
     traffic_status,
 )
-from .ends import Ends
+from .ends.ends import Ends
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from ..base.loop import Loop, Timer
-    from .carried import Carried
-    from .diagnostics import ConnectionStatus
-    from .simulation import Simulation
-    from .stops import Standing
+    from .connections.carried import Carried
+    from .reports.diagnostics import ConnectionStatus
+    from .ends.simulation import Simulation
+    from .reports.stops import Standing
 
 _JAUS_AREAS = frozenset(["component", "judp", "jtcp", "transport"])
 _UNKNOWN = "component.unknown_message"

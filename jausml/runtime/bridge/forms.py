@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ..base.errors import JausError
 from ..wire.message import DecodeError, EncodeError
-from .errors import RosTypeError
+from .messages.errors import RosTypeError
 from .light_message import LightMessage
-from .transcoding import transcoder_of, uses_ros_classes
+from .connections.transcoding import transcoder_of, uses_ros_classes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from .bridge import Bridge
-    from .connection import AnyConnection
+    from .connections.connection import AnyConnection
 
 
 CODE_SIZE = 2
@@ -147,7 +147,7 @@ def _differing_from_rclpy(message: Any) -> list[str]:
     if not isinstance(message, LightMessage):
         return []
     try:
-        from .ros_codec import Codec  # noqa: PLC0415 - there are tests without ROS
+        from .ros.codec import Codec  # noqa: PLC0415 - there are tests without ROS
 
         codec = Codec(type(message))
     except (ImportError, RosTypeError):

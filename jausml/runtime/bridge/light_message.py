@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, TypeGuard, TypeVar
 
 from ..wire.message import DecodeError, EncodeError
-from . import cdr
-from .errors import RosTypeError
+from .messages import cdr
+from .messages.errors import RosTypeError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from ..transports.transport import Transport
     from .bridge import Bridge
-    from .ends import RosSide
+    from .ends.ends import RosSide
 
 
 class ReleasableRosSide(Protocol):

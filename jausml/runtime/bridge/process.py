@@ -24,12 +24,12 @@ from ..component.process import (
     running_transport,
 )
 from ..guardian.ward import Ward
-from . import parameters
+from .ends import parameters
 from .collection import QuietCollection, without_collection
-from .errors import RosLostError, RosTypeError
-from .guarding import ros_of
+from .messages.errors import RosLostError, RosTypeError
+from .ends.guarding import ros_of
 from .managed import ManagedBridge
-from .parameters import ParameterError
+from .ends.parameters import ParameterError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -37,8 +37,8 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from ..base.settings import TransportSettings
     from .bridge import Bridge
-    from .ros import RosNode
-    from .settings import BridgeSettings
+    from .ros.node import RosNode
+    from .ends.settings import BridgeSettings
 
 
 def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
@@ -57,8 +57,8 @@ def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
         SystemExit: The command line is wrong (code 2) or asks for help (code 0).
     """
     # Components that are no bridges, and their computers, need no ROS.
-    from .ros import RosNode  # noqa: PLC0415
-    from .ros_spin import without_ros_arguments  # noqa: PLC0415
+    from .ros.node import RosNode  # noqa: PLC0415
+    from .ros.spin import without_ros_arguments  # noqa: PLC0415
 
     line = sys.argv[1:] if arguments is None else list(arguments)
     try:
@@ -109,7 +109,7 @@ def run_node(factory: Callable[[], object], arguments: Sequence[str] | None = No
     Returns:
         The exit code: 0, or 2 when a parameter has a value with which the node cannot be made.
     """
-    from .ros_spin import spin  # noqa: PLC0415
+    from .ros.spin import spin  # noqa: PLC0415
 
     try:
         spin(factory, arguments)

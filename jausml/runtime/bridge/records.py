@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy
 
-from .layouts import CdrRows, PresenceLayouts
+from .messages.layouts import CdrRows, PresenceLayouts
 
 if TYPE_CHECKING:
     Rows: TypeAlias = Any

@@ -6,9 +6,9 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from ..bridge.errors import RosTypeError
-from ..bridge.parameters import ParameterError, nearest
-from ..bridge.topics import Topic
+from ..bridge.messages.errors import RosTypeError
+from ..bridge.ends.parameters import ParameterError, nearest
+from ..bridge.ends.topics import Topic
 from ..conversions import Time
 from .graph import GraphSubscription, type_name
 
@@ -16,12 +16,12 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from ..base.loop import Loop
-    from ..bridge.actions import ActionClient, GoalTaker, ListAction
-    from ..bridge.ends import RosCodec, RosPublisher
-    from ..bridge.parameter import Parameter
-    from ..bridge.quality import EndpointHealth, TopicFault
-    from ..bridge.service_client import RosService, ServiceClient
-    from ..bridge.topics import TopicCounts
+    from ..bridge.ends.actions import ActionClient, GoalTaker, ListAction
+    from ..bridge.ends.ends import RosCodec, RosPublisher
+    from ..bridge.ends.parameter import Parameter
+    from ..bridge.ends.quality import EndpointHealth, TopicFault
+    from ..bridge.ends.service_client import RosService, ServiceClient
+    from ..bridge.ends.topics import TopicCounts
     from .graph import GraphPublisher, RosGraph
     from .link import Link
 
@@ -139,7 +139,7 @@ class VirtualRosNode:
             RosTypeError: rclpy or the type is not installed: light classes do without.
         """
         try:
-            from ..bridge.ros_codec import Codec  # noqa: PLC0415 - light classes do without
+            from ..bridge.ros.codec import Codec  # noqa: PLC0415 - light classes do without
 
             return Codec(ros_type)
         except ImportError as error:

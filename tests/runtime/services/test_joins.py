@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import pytest
 
-from jausml.runtime.bridge.joins import Join
-from jausml.runtime.bridge.to_jaus import TopicsToMessage
-from jausml.runtime.bridge.to_reports import TopicsToReport
-from jausml.runtime.bridge.topics import Topic
+from jausml.runtime.bridge.connections.joins import Join
+from jausml.runtime.bridge.connections.to_jaus import TopicsToMessage
+from jausml.runtime.bridge.connections.to_reports import TopicsToReport
+from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.messages import QueryTime, ReportTime, SetTime
 
 from .bridge_support import PEER, Number, Serialized, peer_component, values

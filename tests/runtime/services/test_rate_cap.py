@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.runtime.bridge import rate_cap
-from jausml.runtime.bridge.rate_cap import OVER_RATE, RateCap
+from jausml.runtime.bridge.connections import rate_cap
+from jausml.runtime.bridge.connections.rate_cap import OVER_RATE, RateCap
 
 from .bridge_support import OWN, PEER, message_connection, minutes
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import wraps
 
 from jausml.runtime import ros_classes, transcoded
-from jausml.runtime.bridge.transcoding import transcoder_of, uses_ros_classes
+from jausml.runtime.bridge.connections.transcoding import transcoder_of, uses_ros_classes
 
 
 def factory(_bridge, _connection):

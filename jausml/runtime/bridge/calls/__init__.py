@@ -1,0 +1,1 @@
+"""Connections of ROS services and JAUS queries."""

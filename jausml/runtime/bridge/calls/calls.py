@@ -1,0 +1,304 @@
+"""Calls: what the two connections of ROS services have in common.
+
+A call is a request and what becomes of it. Many are under way at once; all of them run on the loop,
+or with its lock.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+from ...wire.message import EncodeError
+from ..ends import parameters
+from .call_translation import CallFailedError, CallTranslation
+from ..connections.connection import NOT_READY
+from ..reports.diagnostics import ConnectionStatus, Statistics
+from ..reports.state_log import StateLog
+from ..reports.states import Facts, judge
+from ..reports.stops import StopReason
+from ..connections.transcoding import Form
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from ...base.address import JausAddress
+    from ...base.counters import Counters
+    from ...transports.packets.packet import Priority
+    from ...wire.message import Message
+    from ..ends.ends import Ends
+    from ..ends.service_client import RosService
+    from ..reports.stops import Standing
+
+MOST_CALLS = 64
+"""Calls of one connection that are under way at most; further ones are refused."""
+
+TOO_MANY = "too_many_calls"
+TIMED_OUT = "timed_out"
+NOT_ASKED = "not_asked"
+REJECTED = "rejected"
+ENDED = "ended"
+FAILED = "answer_not_delivered"
+NOT_TRANSLATED = "not_translated"
+UNANSWERED = "unanswered"
+
+CallT = TypeVar("CallT", bound="Call")
+AskingT = TypeVar("AskingT")
+
+
+class Call:
+    """A call that is under way.
+
+    Attributes:
+        forget: What ends it on the side that was asked.
+    """
+
+    def __init__(self) -> None:
+        """Has asked nobody yet."""
+        self.forget: Callable[[], None] = lambda: None
+
+
+class Calls(Generic[CallT, AskingT]):
+    """The part of a connection that keeps its calls, counts them and tells of them.
+
+    Attributes:
+        name: Name of the connection in the model.
+        service: The service of ROS.
+        timeout: Seconds after which a call without an answer has failed, once it was sent.
+        statistics: What happened so far: calls as arrivals, those that were answered as passed.
+        is_command: Whether the calls set something in motion.
+        form: Form in which the translations run.
+        counters: Counters of the process, while the bridge is open.
+    """
+
+    counters: Counters
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        service: RosService,
+        request: AskingT,
+        response: CallTranslation | type[Message] | None,
+        timeout: float,
+        is_command: bool,
+        priority: Priority,
+    ) -> None:
+        """Prepares the connection; nothing is exchanged before `open`.
+
+        Args:
+            name: Name of the connection in the model.
+            service: The service of ROS.
+            request: The translation of requests, or what asks without one.
+            response: The translation of responses, or the JAUS message that answers without one;
+                None where nothing answers.
+            timeout: Seconds after which a call without an answer has failed, once it was sent.
+            is_command: Whether the calls set something in motion.
+            priority: Priority of JAUS messages (AS5669A).
+        """
+        self.name = name
+        self.service = service
+        self.timeout = timeout
+        self.statistics = Statistics()
+        self.is_command = is_command
+        self.form = Form.LIGHT
+        self._request = request
+        self._response = response
+        self._priority = priority
+        self._under_way: dict[CallT, None] = {}
+        self._halt: StopReason | None = None
+        self._reported = 0
+        self._log = StateLog(name)
+        self._ends: Ends
+
+    # ------------------------------------------------------------------ for the kinds
+
+    def open(self, ends: Ends) -> None:
+        """Opens the ends of the connection.
+
+        Args:
+            ends: The bridge, whose two sides are there.
+        """
+        self._ends = ends
+        self.counters = ends.component.counters
+        for each in self._translations():
+            each.open(ends)
+        self.service = parameters.service(ends.ros, self.name, self.service)
+        self.timeout = ends.ros.parameter(
+            parameters.timeout(self.name, self.timeout), self._set_timeout
+        )
+
+    def abandon(self, call: CallT, reason: str, text: str) -> None:
+        """Tells whoever asked that a call came to nothing.
+
+        Args:
+            call: The call, which is not under way any more.
+            reason: Why, as it is counted.
+            text: Why, in words.
+        """
+        raise NotImplementedError
+
+    def describe_peers(self) -> list[tuple[str, str]]:
+        """Names and states of the other ends, for diagnostics."""
+        raise NotImplementedError
+
+    def fault(self) -> str:
+        """Why calls cannot be carried now, empty when they can."""
+        raise NotImplementedError
+
+    # ------------------------------------------------------------------ calls
+
+    def _begin(self, call: CallT) -> bool:
+        """Counts a call; False when it was refused, and whoever asked was told."""
+        counts = self.statistics
+        counts.arrivals += 1
+        counts.last_arrival = self._ends.loop.now()
+        if self._halt is not None:
+            self._fail(call, NOT_READY, self._halt.value)
+        elif len(self._under_way) >= MOST_CALLS:
+            self._fail(call, TOO_MANY, f"{MOST_CALLS} calls are under way")
+        else:
+            self._under_way[call] = None
+            return True
+        return False
+
+    def _made(self, half: object, data: bytes, default: Callable[[], bytes]) -> bytes:
+        """Returns what a message becomes, or the default where nothing translates it.
+
+        Raises:
+            CallFailedError: It cannot be translated.
+        """
+        if isinstance(half, CallTranslation):
+            return half.made(data)
+        try:
+            return default()
+        except EncodeError as error:
+            raise CallFailedError(str(error)) from error
+
+    def _send(self, payload: bytes, peer: JausAddress, *, acknowledge: bool = False) -> None:
+        """Sends a JAUS message."""
+        component = self._ends.component
+        component.transport.send(
+            component.address, peer, payload, priority=self._priority, acknowledge=acknowledge
+        )
+
+    def _done(self, call: CallT) -> None:
+        """Counts a call that was answered."""
+        self._under_way.pop(call, None)
+        self.statistics.passed += 1
+
+    def _fail(self, call: CallT, reason: str, text: str) -> None:
+        """Counts a call that came to nothing, and tells whoever asked."""
+        self._under_way.pop(call, None)
+        call.forget()
+        self.drop(reason, text)
+        try:
+            self.abandon(call, reason, text)
+        except Exception as error:
+            self.drop(FAILED, repr(error), error)
+
+    def drop(self, reason: str, detail: str = "", error: Exception | None = None) -> None:
+        """Counts a call that came to nothing."""
+        drops = self.statistics.drops
+        drops[reason] = drops.get(reason, 0) + 1
+        self.counters.count(f"bridge.{self.name}.{reason}", detail, error=error)
+
+    def _set_timeout(self, seconds: float) -> None:
+        with self._ends.loop.lock:
+            self.timeout = seconds
+
+    def _translations(self) -> Iterator[CallTranslation]:
+        for each in (self._request, self._response):
+            if isinstance(each, CallTranslation):
+                yield each
+
+    # ------------------------------------------------------------------ as a connection
+
+    def watch(self) -> None:
+        """Calls are watched one by one."""
+
+    def follow(self, standing: Standing, lost: StopReason | None) -> bool:
+        """Ends commands while the bridge may not command, and all calls of an inactive one."""
+        if self.is_command or not standing.is_active:
+            self._halt = standing.halt
+            return self._end_all(lost or standing.halt)
+        self._halt = None
+        return False
+
+    def lose(self, reason: StopReason) -> bool:  # noqa: ARG002 - the time of calls is the loop's
+        """A simulation that stands still ends no call."""
+        return False
+
+    def end(self) -> bool:
+        """Ends all calls for good; whether there were any."""
+        self._halt = StopReason.END
+        return self._end_all(StopReason.END)
+
+    def _end_all(self, reason: StopReason | None) -> bool:
+        ended = () if reason is None else tuple(self._under_way)
+        for call in ended:
+            self._fail(call, ENDED, reason.value if reason is not None else "")
+        return bool(ended)
+
+    @property
+    def when_lost(self) -> str:
+        """What happens when the bridge may not command any more."""
+        return "calls under way end"
+
+    def measure_latency(self, wanted: bool) -> None:  # noqa: FBT001
+        """Calls are rare: their latency is not measured."""
+
+    def close_account(self) -> list[tuple[str, int]]:
+        """Returns what became of all calls; nothing gets lost that was not counted at once."""
+        counts = self.statistics
+        return [
+            ("calls taken", counts.arrivals),
+            ("calls answered", counts.passed),
+            *((f"failed: {reason}", n) for reason, n in sorted(counts.drops.items())),
+        ]
+
+    # ------------------------------------------------------------------ diagnostics
+
+    def status(self) -> ConnectionStatus:
+        """Returns the state since the last call, for `/diagnostics`."""
+        counts = self.statistics
+        failures = sum(counts.drops.values()) + sum(
+            sum(each.statistics.drops.values()) for each in self._translations()
+        )
+        is_new, self._reported = failures > self._reported, failures
+        judged = judge(
+            Facts(
+                lacking=self.fault(),
+                forbidden="" if self._halt is None else self._halt.value,
+                refusal=self.refusal(),
+                complaint="calls fail" if is_new else "",
+            )
+        )
+        self._log.note(judged, self._ends.loop.now())
+        values = (("state", judged.phase.value), *self._values())
+        own = str(self._ends.settings.address)
+        return ConnectionStatus(self.name, judged.level, judged.reason, own, values)
+
+    def refusal(self) -> str:
+        """Why nobody who is asked obeys, empty while somebody does or need not."""
+        return ""
+
+    def _values(self) -> tuple[tuple[str, str], ...]:
+        counts = self.statistics
+        last = counts.last_arrival
+        age = "never" if last is None else f"{self._ends.loop.now() - last:.3f}"
+        return (
+            ("service", self.service.name),
+            ("translation", self.form.value),
+            ("calls taken", str(counts.arrivals)),
+            ("calls answered", str(counts.passed)),
+            ("calls under way", str(len(self._under_way))),
+            ("age (s)", age),
+            *((f"failed: {reason}", str(n)) for reason, n in sorted(counts.drops.items())),
+            *(pair for each in self._translations() for pair in each.describe()),
+            *self.describe_peers(),
+        )
+
+
+def codes_of(messages: Sequence[type[Message]]) -> dict[int, type[Message]]:
+    """Returns messages by their codes."""
+    return {each.CODE: each for each in messages}

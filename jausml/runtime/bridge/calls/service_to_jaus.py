@@ -1,0 +1,241 @@
+"""Connection of a ROS service that the bridge serves, by what a JAUS peer answers."""
+
+from __future__ import annotations
+
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any
+
+from ...clients.exchanges import Unanswered
+from ...services.definitions import Guard
+from ...transports.packets.packet import Priority
+from .call_translation import CallFailedError, CallTranslation
+from .calls import (
+    FAILED,
+    NOT_ASKED,
+    NOT_TRANSLATED,
+    REJECTED,
+    TIMED_OUT,
+    UNANSWERED,
+    Call,
+    Calls,
+    codes_of,
+)
+from ..connections.connection import NO_PEER, NOT_READY
+from ..connections.controlled_peers import ControlledPeers
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from ...base.address import JausAddress
+    from ...clients.peer_search import PeerSearch
+    from ...wire.message import Message
+    from ..ends.ends import Ends
+    from ..ends.service_client import RosService
+
+_RESPONSE_CODES = ("response_code", "responsecode", "rejection_code")
+
+
+class ServedCall(Call):
+    """A request of a ROS client.
+
+    Attributes:
+        reply: Sends the response.
+    """
+
+    def __init__(self, reply: Callable[[bytes], None]) -> None:
+        """Has asked no peer yet."""
+        super().__init__()
+        self.reply = reply
+
+
+class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
+    """Serves a ROS service: asks a JAUS peer for each request, and answers with what it says.
+
+    A client is never told that all is well when it is not. Where the response has no bool for it, a
+    call that came to nothing stays without a response.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        service: RosService,
+        request: CallTranslation | Message,
+        response: CallTranslation | type[Message] | None,
+        peers: Sequence[JausAddress] | PeerSearch,
+        rejections: Sequence[type[Message]] = (),
+        control: Guard = Guard.ANY,
+        is_command: bool = False,
+        is_success_mapped: bool = False,
+        priority: Priority = Priority.STANDARD,
+        timeout: float = 1.0,
+    ) -> None:
+        """Prepares the connection.
+
+        Args:
+            name: Name of the connection in the model.
+            service: The service.
+            request: The translation of requests, or the message that asks without one, as it is.
+            response: The translation of answers, or the message that answers without one; None
+                for a command that nobody answers: it is done when it is sent.
+            peers: JAUS components that are asked, or how they are found.
+            rejections: Messages that answer too, and refuse.
+            control: What the peers demand of a sender that they obey.
+            is_command: Whether a command is sent, and no query.
+            is_success_mapped: Whether the translation of answers says whether all went well.
+            priority: Priority of the message (AS5669A).
+            timeout: Seconds after which a call without an answer has failed.
+        """
+        super().__init__(
+            name,
+            service=service,
+            request=request,
+            response=response,
+            timeout=timeout,
+            is_command=is_command,
+            priority=priority,
+        )
+        self._peers = ControlledPeers(peers, control)
+        self._rejections = codes_of(rejections)
+        self._is_success_mapped = is_success_mapped
+
+    def open(self, ends: Ends) -> None:
+        """Meets the peers and serves the service."""
+        super().open(ends)
+        self._peers.open(
+            ends, self.name, join=self._changed, leave=self._changed, changed=self._changed
+        )
+        ends.exchanges.listen(self._answers)
+        ends.ros.serve(self.service, self._serve)
+
+    @property
+    def _answers(self) -> list[type[Message]]:
+        """The messages that answer."""
+        answer = self._response
+        usual = answer.message if isinstance(answer, CallTranslation) else answer
+        return [*([] if usual is None else [usual]), *self._rejections.values()]
+
+    def _serve(self, request: bytes, reply: Callable[[bytes], None]) -> None:
+        call = ServedCall(reply)
+        if not self._begin(call):
+            return
+        peer = next(filter(self._peers.obeys, self._peers.present), None)
+        if peer is None:
+            self._refuse(call)
+            return
+        try:
+            made = self._made(self._request, request, self._default)
+        except CallFailedError as error:
+            self._fail(call, NOT_TRANSLATED, str(error))
+        else:
+            self._ask(call, peer, made)
+
+    def _default(self) -> bytes:
+        asking = self._request
+        return b"" if isinstance(asking, CallTranslation) else asking.encode()
+
+    def _refuse(self, call: ServedCall) -> None:
+        """Fails a call for which there is no peer that obeys."""
+        present = self._peers.present
+        if present:
+            why = "; ".join(f"{each}: {self._peers.reason(each)}" for each in present)
+            self._fail(call, NOT_READY, f"no peer obeys ({why})")
+        else:
+            self._fail(call, NO_PEER, self._peers.lacking() or "no peer is there")
+
+    def _ask(self, call: ServedCall, peer: JausAddress, payload: bytes) -> None:
+        if not self._answers:
+            self._send(payload, peer, acknowledge=True)
+            self._succeed(call, self.service.response())
+            return
+        call.forget = self._ends.exchanges.ask(
+            peer,
+            payload,
+            self._answers,
+            lambda answer: self._answered(call, peer, answer),
+            timeout=self.timeout,
+            is_query=not self.is_command,
+            priority=self._priority,
+        )
+
+    def _answered(self, call: ServedCall, peer: JausAddress, payload: bytes | Unanswered) -> None:
+        if payload is Unanswered.SILENT:
+            self._fail(call, TIMED_OUT, f"{peer} did not answer within {self.timeout:g} s")
+            return
+        if payload is Unanswered.UNSENT:
+            late = f"{peer} was not asked: answers to calls before it are due"
+            self._fail(call, NOT_ASKED, f"{late} for {self.timeout:g} s")
+            return
+        rejection = self._rejections.get(payload[0] | payload[1] << 8)
+        if rejection is not None:
+            self._fail(call, REJECTED, f"{peer} answered {_told(rejection, payload)}")
+            return
+        answer = self._response
+        if not isinstance(answer, CallTranslation):
+            self._succeed(call, self.service.response())
+            return
+        try:
+            data = answer.made(payload)
+        except CallFailedError as error:
+            self._fail(call, NOT_TRANSLATED, str(error))
+            return
+        if self._is_success_mapped or not self.service.success:
+            self._reply(call, data)
+        else:
+            self._succeed(call, self.service.response.from_cdr(data))
+
+    def _succeed(self, call: ServedCall, response: Any) -> None:
+        if self.service.success:
+            assign(response, self.service.success, value=True)
+        self._reply(call, response.to_cdr())
+
+    def _reply(self, call: ServedCall, data: bytes) -> None:
+        try:
+            call.reply(data)
+        except Exception as error:  # the client may be gone
+            self._under_way.pop(call, None)
+            self.drop(FAILED, repr(error), error)
+        else:
+            self._done(call)
+
+    def abandon(self, call: ServedCall, reason: str, text: str) -> None:  # noqa: ARG002
+        """Answers that the call failed, and why; not at all where a response cannot say so."""
+        if not self.service.success:
+            self.counters.add(f"bridge.{self.name}.{UNANSWERED}")
+            return
+        response = self.service.response()
+        assign(response, self.service.success, value=False)
+        if self.service.reason:
+            assign(response, self.service.reason, value=text)
+        call.reply(response.to_cdr())
+
+    def describe_peers(self) -> list[tuple[str, str]]:
+        """The JAUS components and the state of their control."""
+        return self._peers.describe()
+
+    def fault(self) -> str:
+        """What is searched for."""
+        lacking = self._peers.lacking()
+        return f"searching {lacking}" if lacking else ""
+
+    def refusal(self) -> str:
+        """Whether nobody obeys."""
+        obeying = any(map(self._peers.obeys, self._peers.present))
+        return "" if obeying else "no peer obeys"
+
+    def _changed(self, peer: JausAddress) -> None:
+        """Nothing is prepared for a peer: the next call looks who obeys."""
+
+
+def assign(message: Any, path: str, *, value: object) -> None:
+    """Sets a member of a message, which may be inside another one."""
+    owner, _, name = path.rpartition(".")
+    setattr(attrgetter(owner)(message) if owner else message, name, value)
+
+
+def _told(rejection: type[Message], payload: bytes) -> str:
+    """Returns a rejection in words, with its code where it has one."""
+    message = rejection.decode(payload)
+    codes = (getattr(message, each, None) for each in _RESPONSE_CODES)
+    code = next((each for each in codes if each is not None), None)
+    return rejection.NAME if code is None else f"{rejection.NAME} with the code {code}"

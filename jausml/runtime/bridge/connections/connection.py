@@ -1,0 +1,367 @@
+"""Connection of a bridge: takes a message, translates it, hands it over.
+
+Messages are bytes on both sides. Each kind of connection has two ways for them, which pass the same
+on and count alike. `take` is the long one, for every case. The short one is a closure for the usual
+case: one function with all that it needs at hand, since what a message touches costs more than what
+is done with it. It hands a message over to `take` whenever the case is another.
+
+All of it happens on the thread of the loop, or with its lock. What is lost is counted under a
+reason; nothing that a message contains, and nothing that an overridden method does, ends the
+thread.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from ..ends import parameters
+from .backlog import Backlog
+from .joins import with_joins
+from ..reports.latency import Latency
+from ..reports.limiting import Limiting
+from .reporting import Reporter
+from .shaping import Shape, Shaping
+from .stopping import Stopping, Switch
+from ..reports.stops import StopReason
+from .transcoding import Form, readable, transcoder_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping, Sequence
+
+    from ...base.address import JausAddress
+    from .ages import Age
+    from ..reports.diagnostics import ConnectionStatus
+    from ..ends.ends import Ends
+    from .joins import Joined
+    from ..ends.quality import TopicFault
+    from .transcoding import Transcode
+
+    Take = Callable[[bytes, Any], None]
+
+SourceT = TypeVar("SourceT")
+TargetT = TypeVar("TargetT")
+
+FILTERED = "filtered"
+INACTIVE = "inactive"
+NOT_READY = "not_ready"
+NO_PEER = "no_peer"
+
+
+_PLAIN = Shape()
+"""Everything passes when it comes."""
+
+
+class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
+    """What the connections of both directions have in common.
+
+    Attributes:
+        form: Form in which the translation runs, while the bridge is open.
+    """
+
+    form: Form
+
+    def __init__(
+        self,
+        name: str,
+        translate: Callable[..., TargetT | None],
+        *,
+        shape: Shape = _PLAIN,
+        **when_lost: Any,
+    ) -> None:
+        """Prepares a connection; nothing is exchanged before `open`.
+
+        Args:
+            name: Name of the connection in the model.
+            translate: Makes the target message, or None to pass nothing on.
+            shape: Which messages pass, by number, pace and age.
+            when_lost: What happens when the source is lost: the parameters of `Stopping`.
+        """
+        Stopping.__init__(self, name, **when_lost)
+        Limiting.__init__(self)
+        self._shaping = Shaping(shape, self.statistics, self.drop)
+        self._backlog = Backlog(self.statistics, self.drop, self.waited)
+        self._translate = translate
+        self._transcode: Transcode
+        self._joined: tuple[Joined, ...] = ()
+        self._reporter = Reporter(self)
+        self._latest: tuple[bytes, Any] | None = None
+        self._wants_latency = self._all_want_latency = False
+        self._latency: Latency | None = None
+        self._measured: Take | None = None
+        self._plain: Take | None = None
+
+    # ------------------------------------------------------------------ for the kinds
+
+    def open(self, ends: Ends) -> None:
+        """Makes the publishers and subscriptions of the connection.
+
+        Args:
+            ends: The bridge, whose two sides are there.
+        """
+        super().open(ends)
+        self.counters = ends.component.counters
+        self._is_open = True
+        self._transcode = self._made_transcode()
+        self._plain = None
+        age = self.make_age()
+        if age is not None:
+            self._shaping.open(self.name, ends, age, self.choose_way, self.judge_silence)
+
+    def declare(self, ends: Ends) -> None:
+        """Declares the parameters of the connection, and reads what they say."""
+        super().declare(ends)
+        self._wants_latency = ends.ros.parameter(
+            parameters.latency(self.name), self._set_wants_latency
+        )
+
+    def decoder(self) -> Callable[[bytes], SourceT]:
+        """Returns what makes the objects that the readable translation is given."""
+        raise NotImplementedError
+
+    def readable_form(self) -> Form:
+        """Returns the form of a translation that is not flat."""
+        raise NotImplementedError
+
+    def make_take(self, switch: Switch) -> Take:
+        """Returns the short way of messages.
+
+        Args:
+            switch: Says when messages go another way.
+        """
+        raise NotImplementedError
+
+    def age(self, data: bytes, origin: Any) -> int | None:
+        """Returns the age of a message that arrives now in nanoseconds, None if it has no stamp."""
+        raise NotImplementedError
+
+    def waited(self, origin: Any) -> float | None:  # noqa: ARG002
+        """Returns the seconds since a message with an origin was sent; None when nobody knows."""
+        return None
+
+    def make_age(self) -> Age | None:
+        """Returns what tells how old a message is; None where messages are not shaped."""
+        return None
+
+    def describe_peers(self) -> list[tuple[str, str]]:
+        """Names and states of the other ends, for diagnostics."""
+        raise NotImplementedError
+
+    def lacks_peers(self) -> str:
+        """What the connection searches for and has not found, empty when it lacks nothing."""
+        return ""
+
+    def forbidden(self) -> str:
+        """Why nothing may be passed on now, empty while it may."""
+        return "" if self._halt is None else self._halt.value
+
+    def refusal(self) -> str:
+        """Why nobody at the other end obeys, empty while somebody does or need not."""
+        return ""
+
+    def unwilling(self) -> str:
+        """Which of several at the other end do not obey, empty while all do or none does."""
+        return ""
+
+    def join(self, joined: Sequence[Joined]) -> None:
+        """Has the translation given the latest messages of joins, which are open."""
+        self._joined = tuple(joined)
+        if joined:
+            self._transcode = with_joins(self._transcode, joined)
+
+    def describe_joins(self) -> list[tuple[str, str]]:
+        """What is joined and the age of its latest message, for diagnostics."""
+        return [
+            (f"join {each.name} age (s)", "never" if each.age is None else f"{each.age:.3f}")
+            for each in self._joined
+        ]
+
+    def stale_joins(self) -> list[str]:
+        """Names of the joins that have nothing fresh."""
+        return [each.name for each in self._joined if each.is_stale]
+
+    def silent_peers(self) -> Iterable[JausAddress]:
+        """Peers that were asked for messages and say nothing."""
+        return ()
+
+    def topic_faults(self) -> Iterable[TopicFault]:
+        """What is wrong with the topics at present."""
+        return ()
+
+    def losses(self) -> Mapping[str, int]:
+        """How many messages never came as far as this, or no further than this, by reason."""
+        return {}
+
+    def not_taken(self) -> Mapping[str, int]:
+        """How many messages for this were dropped before it was asked, by reason."""
+        return {}
+
+    @property
+    def is_latched(self) -> bool:
+        """Whether the latest message counts until there is another, however old it is."""
+        return False
+
+    @property
+    def declared_rate(self) -> float:
+        """Messages each second that the model promises; 0 when it promises none."""
+        return 0.0
+
+    # ------------------------------------------------------------------ messages
+
+    def take(self, data: bytes, origin: Any = None) -> None:
+        """Takes one message from the source and passes its translation on.
+
+        Args:
+            data: The encoded message.
+            origin: Sender of a JAUS message; stamp of a ROS message in nanoseconds.
+        """
+        if self._halt is StopReason.INACTIVE and self.is_latched:
+            self._latest = data, origin
+            return
+        counts = self.statistics
+        if self._halt is not None:
+            counts.arrivals += self._halt is not StopReason.END
+            self.refuse_halted(self._halt)
+            return
+        counts.arrivals += 1
+        counts.last_arrival = self._ends.clock.now()
+        try:
+            target = self._transcode(data)
+            self.note_usable()
+            if target is None:
+                self.drop(FILTERED)
+            elif self.deliver(target):
+                counts.passed += 1
+        except Exception as error:
+            self.fail(error)
+
+    def watch(self) -> None:
+        """Starts to mind the source, and to measure if that is wanted."""
+        super().watch()
+        if self.is_command:
+            self._backlog.open(self._ends, self.silence_timeout, self._backlog_changed)
+        self._measure()
+        self.choose_way()
+
+    def choose_way(self) -> None:
+        """Sends messages the way that fits the case; those that pass are chosen before it."""
+        super().choose_way()
+        if self._halt is None and not self._shaping.is_plain:
+            self._switch.unusual = self._shaping.before(self._switch.unusual or self._short_way())
+        if self._halt is None and self._backlog.is_there:
+            self._switch.unusual = self._backlog.before(self._switch.unusual or self._short_way())
+
+    def _backlog_changed(self) -> None:
+        """Does first what is due after a standstill: the stop goes before whatever waited."""
+        self.judge_silence()
+        self.choose_way()
+
+    def _set_silence_timeout(self, seconds: float) -> None:
+        with self._ends.loop.lock:
+            super()._set_silence_timeout(seconds)
+            self._backlog.change(seconds)
+
+    def end(self) -> bool:
+        """Sends the safe value for good; whether messages of the source stood until now."""
+        self._backlog.close()
+        return super().end()
+
+    def _short_way(self) -> Take:
+        """Returns the short way once more, which nobody switches to another one."""
+        if self._plain is None:
+            self._plain = self.make_take(Switch())
+        return self._plain
+
+    def stop(self, reason: StopReason) -> bool:
+        """Sends the safe value, once; what waits for its time gives way to it.
+
+        Args:
+            reason: Why the source counts no more.
+
+        Returns:
+            Whether messages of the source stood until now.
+        """
+        waiting = self._shaping.withdraw()
+        if waiting is not None and reason is StopReason.INACTIVE and self.is_latched:
+            self._latest = waiting.data, waiting.origin
+        elif waiting is not None:
+            self._shaping.thin()
+        return super().stop(reason)
+
+    def _made_transcode(self) -> Transcode:
+        factory = transcoder_of(self._translate)
+        if factory is not None:
+            self.form = Form.FLAT
+            return factory(self._ends, self)
+        self.form = self.readable_form()
+        return readable(
+            self._translate,
+            self.decoder(),
+            self.encode,
+            self.note_blocking,
+            self._ends.loop.stopwatch,
+        )
+
+    def halt(self, reason: StopReason | None) -> bool:
+        """Passes nothing on from now on, after the stop; or again, for None.
+
+        What counts until there is another is passed on then, as its source will not say it again.
+        """
+        stopped = super().halt(reason)
+        if reason is None and self._latest is not None:
+            latest, self._latest = self._latest, None
+            self.take(*latest)
+        return stopped
+
+    def refuse_halted(self, reason: StopReason) -> None:
+        """Counts a message that comes while nothing is passed on, unless it is the end anyway.
+
+        The log does not tell what an inactive bridge drops, as somebody wants it so.
+        """
+        if reason is StopReason.INACTIVE:
+            drops = self.statistics.drops
+            drops[INACTIVE] = drops.get(INACTIVE, 0) + 1
+        elif reason is not StopReason.END:
+            self.drop(NOT_READY, reason.value)
+
+    # ------------------------------------------------------------------ latency
+
+    def measure_latency(self, wanted: bool) -> None:  # noqa: FBT001
+        """Measures the latency from now on, whatever the connection's own parameter says."""
+        self._all_want_latency = wanted
+        self._measure()
+
+    def _set_wants_latency(self, wanted: bool) -> None:  # noqa: FBT001
+        with self._ends.loop.lock:
+            self._wants_latency = wanted
+            self._measure()
+
+    def _measure(self) -> None:
+        wanted = self._wants_latency or self._all_want_latency
+        if wanted is not (self._latency is not None):
+            self._latency = Latency(self.age, self._ends.loop.stopwatch) if wanted else None
+            self._measured = None
+            if self._latency is not None:
+                self._measured = self._latency.measuring(self._short_way(), self.statistics)
+            self.choose_way()
+
+    def observing(self) -> Take | None:
+        """Returns what measures messages on their short way."""
+        return self._measured
+
+    def describe_latency(self) -> list[tuple[str, str]]:
+        """Names and values of the latency for diagnostics; none unless it is measured."""
+        return [] if self._latency is None else self._latency.describe()
+
+    # ------------------------------------------------------------------ diagnostics
+
+    def status(self) -> ConnectionStatus:
+        """Returns the state since the last call, for `/diagnostics`."""
+        return self._reporter.status(self._ends.clock.now(), str(self._ends.settings.address))
+
+    def close_account(self) -> list[tuple[str, int]]:
+        """Counts what was lost since the last status; returns what became of all messages."""
+        self._reporter.note_losses()
+        return self._reporter.account()
+
+
+AnyConnection = Connection[Any, Any]

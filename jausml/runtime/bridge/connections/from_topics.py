@@ -1,0 +1,115 @@
+"""What the connections that carry ROS topics to JAUS have in common."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from ..ends import parameters
+from .ages import ros_age
+from .connection import Connection
+from ..reports.diagnostics import LOST_IN_QUEUE, MISSED, TOO_OLD
+from .joins import JoinedTopic
+from ..reports.latency import age_of_time
+from ..light_message import is_light
+from .transcoding import Form, ros_decoder, uses_ros_classes
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+    from typing import Concatenate
+
+    from ...wire.message import Message
+    from .ages import Age
+    from ..ends.ends import Ends, Feed
+    from .joins import Join
+    from ..ends.quality import TopicFault
+    from ..ends.topics import Topic
+
+SourceT = TypeVar("SourceT")
+TargetT = TypeVar("TargetT", bound="Message")
+
+
+class FromTopics(Connection[SourceT, TargetT]):
+    """What the connections from ROS topics have in common: the topics."""
+
+    def __init__(
+        self,
+        name: str,
+        translate: Callable[Concatenate[SourceT, ...], TargetT | None],
+        *,
+        type: type[SourceT],  # noqa: A002 - the word of the model
+        topics: Sequence[Topic],
+        message: type[TargetT],
+        joins: Sequence[Join] = (),
+        **when_lost: Any,
+    ) -> None:
+        """Prepares the connection.
+
+        Args:
+            name: Name of the connection in the model.
+            translate: Makes the JAUS message, or None to pass nothing on. Joined topics give it
+                their messages as keyword arguments.
+            type: ROS type of the topics.
+            topics: Topics that are subscribed to.
+            message: JAUS message that is made.
+            joins: Further topics whose latest message the translation needs.
+            when_lost: What happens when the topics are lost: the parameters of `Connection`.
+        """
+        super().__init__(name, translate, **when_lost)
+        self._topic_joins = tuple(map(JoinedTopic, joins))
+        self._type = type
+        self._topics = tuple(topics)
+        self._message = message
+        self._feeds: list[Feed] = []
+
+    def open(self, ends: Ends) -> None:
+        """Makes the subscriptions; no message is taken before the bridge runs."""
+        super().open(ends)
+        self._topics = parameters.topics(ends.ros, self.name, self._topics)
+        for joined in self._topic_joins:
+            joined.open(ends, self.name, real=uses_ros_classes(self._translate))
+        self.join(self._topic_joins)
+        take = self.make_take(self._switch)
+        self._feeds = [ends.subscribe(self._type, topic, take) for topic in self._topics]
+
+    @property
+    def is_latched(self) -> bool:
+        """Whether the latest message counts until there is another, as that of a latched topic."""
+        latches = any(topic.qos.durability != "volatile" for topic in self._topics)
+        return latches and not self.is_command
+
+    def decoder(self) -> Callable[[bytes], SourceT]:
+        """Returns what makes objects of serialized messages."""
+        real = uses_ros_classes(self._translate)
+        return ros_decoder(self._ends.ros, self._type, real=real)
+
+    def encode(self, target: TargetT) -> bytes:
+        """Encodes a JAUS message."""
+        return target.encode()
+
+    def readable_form(self) -> Form:
+        """Returns which classes the translation is given objects of."""
+        is_real = uses_ros_classes(self._translate) or not is_light(self._type)
+        return Form.ROS_CLASSES if is_real else Form.LIGHT
+
+    def age(self, data: bytes, origin: Any) -> int | None:  # noqa: ARG002
+        """Returns the age of a message by the stamp of its publisher."""
+        return age_of_time(origin, self._ends.loop.wall())
+
+    def make_age(self) -> Age:
+        """Returns what tells the age of a message by its stamp, or that of its publisher."""
+        return ros_age(self._type, self._ends.ros, self._ends.loop.wall)
+
+    def topic_faults(self) -> Iterator[TopicFault]:
+        """What is wrong with the topics, those of joins included."""
+        for source in (self._topics, *(each.topics for each in self._topic_joins)):
+            for topic in source:
+                yield from self._ends.ros.faults(topic, publishes=False)
+
+    def losses(self) -> dict[str, int]:
+        """How many messages of the topics have never been taken."""
+        counts = [each.counts for each in self._feeds]
+        return {
+            LOST_IN_QUEUE: sum(each.lost for each in counts),
+            MISSED: sum(each.missed for each in counts),
+            TOO_OLD: sum(each.too_old for each in counts),
+        }

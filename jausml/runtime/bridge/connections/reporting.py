@@ -1,0 +1,253 @@
+"""What `/diagnostics` and the log say of a connection, from one report to the next."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+from ..reports.diagnostics import NOT_LOST, THINNED, ConnectionStatus
+from ..reports.limiting import FAILURES
+from ..reports.rate import Rate
+from ..reports.state_log import StateLog
+from ..reports.states import Facts, judge
+from ..reports.stops import StopReason
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from ...base.address import JausAddress
+    from ...base.counters import Counters
+    from ..reports.diagnostics import Statistics
+    from ..ends.quality import TopicFault
+    from .transcoding import Form
+
+
+FEWEST_FAILURES = 3
+"""Messages on end that could not be passed on, after which a connection has failed."""
+
+
+class _Totals(NamedTuple):
+    """Counts of a connection at the time of a report."""
+
+    time: float
+    arrivals: int = 0
+    dropped: int = 0
+    lost: int = 0
+    errors: int = 0
+    limited: int = 0
+
+
+class Reported(Protocol):
+    """A connection as its reports see it; `Connection` says what each of it is."""
+
+    name: str
+    statistics: Statistics
+    is_command: bool
+    stopped: StopReason | None
+    form: Form
+
+    @property
+    def counters(self) -> Counters:
+        """Where losses and faults are counted."""
+
+    @property
+    def declared_rate(self) -> float:
+        """Messages each second that the model promises."""
+
+    @property
+    def when_lost(self) -> str:
+        """What happens when the source of a command is lost."""
+
+    def losses(self) -> Mapping[str, int]:
+        """What was lost, by reason."""
+
+    def not_taken(self) -> Mapping[str, int]:
+        """What was dropped before the connection was asked, by reason."""
+
+    def lacks_peers(self) -> str:
+        """What is searched for and not found."""
+
+    def forbidden(self) -> str:
+        """Why nothing may be passed on now."""
+
+    def refusal(self) -> str:
+        """Why nobody at the other end obeys."""
+
+    def unwilling(self) -> str:
+        """Which of several at the other end do not obey."""
+
+    def stale_joins(self) -> list[str]:
+        """Joins that have nothing fresh."""
+
+    def silent_peers(self) -> Iterable[JausAddress]:
+        """Peers that were asked and say nothing."""
+
+    def topic_faults(self) -> Iterable[TopicFault]:
+        """What is wrong with the topics."""
+
+    def describe_joins(self) -> list[tuple[str, str]]:
+        """Names and ages of joined topics."""
+
+    def describe_peers(self) -> list[tuple[str, str]]:
+        """Names and states of the other ends."""
+
+    def describe_latency(self) -> list[tuple[str, str]]:
+        """Measured latency."""
+
+
+class Reporter:
+    """Makes the statuses of a connection. All of it runs on the loop, or with its lock."""
+
+    def __init__(self, connection: Reported) -> None:
+        """Has reported nothing yet.
+
+        Args:
+            connection: The connection.
+        """
+        self._connection = connection
+        self._reported: _Totals | None = None
+        self._faults: list[TopicFault] = []
+        self._noted: dict[str, int] = {}
+        self._rate = Rate()
+        self._succeeded: tuple[int, dict[str, int]] = (0, {})
+        self._log = StateLog(connection.name)
+
+    def note_losses(self) -> int:
+        """Counts what was lost since the last call; returns how much was lost in all."""
+        connection = self._connection
+        counters = connection.counters
+        total = 0
+        thinned = {THINNED: connection.statistics.thinned}
+        for reason, count in {**connection.losses(), **thinned}.items():
+            new = count - self._noted.get(reason, 0)
+            if new:
+                self._noted[reason] = count
+                name = f"bridge.{connection.name}.{reason}"
+                if reason in NOT_LOST:
+                    counters.add(name, new)
+                else:
+                    counters.count(name, f"{new} since the last report", amount=new)
+            total += 0 if reason in NOT_LOST else count
+        return total
+
+    def status(self, now: float, hardware_id: str) -> ConnectionStatus:
+        """Returns the state since the last call.
+
+        Args:
+            now: Time of the loop.
+            hardware_id: JAUS address of the bridge.
+        """
+        connection, counts = self._connection, self._connection.statistics
+        present = _Totals(
+            now,
+            counts.arrivals,
+            sum(counts.drops.values()),
+            self.note_losses(),
+            counts.errors,
+            counts.limited,
+        )
+        former, self._reported = self._reported or _Totals(now), present
+        self._rate.note(now, present.arrivals, connection.declared_rate)
+        faults = self._told_faults()
+        judged = judge(self._facts(former, present, faults))
+        self._log.note(judged, now)
+        values = (("state", judged.phase.value), *self._values(now, faults))
+        return ConnectionStatus(connection.name, judged.level, judged.reason, hardware_id, values)
+
+    def account(self) -> list[tuple[str, int]]:
+        """Returns what became of all messages, by the names that people see.
+
+        Those that were taken are those that were passed, thinned and dropped together.
+        """
+        connection, counts = self._connection, self._connection.statistics
+        return [
+            ("messages taken", counts.arrivals),
+            ("messages passed", counts.passed),
+            *(((THINNED, counts.thinned),) if counts.thinned else ()),
+            *((f"dropped: {reason}", n) for reason, n in sorted(counts.drops.items())),
+            *((f"withheld from {peer}", n) for peer, n in sorted(counts.withheld.items())),
+            *((f"not taken: {reason}", n) for reason, n in sorted(connection.not_taken().items())),
+            *((reason.replace("_", " "), n) for reason, n in connection.losses().items()),
+        ]
+
+    def _values(self, now: float, faults: list[TopicFault]) -> tuple[tuple[str, str], ...]:
+        connection, counts = self._connection, self._connection.statistics
+        age = "never" if counts.last_arrival is None else f"{now - counts.last_arrival:.3f}"
+        return (
+            ("translation", connection.form.value),
+            *((name, str(n)) for name, n in self.account()),
+            ("rate (Hz)", f"{self._rate.hertz:.2f}"),
+            ("declared rate (Hz)", f"{connection.declared_rate:.2f}"),
+            ("age (s)", age),
+            *connection.describe_joins(),
+            *((fault.kind.replace("_", " "), fault.text) for fault in faults),
+            *((("when lost", connection.when_lost),) if connection.is_command else ()),
+            ("safe values", str(counts.safe_values)),
+            *((f"stopped: {reason.value}", str(n)) for reason, n in counts.stops.items()),
+            ("values limited", str(counts.limited)),
+            *(
+                (f"out of range: {policy} {field}", str(n))
+                for (policy, field), n in sorted(counts.out_of_range.items())
+            ),
+            *connection.describe_latency(),
+            *connection.describe_peers(),
+        )
+
+    def _told_faults(self) -> list[TopicFault]:
+        """Returns the faults of the topics; the log tells of each when it begins."""
+        connection, faults = self._connection, list(self._connection.topic_faults())
+        for fault in faults:
+            if fault not in self._faults:
+                connection.counters.count(f"bridge.{connection.name}.{fault.kind}", fault.text)
+        self._faults = faults
+        return faults
+
+    def _facts(self, former: _Totals, present: _Totals, faults: list[TopicFault]) -> Facts:
+        connection = self._connection
+        lacking = connection.lacks_peers()
+        is_heard = connection.statistics.last_arrival is not None
+        # Where messages arrive and none has passed yet, what they lack is the point.
+        has_begun = is_heard and connection.stopped in (StopReason.START, StopReason.INACTIVE)
+        lacks_joins = has_begun and bool(connection.stale_joins())
+        return Facts(
+            error="values out of range" if present.errors > former.errors else "",
+            fault=faults[0].text if faults else "",
+            lacking=f"searching {lacking}" if lacking else "",
+            failing=self._failing(),
+            stopped=None if lacks_joins else connection.stopped,
+            forbidden=connection.forbidden(),
+            is_heard=is_heard,
+            refusal=connection.refusal(),
+            complaint=self._complaint(former, present),
+        )
+
+    def _failing(self) -> str:
+        """Returns why nothing passes, when several messages on end have failed."""
+        counts = self._connection.statistics
+        failures = {reason: n for reason, n in counts.drops.items() if reason in FAILURES}
+        passed, before = self._succeeded
+        if counts.passed != passed:
+            self._succeeded = counts.passed, failures
+            return ""
+        new = {reason: n - before.get(reason, 0) for reason, n in failures.items()}
+        if sum(new.values()) < FEWEST_FAILURES:
+            return ""
+        return f"no message can be translated: {max(new, key=lambda each: new[each])}"
+
+    def _complaint(self, former: _Totals, present: _Totals) -> str:
+        """Returns what is not as it should be, though messages pass."""
+        stale = ", ".join(self._connection.stale_joins())
+        if stale:
+            return f"nothing fresh from {stale}"
+        unwilling = self._connection.unwilling()
+        if unwilling:
+            return unwilling
+        silent = ", ".join(map(str, self._connection.silent_peers()))
+        if silent:
+            return f"nothing from {silent}"
+        if present.dropped > former.dropped:
+            return "messages are dropped"
+        if present.lost > former.lost:
+            return "messages are lost"
+        if self._rate.is_slow:
+            return "slower than declared"
+        return "values are clamped" if present.limited > former.limited else ""

@@ -1,0 +1,234 @@
+"""Shaping: which messages of a connection pass, by their number, their pace and their age.
+
+It stands before the way that messages go anyway, and only where there is something to shape.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from ..ends import parameters
+from ..reports.diagnostics import TOO_OLD
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ...base.loop import Timer
+    from .ages import Age
+    from ..reports.diagnostics import Statistics
+    from ..ends.ends import Ends
+
+    Take = Callable[[bytes, Any], None]
+    Drop = Callable[[str, str], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """What shall pass.
+
+    Attributes:
+        max_rate: Most messages each second; 0 means all.
+        decimation: Every how many messages one passes.
+        age_limit: Seconds after which a message is too old; 0 means never.
+    """
+
+    max_rate: float = 0.0
+    decimation: int = 1
+    age_limit: float = 0.0
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether all messages pass when they come."""
+        return not (self.max_rate > 0 or self.decimation > 1 or self.age_limit > 0)
+
+    @property
+    def interval(self) -> float:
+        """Least seconds from one message to the next."""
+        return 1 / self.max_rate if self.max_rate > 0 else 0.0
+
+
+class Waiting(NamedTuple):
+    """A message whose time has not come.
+
+    Attributes:
+        data: The encoded message.
+        origin: Its sender, or its stamp.
+        expiry: When it becomes too old, by the clock of the bridge.
+    """
+
+    data: bytes
+    origin: Any
+    expiry: float
+
+
+class Shaping:
+    """Lets pass what shall, in order, the newest at last.
+
+    All of it runs on the loop, or with its lock.
+    """
+
+    def __init__(self, shape: Shape, counts: Statistics, drop: Drop) -> None:
+        """Shapes nothing before `open`.
+
+        Args:
+            shape: What shall pass, as the model says it.
+            counts: Counts of the connection.
+            drop: Counts a message that is not passed on, with a reason and details.
+        """
+        self._shape = shape
+        self._counts = counts
+        self._drop = drop
+        self._ends: Ends
+        self._age: Age
+        self._way: Take
+        self._reshaped: Callable[[], None]
+        self._judge_silence: Callable[[], None]
+        self._skipped = 0
+        self._is_usable = False
+        self._passed = -math.inf
+        self._waiting: Waiting | None = None
+        self._timer: Timer | None = None
+
+    def open(
+        self,
+        name: str,
+        ends: Ends,
+        age: Age,
+        reshaped: Callable[[], None],
+        judge_silence: Callable[[], None],
+    ) -> None:
+        """Reads what parameters say.
+
+        Args:
+            name: Name of the connection.
+            ends: The bridge, whose two sides are there.
+            age: Tells the age of a message.
+            reshaped: Called when other messages shall pass than before.
+            judge_silence: Withdraws what waits if the source is silent.
+        """
+        self._ends, self._age, self._reshaped = ends, age, reshaped
+        self._judge_silence = judge_silence
+        self._skipped, self._is_usable, self._passed = 0, False, -math.inf
+        shape, declare = self._shape, ends.ros.parameter
+        self._shape = Shape(
+            declare(parameters.max_rate(name, shape.max_rate), self._set_max_rate),
+            declare(parameters.decimation(name, shape.decimation), self._set_decimation),
+            declare(parameters.age_limit(name, shape.age_limit), self._set_age_limit),
+        )
+
+    def _set_max_rate(self, hertz: float) -> None:
+        self._change(replace(self._shape, max_rate=hertz))
+
+    def _set_decimation(self, number: int) -> None:
+        self._change(replace(self._shape, decimation=number))
+
+    def _set_age_limit(self, seconds: float) -> None:
+        self._change(replace(self._shape, age_limit=seconds))
+
+    def _change(self, shape: Shape) -> None:
+        with self._ends.loop.lock:
+            self._shape = shape
+            if self._waiting is not None:
+                self._arrange()
+            self._reshaped()
+
+    # ------------------------------------------------------------------ messages
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether there is nothing to shape."""
+        return self._shape.is_plain
+
+    def before(self, way: Take) -> Take:
+        """Returns what takes messages instead of a way, and gives it those that pass.
+
+        Args:
+            way: What takes them from now on.
+        """
+        self._way = way
+        return self._take
+
+    def withdraw(self) -> Waiting | None:
+        """Begins anew; returns what waited and passes no more."""
+        self._skipped = 0
+        waiting, self._waiting = self._waiting, None
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        return waiting
+
+    def thin(self) -> None:
+        """Counts a message that gives way to others."""
+        self._counts.arrivals += 1
+        self._counts.thinned += 1
+
+    def _take(self, data: bytes, origin: Any = None) -> None:
+        now = self._ends.clock.now()
+        if 0 < self._skipped < self._shape.decimation:
+            self._skipped += 1
+            self._note(now)
+            self.thin()
+            return
+        self._skipped = 1
+        expiry = self._expiry(data, origin, now)
+        if expiry < now:
+            self._refuse(now, now - expiry)
+            return
+        if self._waiting is not None:
+            self.thin()
+            self._waiting = Waiting(data, origin, expiry)
+            self._note(now)
+        elif now < self._due:
+            self._waiting = Waiting(data, origin, expiry)
+            self._note(now)
+            self._arrange()
+        else:
+            self._pass(data, origin, now)
+
+    @property
+    def _due(self) -> float:
+        """When the next message may pass."""
+        return self._passed + self._shape.interval
+
+    def _arrange(self) -> None:
+        """Has what waits pass when its time has come, or now."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        if self._ends.clock.now() < self._due:
+            self._timer = self._ends.clock.call_at(self._due, self._arrange)
+            return
+        self._judge_silence()
+        waiting, self._waiting = self._waiting, None
+        if waiting is not None:
+            now = self._ends.clock.now()
+            if waiting.expiry < now:
+                self._refuse(now, now - waiting.expiry)
+            else:
+                self._pass(waiting.data, waiting.origin, now)
+
+    def _pass(self, data: bytes, origin: Any, now: float) -> None:
+        self._passed = now
+        self._way(data, origin)
+        self._is_usable = self._counts.heard >= now
+
+    def _expiry(self, data: bytes, origin: Any, now: float) -> float:
+        if self._shape.age_limit <= 0:
+            return math.inf
+        return now + self._shape.age_limit - (self._age(data, origin) or 0.0)
+
+    def _refuse(self, now: float, excess: float) -> None:
+        """Counts a message that is too old; the source has said nothing that could be used."""
+        self._counts.arrivals += 1
+        self._counts.last_arrival = now
+        self._is_usable = False
+        age = self._shape.age_limit + excess
+        self._drop(TOO_OLD, f"{age:.3f} s old, the limit is {self._shape.age_limit:g} s")
+
+    def _note(self, now: float) -> None:
+        """Notes that the source lives, if the last message that passed said something usable."""
+        self._counts.last_arrival = now
+        if self._is_usable:
+            self._counts.heard = now

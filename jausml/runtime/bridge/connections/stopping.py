@@ -1,0 +1,315 @@
+"""What a connection does when its source is lost: safe values, silence and halts."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ...base.counters import LOGGER
+from ...guardian.ward import stops
+from ..ends import parameters
+from ..reports.diagnostics import Statistics
+from ..ends.guarding import MARK
+from ..reports.stops import StopReason
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ...base.loop import Timer
+    from ...guardian.ward import Content, Guarded
+    from ..ends.ends import Ends
+    from ..reports.stops import Standing
+
+_LOG_INTERVAL = 5.0
+"""Seconds between two lines of the log about the silence of one connection."""
+
+
+class Switch:
+    """Which way messages go.
+
+    Attributes:
+        unusual: Takes them in place of the short way, which is for messages of which nothing is
+            to be known but what they say; None in the usual case.
+    """
+
+    __slots__ = ("unusual",)
+
+    def __init__(self) -> None:
+        """Begins with the short way."""
+        self.unusual: Callable[[bytes, Any], None] | None = None
+
+
+class Stopping:
+    """The part of a connection that minds its source.
+
+    All of it runs on the loop, or with its lock.
+
+    Attributes:
+        name: Name of the connection in the model.
+        statistics: What happened so far.
+        silence_timeout: Seconds without a message after which the safe value is sent; 0: never.
+        is_command: Whether its messages set something in motion, which must not outlive its source.
+        stopped: Why the safe value stands on the target side; None while messages of the source do.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        is_command: bool = False,
+        silence_timeout: float = 0.0,
+        safe_value: Callable[[], Any] | None = None,
+        hold_reason: str = "",
+    ) -> None:
+        """Minds nothing before `watch`.
+
+        Args:
+            name: Name of the connection in the model.
+            is_command: Whether its messages set something in motion.
+            silence_timeout: Seconds without a message that count as silence; 0 means never.
+            safe_value: Makes the message that is sent once when the source is lost: the stop of a
+                command.
+            hold_reason: Why the last command may stand then, for one that has no safe value.
+        """
+        self.name = name
+        self.statistics = Statistics()
+        self.silence_timeout = silence_timeout
+        self.is_command = is_command
+        self.stopped: StopReason | None = None
+        self._halt: StopReason | None = None
+        self._hold_reason = hold_reason
+        self._safe_value = safe_value
+        self._next_log = 0.0
+        self._watch: Timer | None = None
+        self._switch = Switch()
+        self._guarded: Guarded | None = None
+        self._ends: Ends
+
+    def open(self, ends: Ends) -> None:
+        """Begins a life, in which nothing was stopped yet.
+
+        Args:
+            ends: The bridge, whose two sides are there.
+        """
+        self._ends = ends
+        self._halt = self.stopped = self._guarded = None  # of an earlier life
+        self.declare(ends)
+
+    def declare(self, ends: Ends) -> None:
+        """Declares the parameters of the connection, and reads what they say.
+
+        Args:
+            ends: The bridge.
+        """
+        self.silence_timeout = ends.ros.parameter(
+            parameters.silence_timeout(self.name, self.silence_timeout), self._set_silence_timeout
+        )
+
+    # ------------------------------------------------------------------ for the kinds
+
+    def take(self, data: bytes, origin: Any = None) -> None:
+        """Takes one message from the source, whatever the case."""
+        raise NotImplementedError
+
+    def deliver(self, payload: bytes) -> bool:
+        """Hands a message to the target side; False when it was dropped and counted."""
+        raise NotImplementedError
+
+    def deliver_stop(self, payload: bytes) -> bool:
+        """Hands the safe value to the target side; False when nobody is there."""
+        return self.deliver(payload)
+
+    def guarded_stops(self, payload: bytes) -> tuple[list[Content], list[Content]]:
+        """Returns what the guardian says for topics and for components, when the bridge cannot.
+
+        Args:
+            payload: The stop, made for the moment `MARK`.
+        """
+        raise NotImplementedError
+
+    def encode(self, target: Any) -> bytes:
+        """Encodes what a translation or the safe value makes."""
+        raise NotImplementedError
+
+    def fail(self, error: Exception) -> None:
+        """Counts a message that could not be translated or handed over."""
+        raise NotImplementedError
+
+    # ------------------------------------------------------------------ the way of messages
+
+    def choose_way(self) -> None:
+        """Sends messages the way that fits the case."""
+        rests = self.stopped is not None or self._halt is not None
+        self._switch.unusual = self.take if rests else self.observing()
+        if not rests and self._guarded is not None:
+            self._guarded.arm(True)  # noqa: FBT003
+
+    def observing(self) -> Callable[[bytes, Any], None] | None:
+        """Returns what takes messages instead while all is well; None when nothing does."""
+        return None
+
+    # ------------------------------------------------------------------ silence
+
+    @property
+    def is_silent(self) -> bool:
+        """Whether the source has said nothing usable since the safe value was due."""
+        return self.stopped is not None
+
+    def watch(self) -> None:
+        """Starts to watch for silence, which a source that never spoke also is."""
+        self.statistics.heard = self._ends.clock.now()
+        if self.is_command:
+            self.stop(StopReason.START)
+        else:
+            self._arm(self.silence_timeout)
+
+    def note_usable(self) -> None:
+        """Notes that the source has said something: one that sends nothing usable is silent."""
+        self.statistics.heard = self._ends.clock.now()
+        if self.stopped is not None and self._halt is None:
+            self.stopped = None
+            self._arm(self.silence_timeout)
+            self.choose_way()
+
+    def _arm(self, delay: float) -> None:
+        if self.silence_timeout > 0:
+            self._watch = self._ends.clock.call_later(delay, self._check_silence)
+
+    def _check_silence(self) -> None:
+        remaining = self.statistics.heard + self.silence_timeout - self._ends.clock.now()
+        if remaining > 0:
+            self._arm(remaining)
+        else:
+            self.stop(StopReason.SILENCE)
+            if self.is_command:
+                self._log_silence()
+
+    def judge_silence(self) -> None:
+        """Does what is due when the source is silent, without waiting for the timer.
+
+        To be called before what the source said is used again: when the process stood still, other
+        timers may be earlier.
+        """
+        is_minded = self.silence_timeout > 0 and self.stopped is None
+        if is_minded and self.statistics.heard + self.silence_timeout <= self._ends.clock.now():
+            self._check_silence()
+
+    def _set_silence_timeout(self, seconds: float) -> None:
+        with self._ends.loop.lock:
+            self.silence_timeout = seconds
+            if self._watch is not None:
+                self._watch.cancel()
+            if self.stopped is None:
+                self.statistics.heard = self._ends.clock.now()
+                self._arm(seconds)
+
+    def _log_silence(self) -> None:
+        """Says what silence has done, at most once in a while: it may come and go."""
+        now = self._ends.clock.now()
+        if now >= self._next_log:
+            self._next_log = now + _LOG_INTERVAL
+            LOGGER.warning("%s: %s; %s", self.name, StopReason.SILENCE.value, self.when_lost)
+
+    # ------------------------------------------------------------------ stops
+
+    def stop(self, reason: StopReason) -> bool:
+        """Sends the safe value, once: the next message from the source ends what it stands for.
+
+        Args:
+            reason: Why the source counts no more.
+
+        Returns:
+            Whether messages of the source stood until now.
+        """
+        if self._watch is not None:
+            self._watch.cancel()
+        stood = self.stopped is None
+        # What stands already stands for its own reason: a bridge begins inactive.
+        if stood or reason is not StopReason.INACTIVE:
+            self.stopped = reason
+        self.choose_way()
+        if stood:
+            counts = self.statistics.stops
+            counts[reason] = counts.get(reason, 0) + 1
+            self.send_safe_value(self.deliver_stop)
+        if self._guarded is not None:
+            self._guarded.arm(False)  # noqa: FBT003
+        return stood
+
+    def guard(self) -> None:
+        """Has the guardian say the stop when the bridge cannot, if there are both."""
+        ward = self._ends.ward
+        if ward is not None and self.is_command and self._safe_value is not None:
+            self._guarded = ward.guard(self._handed_over)
+
+    def _handed_over(self) -> Content:
+        """Returns what the guardian is to say, and after which silence."""
+        try:
+            with self._ends.at(MARK):
+                payload = self.encode(self._safe_value() if self._safe_value else None)
+            topics, datagrams = self.guarded_stops(payload)
+        except Exception as error:  # of what the user has overridden
+            self.fail(error)
+            topics, datagrams = [], []
+        return stops(self.silence_timeout, topics, datagrams)
+
+    def send_safe_value(self, deliver: Callable[[bytes], bool]) -> None:
+        """Hands the modelled safe value to the target side; nothing when there is none.
+
+        Args:
+            deliver: Hands it over, to all of the target side or to a part.
+        """
+        if self._safe_value is None:
+            return
+        try:
+            if deliver(self.encode(self._safe_value())):
+                self.statistics.safe_values += 1
+        except Exception as error:
+            self.fail(error)
+
+    def follow(self, standing: Standing, lost: StopReason | None) -> bool:  # noqa: ARG002
+        """Stops what must not go on as the bridge stands; here, whatever passes while inactive.
+
+        Args:
+            standing: State and controller of the bridge.
+            lost: Why what the former controller commanded must not stand.
+
+        Returns:
+            Whether something was stopped.
+        """
+        return self.halt(None if standing.is_active else StopReason.INACTIVE)
+
+    def lose(self, reason: StopReason) -> bool:
+        """Stops what is watched for silence: its time does not pass any more.
+
+        Args:
+            reason: Why.
+
+        Returns:
+            Whether messages of the source stood until now.
+        """
+        is_watched = self.is_command or self.silence_timeout > 0
+        return is_watched and self.stopped is None and self.stop(reason)
+
+    def halt(self, reason: StopReason | None) -> bool:
+        """Passes nothing on from now on, after the stop; or again, for None.
+
+        Args:
+            reason: Why nothing is passed on.
+
+        Returns:
+            Whether something was stopped.
+        """
+        self._halt = reason
+        self.choose_way()
+        return reason is not None and self.stop(reason)
+
+    def end(self) -> bool:
+        """Sends the safe value for good; whether messages of the source stood until now."""
+        return self.halt(StopReason.END) if self._safe_value or self.is_command else False
+
+    @property
+    def when_lost(self) -> str:
+        """What happens on the target side when the source of a command is lost."""
+        if self._safe_value is not None:
+            return "the stop is sent"
+        return f"the last message stands ({self._hold_reason or 'nobody says why'})"

@@ -1,0 +1,279 @@
+"""Connections that carry ROS topics to JAUS components, as messages that the bridge sends."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from ...services.definitions import Guard
+from ...transports.packets.packet import Priority
+from .connection import FILTERED, NO_PEER, NOT_READY
+from .controlled_peers import ControlledPeers
+from .from_topics import FromTopics
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+    from typing import Concatenate
+
+    from ...base.address import JausAddress
+    from ...clients.peer_search import PeerSearch
+    from ...guardian.ward import Content
+    from ...wire.message import Message
+    from .connection import Take
+    from ..ends.ends import Ends
+    from .stopping import Switch
+    from ..reports.stops import Standing, StopReason
+
+    Send = Callable[[bytes], None]
+
+SourceT = TypeVar("SourceT")
+TargetT = TypeVar("TargetT", bound="Message")
+
+
+_BUSY = 3.0
+"""Seconds after a message in which its receivers should be heard, if nothing was before."""
+
+
+class _Route:
+    """Who gets the messages now.
+
+    Attributes:
+        senders: What sends to each peer that obeys.
+        refusing: The peers that do not obey.
+        is_whole: Whether there are peers, all obey and nothing halts the connection.
+        latest: When the last message was published, in nanoseconds by the clock of its publisher,
+            and when it was taken, by the clock of the bridge.
+    """
+
+    __slots__ = ("is_whole", "latest", "refusing", "senders")
+
+    def __init__(self) -> None:
+        self.senders: tuple[Send, ...] = ()
+        self.refusing: tuple[JausAddress, ...] = ()
+        self.is_whole = False
+        self.latest = 0, 0.0
+
+
+class TopicsToMessage(FromTopics[SourceT, TargetT]):
+    """Sends a JAUS message for each ROS message."""
+
+    def __init__(
+        self,
+        name: str,
+        translate: Callable[Concatenate[SourceT, ...], TargetT | None],
+        *,
+        peers: Sequence[JausAddress] | PeerSearch,
+        control: Guard = Guard.ANY,
+        priority: Priority = Priority.STANDARD,
+        acknowledge: bool = False,
+        **options: Any,
+    ) -> None:
+        """Prepares the connection.
+
+        Args:
+            name: Name of the connection in the model.
+            translate: Makes the JAUS message, or None to pass nothing on.
+            peers: JAUS components that receive it, or how they are found.
+            control: What the peers demand of a sender that they obey. Unless that is ANY, control
+                of them is acquired and kept, they are resumed for READY, and the message is sent
+                to a peer only while it obeys.
+            priority: Priority of the message (AS5669A).
+            acknowledge: Whether each peer shall acknowledge it.
+            options: The other parameters of `FromTopics`.
+        """
+        super().__init__(name, translate, **options)
+        self._peers = ControlledPeers(peers, control)
+        self._priority = priority
+        self._acknowledge = acknowledge
+        self._prepared: dict[JausAddress, Send] = {}
+        self._route = _Route()
+        self._before = self._route.latest
+        self._doubted: dict[JausAddress, float] = {}
+        self._slots: dict[JausAddress, int] = {}
+
+    @property
+    def peers(self) -> tuple[JausAddress, ...]:
+        """JAUS components that receive it."""
+        return self._peers.present
+
+    def open(self, ends: Ends) -> None:
+        """Makes the subscriptions and starts to acquire control."""
+        super().open(ends)
+        self._slots.clear()
+        self._peers.open(
+            ends, self.name, join=self._join, leave=self._leave, changed=self._control_changed
+        )
+        self.guard()
+
+    def make_take(self, switch: Switch) -> Take:
+        """Returns the short way of messages, for which all peers obey."""
+        counts, transcode, now = self.statistics, self._transcode, self._ends.clock.now
+        drop, fail, deliver, route = self.drop, self.fail, self.deliver, self._route
+
+        def take(data: bytes, stamp: int = 0) -> None:
+            if switch.unusual is not None:
+                switch.unusual(data, stamp)
+                return
+            counts.arrivals += 1
+            try:
+                target = transcode(data)
+                counts.heard = counts.last_arrival = at = now()
+                route.latest = stamp, at
+                if target is None:
+                    drop(FILTERED)
+                    return
+                if route.is_whole:
+                    for send in route.senders:
+                        send(target)
+                elif not deliver(target):
+                    return
+            except Exception as error:
+                counts.last_arrival = now()
+                fail(error)
+                return
+            counts.passed += 1
+
+        return take
+
+    def waited(self, origin: Any) -> float | None:
+        """Returns the seconds since a message was published, by the last one before a standstill.
+
+        The clock of its publisher may be another one, so only what passed between both counts.
+        """
+        stamp, at = self._before
+        if not (stamp and origin) or self._ends.simulation is not None:
+            return None
+        return self._ends.clock.now() - at - float(origin - stamp) * 1e-9
+
+    def _backlog_changed(self) -> None:
+        self._before = self._route.latest
+        super()._backlog_changed()
+
+    def _join(self, peer: JausAddress) -> None:
+        self._prepared[peer] = self._sender(peer)
+        self._find_route()
+
+    def _leave(self, peer: JausAddress) -> None:
+        del self._prepared[peer]
+        self._find_route()
+
+    def _sender(self, peer: JausAddress) -> Send:
+        """Returns what sends a message to a peer, whether it obeys or not."""
+        component = self._ends.component
+        transport, own = component.transport, component.address
+        if self._acknowledge:
+            return partial(transport.send, own, peer, priority=self._priority, acknowledge=True)
+        return transport.sender(own, peer, self._priority)
+
+    def _find_route(self) -> None:
+        """Finds out who gets the messages, now that peers, their control or a halt changed."""
+        route, prepared = self._route, self._prepared
+        obeying = [peer for peer in prepared if self._peers.obeys(peer)]
+        route.senders = tuple(prepared[peer] for peer in obeying)
+        route.refusing = tuple(peer for peer in prepared if peer not in obeying)
+        route.is_whole = bool(obeying) and not route.refusing and self._halt is None
+
+    def choose_way(self) -> None:
+        """Sends messages the way that fits the case."""
+        super().choose_way()
+        self._find_route()
+
+    def lacks_peers(self) -> str:
+        """What is searched for and not found."""
+        return self._peers.lacking()
+
+    def refusal(self) -> str:
+        """Why no peer obeys."""
+        refusing = self._route.refusing
+        if not refusing or self._route.senders:
+            return ""
+        return f"no peer obeys: {self._peers.reason(refusing[0])}"
+
+    def unwilling(self) -> str:
+        """Which of several peers do not obey."""
+        if not self._route.senders or not self._route.refusing:
+            return ""
+        return f"does not obey: {', '.join(map(str, self._route.refusing))}"
+
+    def follow(self, standing: Standing, lost: StopReason | None) -> bool:
+        """Stops what the bridge commands while it may not command."""
+        return self.halt(standing.halt) if self.is_command else super().follow(standing, lost)
+
+    def deliver(self, payload: bytes) -> bool:
+        """Sends to each peer that obeys; False when none does."""
+        route = self._route
+        if self._halt is not None:  # since the message was taken; the stop is the last word
+            self.refuse_halted(self._halt)
+            return False
+        if not self._prepared:
+            self.drop(NO_PEER)
+            return False
+        for send in route.senders:
+            send(payload)
+        if not route.senders:
+            self.drop(NOT_READY, ", ".join(map(str, route.refusing)))
+            return False
+        withheld = self.statistics.withheld
+        for peer in route.refusing:
+            withheld[peer] = withheld.get(peer, 0) + 1
+        return True
+
+    def deliver_stop(self, payload: bytes) -> bool:
+        """Sends the stop to each peer that obeys, again until it is acknowledged.
+
+        The others get it when they obey again.
+        """
+        obeying = [peer for peer in self.peers if self._peers.obeys(peer)]
+        return self._send_stop(obeying, payload)
+
+    def guarded_stops(self, payload: bytes) -> tuple[list[Content], list[Content]]:
+        """Returns the datagram of the stop for each peer that obeys and has a known place.
+
+        Behind a node manager or TCP there is none: there, control lapses.
+        """
+        component = self._ends.component
+        transport, own, found = component.transport, component.address, []
+        for peer in filter(self._peers.obeys, self.peers):
+            made = transport.datagram(own, peer, payload, self._priority)
+            if made is not None:
+                datagram, endpoint = made
+                content = {"data": datagram.hex(), "endpoint": endpoint}
+                found.append({**content, "slot": self._slot(peer)})
+        return [], found
+
+    def _slot(self, peer: JausAddress) -> int:
+        """Where the guardian finds the next sequence number to a peer."""
+        if peer not in self._slots and self._ends.ward is not None:
+            component = self._ends.component
+            number = partial(component.transport.next_number, component.address, peer)
+            self._slots[peer] = self._ends.ward.slot(number)
+        return self._slots[peer]
+
+    def _send_stop(self, peers: Sequence[JausAddress], payload: bytes) -> bool:
+        component = self._ends.component
+        for peer in peers:
+            component.transport.send(
+                component.address, peer, payload, priority=self._priority, acknowledge=True
+            )
+        return bool(peers)
+
+    def silent_peers(self) -> Iterable[JausAddress]:
+        """Peers of which nothing is heard, though messages go to them: they may not be there."""
+        now, latest = self._ends.clock.now(), self.statistics.last_arrival
+        is_busy = self._halt is None and latest is not None and now - latest < _BUSY
+        unheard = self._ends.component.transport.is_unheard
+        silent = [peer for peer in self._prepared if is_busy and unheard(peer)]
+        self._doubted = {peer: self._doubted.get(peer, now) for peer in silent}
+        return [peer for peer, since in self._doubted.items() if now - since >= _BUSY]
+
+    def describe_peers(self) -> list[tuple[str, str]]:
+        """The JAUS components and the state of their control."""
+        return self._peers.describe()
+
+    def _control_changed(self, peer: JausAddress) -> None:
+        self._find_route()
+        if self._guarded is not None:
+            self._guarded.hand()
+        # A peer that was away when the topics fell silent has missed the safe value.
+        if self._peers.obeys(peer) and self.is_silent:
+            self.send_safe_value(partial(self._send_stop, [peer]))

@@ -1,0 +1,493 @@
+"""Connections that carry JAUS messages to ROS topics."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from ...clients.peer_binding import PeerBinding
+from ...services.definitions import Guard, Status
+from ..ends import parameters
+from .ages import jaus_age
+from .asking import AskedEvents, AskedQueries
+from ..ends.by_sender import Taker
+from .command_answers import CommandMemory
+from .connection import FILTERED, Connection
+from ..reports.diagnostics import LOST_ON_THE_WAY, OUT_OF_ORDER, UNHEARD
+from ..ends.guarding import topic_stops
+from ..reports.latency import age_of_stamp
+from ..light_message import is_light
+from ..ends.quality import TopicFault
+from .rate_cap import RateCap
+from .report_joins import JoinedReport
+from ..reports.stops import StopReason
+from .transcoding import Form, ros_encoder, uses_ros_classes
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from typing import Concatenate
+
+    from ...base.address import JausAddress
+    from ...clients.peer_search import PeerSearch
+    from ...guardian.ward import Content
+    from ...wire.message import Message
+    from .ages import Age
+    from .command_answers import CommandAnswer
+    from .connection import Take
+    from ..ends.ends import Ends, RosPublisher
+    from .report_joins import ReportJoin
+    from .stopping import Switch
+    from ..reports.stops import Standing
+    from ..ends.topics import Topic
+    from .transcoding import Transcode
+
+SourceT = TypeVar("SourceT", bound="Message")
+TargetT = TypeVar("TargetT")
+
+NOT_PUBLISHED = "not_published"
+UNEXPECTED = "unexpected_source"
+UNASKED = "unasked"
+
+_GREETING = 10.0
+"""Seconds after the start in which subscribers may still be found that were there before."""
+
+
+class ToTopics(Connection[SourceT, TargetT]):
+    """What the connections to ROS topics have in common: the topics, and the peers."""
+
+    def __init__(
+        self,
+        name: str,
+        translate: Callable[Concatenate[SourceT, ...], TargetT | None],
+        *,
+        message: type[SourceT],
+        type: type[TargetT],  # noqa: A002 - the word of the model
+        topics: Sequence[Topic],
+        peers: Sequence[JausAddress] | PeerSearch = (),
+        joins: Sequence[ReportJoin] = (),
+        **when_lost: Any,
+    ) -> None:
+        """Prepares the connection.
+
+        Args:
+            name: Name of the connection in the model.
+            translate: Makes the ROS message, or None to pass nothing on. Joined reports give it
+                their messages as keyword arguments.
+            message: JAUS message that is taken.
+            type: ROS type that is published.
+            topics: Where it is published.
+            peers: JAUS components at the other end, or how they are found.
+            joins: Further reports whose latest one the translation needs.
+            when_lost: What happens when the source is lost: the parameters of `Connection`.
+        """
+        super().__init__(name, translate, **when_lost)
+        self._peers = PeerBinding(peers)
+        self._report_joins = tuple(map(JoinedReport, joins))
+        self._message = message
+        self._type = type
+        self._topics = tuple(topics)
+        self._publishers: list[RosPublisher] = []
+        self._encode: Callable[[Any], bytes]
+        self._opened = 0.0
+
+    @property
+    def peers(self) -> tuple[JausAddress, ...]:
+        """JAUS components whose messages are taken."""
+        return self._peers.present
+
+    def open(self, ends: Ends) -> None:
+        """Makes the publishers, before any message can arrive."""
+        self._encode = ros_encoder(ends.ros, self._type)
+        super().open(ends)
+        self._topics = parameters.topics(ends.ros, self.name, self._topics)
+        self._peers = parameters.peers(ends.ros, self.name, self._peers)
+        self._opened = ends.loop.now()
+        greet = self._greet if self.is_command and self._safe_value is not None else None
+        self._publishers = [ends.publisher(self._type, topic, greet) for topic in self._topics]
+        self.guard()
+        for each in self._report_joins:
+            each.open(ends, self.name, self._peers, self._refuse_sender)
+        self.join(self._report_joins)
+        self._take = self.make_take(self._switch)
+        self.begin(ends)
+        self._peers.follow(ends.component.find_peers, self._join, self._leave)
+
+    def begin(self, ends: Ends) -> None:
+        """Prepares to meet the peers; by default nothing is to be done."""
+
+    def decoder(self) -> Callable[[bytes], SourceT]:
+        """Returns what decodes the JAUS message."""
+        return self._message.decode
+
+    def encode(self, target: TargetT) -> bytes:
+        """Serializes a ROS message."""
+        return self._encode(target)
+
+    def readable_form(self) -> Form:
+        """Returns which classes the translation makes objects of."""
+        is_real = uses_ros_classes(self._translate) or not is_light(self._type)
+        return Form.ROS_CLASSES if is_real else Form.LIGHT
+
+    def make_take(self, switch: Switch) -> Take:
+        """Returns the short way of messages."""
+        counts, transcode, now = self.statistics, self._transcode, self._ends.clock.now
+        drop, fail, publishers = self.drop, self.fail, self._publishers
+        refused = self._note_refused
+        publisher = publishers[0] if len(publishers) == 1 else _Publishers(publishers)
+        publish = publisher.publish
+
+        def take(data: bytes, sender: JausAddress | None = None) -> None:
+            if switch.unusual is not None:
+                switch.unusual(data, sender)
+                return
+            target, failure = None, None
+            try:
+                target = transcode(data)
+            except Exception as error:
+                counts.arrivals += 1
+                counts.last_arrival = now()
+                fail(error)
+                return
+            if target is not None:
+                try:
+                    publish(target)
+                except Exception as error:
+                    failure = error
+            # What is only counted is counted when the message has gone on.
+            counts.arrivals += 1
+            counts.heard = counts.last_arrival = now()
+            if target is None:
+                drop(FILTERED)
+            elif failure is not None:
+                refused(failure)
+            else:
+                counts.passed += 1
+                if not publisher.matched:
+                    publisher.unmatched += 1
+
+        return take
+
+    def age(self, data: bytes, origin: Any) -> int | None:  # noqa: ARG002
+        """Returns the age of a message with a TimeStamp."""
+        return age_of_stamp(self._message.decode(data), self._ends.loop.wall())
+
+    def make_age(self) -> Age:
+        """Returns what tells the age of a message by its TimeStamp."""
+        return jaus_age(self._message, self._ends.ros)
+
+    def _join(self, peer: JausAddress) -> None:
+        """Begins with a peer; by default nothing is to be asked of it."""
+
+    def _leave(self, peer: JausAddress) -> None:
+        """Ends with a peer that is gone."""
+
+    def _refuse_sender(self, _data: bytes, sender: JausAddress) -> None:
+        """Counts a message that no connection takes from its sender."""
+        self.refuse(UNEXPECTED, str(sender))
+
+    def lacks_peers(self) -> str:
+        """What is searched for and not found."""
+        return str(self._peers.search) if self._peers.is_lacking else ""
+
+    def _greet(self) -> None:
+        """Gives the stop of the start to subscribers that ROS finds a little later.
+
+        A bridge that crashed and was started again finds the robot in motion. Afterwards a
+        newcomer gets nothing: others may publish on the topic by then.
+        """
+        with self._ends.loop.lock:
+            is_new = self._ends.clock.now() - self._opened < _GREETING
+            if self.stopped is StopReason.START and is_new:
+                self.send_safe_value(self.deliver)
+
+    def guarded_stops(self, payload: bytes) -> tuple[list[Content], list[Content]]:
+        """Returns the stop for each topic."""
+        return topic_stops(self._publishers, payload), []
+
+    def deliver(self, payload: bytes) -> bool:
+        """Publishes on every topic; False when ROS refuses."""
+        try:
+            for publisher in self._publishers:
+                publisher.publish(payload)
+                if not publisher.matched:
+                    publisher.unmatched += 1
+        except Exception as error:
+            self._note_refused(error)
+            return False
+        return True
+
+    def _note_refused(self, error: Exception) -> None:
+        """Counts a message that ROS does not publish."""
+        self.drop(NOT_PUBLISHED, repr(error), error)
+
+    def losses(self) -> dict[str, int]:
+        """How many messages nobody has heard."""
+        return {UNHEARD: sum(each.unmatched for each in self._publishers)}
+
+    def topic_faults(self) -> Iterator[TopicFault]:
+        """What is wrong with the topics."""
+        for topic in self._topics:
+            yield from self._ends.ros.faults(topic, publishes=True)
+
+    def describe_peers(self) -> list[tuple[str, str]]:
+        """The JAUS components whose messages are taken."""
+        named = [(f"peer {peer}", self._state_of(peer)) for peer in self.peers]
+        return [*self._peers.describe(), *named]
+
+    def _state_of(self, peer: JausAddress) -> str:
+        """How it stands with a peer, for diagnostics."""
+        del peer
+        return "source"
+
+
+class EventToTopics(ToTopics[SourceT, TargetT]):
+    """Receives a report as an AS5710 event and publishes it.
+
+    Attributes:
+        rate: Reports each second; None means one on every change.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        translate: Callable[Concatenate[SourceT, ...], TargetT | None],
+        *,
+        query: Message,
+        rate: float | None = None,
+        **options: Any,
+    ) -> None:
+        """Prepares the connection.
+
+        Args:
+            name: Name of the connection in the model.
+            translate: Makes the ROS message, or None to pass nothing on.
+            query: The query whose answer is the report; it selects the fields.
+            rate: Reports each second; None means one on every change.
+            options: The other parameters of `ToTopics`.
+        """
+        super().__init__(name, translate, **options)
+        self.rate = rate
+        self._query = query
+        self._events: AskedEvents
+        self._unasked_of: JausAddress | None = None
+
+    @property
+    def declared_rate(self) -> float:
+        """The rate of the event, from all peers."""
+        return (self.rate or 0.0) * len(self.peers)
+
+    def open(self, ends: Ends) -> None:
+        """Makes the publishers, then asks each peer for the event."""
+        if self.rate is not None:
+            self.rate = ends.ros.parameter(parameters.rate(self.name, self.rate), self._set_rate)
+        super().open(ends)
+
+    def begin(self, ends: Ends) -> None:
+        """Prepares to ask for the event."""
+        self._events = AskedEvents(ends, self._query, self._message, self._take, self.rate)
+        ends.note_unasked(self._message, self._note_unasked, self._peers)
+
+    def _note_unasked(self, _data: bytes, sender: JausAddress) -> None:
+        """Counts a report of a peer that is no event: which fields it has nobody has asked for."""
+        self._unasked_of = sender
+        self.drop(UNASKED, self._unasked_text(sender))
+
+    def _unasked_text(self, sender: JausAddress) -> str:
+        sent = f"{sender} sends {self._message.NAME} unasked, and {self.name} asks for events"
+        return f"{sent}; exchange: message takes what comes unasked"
+
+    def topic_faults(self) -> Iterator[TopicFault]:
+        """What is wrong with the topics; also that a peer sends its reports in another way."""
+        yield from super().topic_faults()
+        if self._unasked_of is not None and self.statistics.last_arrival is None:
+            yield TopicFault(UNASKED, self._unasked_text(self._unasked_of))
+
+    @property
+    def is_latched(self) -> bool:
+        """Whether the latest report counts until there is another, as with every change."""
+        return self.rate is None and not self.is_command
+
+    def _set_rate(self, hertz: float) -> None:
+        self.rate = hertz
+        self._events.set_rate(hertz)
+
+    def _join(self, peer: JausAddress) -> None:
+        self._events.begin(peer)
+
+    def _leave(self, peer: JausAddress) -> None:
+        self._events.end(peer)
+
+    def silent_peers(self) -> Iterable[JausAddress]:
+        """Peers that do not confirm the event, or have ceased to send it."""
+        return [peer for peer in self.peers if self._state_of(peer) == "asked"]
+
+    def losses(self) -> dict[str, int]:
+        """How many reports did not arrive, or too late, and how many nobody has heard."""
+        return {
+            LOST_ON_THE_WAY: self._events.lost,
+            OUT_OF_ORDER: self._events.late,
+            **super().losses(),
+        }
+
+    def _state_of(self, peer: JausAddress) -> str:
+        return self._events.state_of(peer)
+
+
+class QueryToTopics(ToTopics[SourceT, TargetT]):
+    """Asks for a report once each period and publishes the answer.
+
+    Attributes:
+        rate: Queries each second.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        translate: Callable[Concatenate[SourceT, ...], TargetT | None],
+        *,
+        query: Message,
+        rate: float,
+        **options: Any,
+    ) -> None:
+        """Prepares the connection.
+
+        Args:
+            name: Name of the connection in the model.
+            translate: Makes the ROS message, or None to pass nothing on.
+            query: The query whose answer is the report; it selects the fields.
+            rate: Queries each second.
+            options: The other parameters of `ToTopics`.
+        """
+        super().__init__(name, translate, **options)
+        self.rate = rate
+        self._query = query
+        self._queries: AskedQueries
+
+    @property
+    def declared_rate(self) -> float:
+        """The rate of the queries."""
+        return self.rate * len(self.peers)
+
+    def open(self, ends: Ends) -> None:
+        """Makes the publishers, then starts to ask."""
+        super().open(ends)
+        self._queries = AskedQueries(ends, self._query, self._message, self._take, self.rate)
+        rate = ends.ros.parameter(parameters.rate(self.name, self.rate), self._set_rate)
+        self.rate = self._queries.rate = rate
+        self._queries.start(self._peers)
+
+    def _set_rate(self, hertz: float) -> None:
+        self.rate = hertz
+        self._queries.set_rate(hertz)
+
+    def silent_peers(self) -> Iterable[JausAddress]:
+        """Peers that did not answer lately."""
+        return [peer for peer in self.peers if self._queries.is_silent(peer)]
+
+    def _state_of(self, peer: JausAddress) -> str:
+        return "asked" if self._queries.is_silent(peer) else "source"
+
+
+class MessageToTopics(ToTopics[SourceT, TargetT]):
+    """Publishes each message of a kind that a JAUS component sends to the bridge.
+
+    Without peers, messages are taken from whoever sends them.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        translate: Callable[Concatenate[SourceT, ...], TargetT | None],
+        *,
+        when: Guard | Callable[[SourceT], Guard] = Guard.ANY,
+        rate_cap: float = 0.0,
+        answer: CommandAnswer | None = None,
+        **options: Any,
+    ) -> None:
+        """Prepares the connection.
+
+        Args:
+            name: Name of the connection in the model.
+            translate: Makes the ROS message, or None to pass nothing on.
+            when: Whom to obey: commands pass only from the controller of the bridge. A function
+                tells it from the message.
+            rate_cap: Messages each second that are taken of one source; 0 means all.
+            answer: How the last command that was passed on is told when somebody asks for it.
+            options: The other parameters of `ToTopics`.
+        """
+        super().__init__(name, translate, **options)
+        self._when = when
+        self._standing: Standing | None = None
+        self._rate_cap = rate_cap
+        self._memory = None if answer is None else CommandMemory(answer, self._stands)
+
+    def open(self, ends: Ends) -> None:
+        """Makes the publishers, then listens."""
+        super().open(ends)
+        self._rate_cap = ends.ros.parameter(parameters.rate_cap(self.name, self._rate_cap))
+        if self._rate_cap > 0:
+            self._take = RateCap(self._rate_cap, ends.loop.now, self.refuse).before(self._take)
+        senders = None if self._peers.is_anybody else self._peers
+        taker = Taker(self._take, senders, self._refuse_sender, self.is_command)
+        ends.accept(self._message, taker, self._when)
+        if self._memory is not None:
+            self._memory.provide(ends.component)
+
+    def _made_transcode(self) -> Transcode:
+        transcode = super()._made_transcode()
+        return transcode if self._memory is None else self._memory.remembering(transcode)
+
+    def _stands(self) -> bool:
+        """Whether what was commanded last has not given way to a stop."""
+        return self.stopped is None or self._safe_value is None
+
+    def follow(self, standing: Standing, lost: StopReason | None) -> bool:
+        """Stops what whoever commanded has left behind, in Ready too."""
+        self._standing = standing
+        if not (self.is_command and standing.is_active):
+            return super().follow(standing, lost)
+        # Of other commands the guard decides, which the bridge asks before it takes a message.
+        if self.halt(standing.halt if self._when is Guard.ANY else None):
+            return True
+        return lost is not None and self.stop(lost)
+
+    def forbidden(self) -> str:
+        """Why no command is obeyed now."""
+        standing = self._standing
+        if self._halt is not None or self._when is Guard.ANY or standing is None:
+            return super().forbidden()
+        if standing.halt is not None:
+            return standing.halt.value
+        if standing.controller is None:
+            why = standing.without_controller
+            return why.value if self.stopped is why else "nobody controls the bridge"
+        waits = self._when is Guard.READY and standing.status is not Status.READY
+        return StopReason.STANDBY.value if waits else ""
+
+    def not_taken(self) -> dict[str, int]:
+        """How many messages were refused, late or unreadable, and never came as far as this."""
+        found: Counter[str] = Counter()
+        for sender, reason, count in self._ends.component.drops_before(self._message.NAME):
+            if self._peers.is_anybody or sender in self._peers.present:
+                found[reason] += count
+        return dict(found)
+
+    def describe_peers(self) -> list[tuple[str, str]]:
+        """The JAUS components whose messages are taken."""
+        return super().describe_peers() or [("peer", "any")]
+
+
+class _Publishers:
+    """Several publishers as one."""
+
+    matched = 1
+    unmatched = 0
+
+    def __init__(self, publishers: Sequence[RosPublisher]) -> None:
+        self._publishers = tuple(publishers)
+
+    def publish(self, data: bytes) -> None:
+        for publisher in self._publishers:
+            publisher.publish(data)
+            if not publisher.matched:
+                publisher.unmatched += 1

@@ -1,0 +1,1 @@
+"""The two ends of a bridge, as connections see them."""

@@ -1,0 +1,82 @@
+"""What a bridge hands to its guardian: its stops, as octets with which nothing is left to do."""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import asdict
+from functools import cache
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+from ...conversions import Time
+from ...guardian.rcl import loaded_libraries
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+    from .ends import RosPublisher
+
+MARK = Time(0x01020304, 0x05060708)
+"""The moment that stops are made for: where it stands in them, the guardian puts the present."""
+
+_MARK = struct.pack("<iI", *MARK)
+
+
+def topic_stops(publishers: Iterable[RosPublisher], data: bytes) -> list[dict[str, Any]]:
+    """Returns a stop for each topic, as the guardian is told.
+
+    Args:
+        publishers: What publishes on the topics.
+        data: The serialized stop, made for the moment `MARK`.
+    """
+    return [
+        {
+            "topic": each.published.topic,
+            "type": each.published.type,
+            "library": type_library(each.published.type.partition("/")[0]),
+            "qos": asdict(each.published.qos),
+            "data": data.hex(),
+            "stamps": list(_stamps(data)),
+        }
+        for each in publishers
+    ]
+
+
+@cache
+def type_library(package: str) -> str:
+    """Returns the path of the library that has the type support of a package.
+
+    Args:
+        package: A package of messages, one of whose types is in use.
+
+    Raises:
+        KeyError: Nothing of it is in use.
+    """
+    return loaded_libraries()[f"lib{package}__rosidl_typesupport_c.so"]
+
+
+def ros_of(arguments: Sequence[str]) -> dict[str, Any]:
+    """Returns what the guardian needs to speak ROS.
+
+    Args:
+        arguments: Command line of the bridge.
+    """
+    found = loaded_libraries()
+    given = list(arguments)
+    options = ("-e", "--enclave")
+    enclave = [
+        word
+        for option, value in pairwise(given)
+        if option in options
+        for word in ("--ros-args", option, value)
+    ]
+    libraries = {"rcl": found["librcl.so"], "utilities": found["librcutils.so"]}
+    return {**libraries, "arguments": enclave}
+
+
+def _stamps(data: bytes) -> Iterator[int]:
+    """Yields where stamps stand in a serialized message."""
+    found = data.find(_MARK)
+    while found >= 0:
+        yield found
+        found = data.find(_MARK, found + len(_MARK))

@@ -1,0 +1,361 @@
+"""Parameters of a bridge: what a deployment may change without generating again.
+
+A parameter has the value of the model until a parameter file, the command line or, for those that
+may change while the bridge runs, `ros2 param set` says otherwise.
+"""
+
+from __future__ import annotations
+
+import difflib
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from ...base.address import JausAddress
+from ...base.errors import JausError
+from ...base.settings import MAX_FRAGMENT_SIZE, TransportKind
+from ...clients.peer_binding import PeerBinding
+from ...services.definitions import MAX_EVENT_RATE
+from .parameter import Parameter
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+    from .actions import ListAction
+    from .ends import RosSide
+    from .service_client import RosService
+    from .settings import BridgeSettings
+    from .topics import Topic
+
+LEAST = 1e-9
+"""Least value of a number that is above 0."""
+
+GREATEST = 1.7976931348623157e308
+"""Greatest number."""
+
+GREATEST_SPEED = 327.67
+"""Metres per second that a speed of AS6009 can say."""
+
+LONGEST_TIME = 3600.0
+"""Longest time in seconds that a parameter takes."""
+
+LEAST_MAX_RATE = 0.001
+"""Least rate in hertz above which messages are thinned out, besides 0."""
+
+GREATEST_DECIMATION = 1_000_000
+"""Most messages of which one passes."""
+
+QUEUE_AGE_LIMIT = 2.0
+"""Seconds that a ROS message may have waited in the queue of the bridge.
+
+That is far more than a bridge that keeps up needs, also while it starts. After a longer stall the
+commands of before are history: what comes next is the word.
+"""
+
+
+class ParameterError(JausError):
+    """A parameter of the node has a value with which the bridge cannot run."""
+
+
+@dataclass(frozen=True)
+class AttributeParameter:
+    """A parameter that sets an attribute of the bridge, also while the bridge runs.
+
+    Attributes:
+        name: Name of the parameter.
+        attribute: Name of the attribute, which has the modelled value.
+        description: What it is, with its unit.
+        is_positive: Whether a number is above 0.
+    """
+
+    name: str
+    attribute: str
+    description: str
+    is_positive: bool = False
+
+    def of(self, value: Any) -> Parameter:
+        """Returns the parameter of the node, with the value that the attribute has."""
+        lowest = LEAST if self.is_positive else -GREATEST
+        limits = (lowest, GREATEST) if isinstance(value, float) else None
+        return Parameter(self.name, value, self.description, limits)
+
+
+def network(model: BridgeSettings) -> tuple[Parameter, ...]:
+    """Returns what says how the process takes part in JAUS, named as its options are.
+
+    Args:
+        model: The settings of the model.
+    """
+    known, kinds = model.transport, [kind.value for kind in TransportKind]
+
+    def check(kind: str) -> None:
+        if kind not in kinds:
+            raise ValueError(f"{kind} is none of {', '.join(kinds)}")
+
+    return (
+        Parameter("jaus_id", str(model.address), "JAUS address of the bridge.", check=address),
+        Parameter("jaus_interface", known.interface, "IPv4 address of the interface of JAUS."),
+        Parameter(
+            "jaus_transport", known.transport.value, f"One of {', '.join(kinds)}.", check=check
+        ),
+        Parameter("jaus_port", known.port, "UDP or TCP port of JAUS.", (1, 65535)),
+        Parameter("jaus_multicast_group", known.multicast_group, "Multicast group of JAUS."),
+        Parameter(
+            "jaus_multicast_ttl",
+            known.multicast_ttl,
+            "Routers that a multicast of JAUS may pass.",
+            (0, 255),
+        ),
+        Parameter(
+            "jaus_fragment_size",
+            known.fragment_size,
+            "Bytes of a message in one packet of JAUS.",
+            (2, MAX_FRAGMENT_SIZE),
+        ),
+        Parameter(
+            "jaus_allowed_hosts",
+            ",".join(known.allowed_hosts),
+            "IPv4 addresses and networks that JAUS is taken from, with commas; empty for any.",
+        ),
+        Parameter(
+            "jaus_fixed_sources",
+            known.fixed_sources,
+            "Whether a component that is suddenly heard from another endpoint is refused.",
+        ),
+        Parameter(
+            "jaus_amplification_limit",
+            known.amplification_limit,
+            "Bytes to a UDP endpoint for each byte from it, until it proved its address; 0 is any.",
+            (0, 1000),
+        ),
+        Parameter(
+            "jaus_max_peers",
+            known.max_peers,
+            "Components that are remembered, besides stated ones and the one in control.",
+            (16, 65535),
+        ),
+        Parameter("jaus_max_connections", known.max_connections, "TCP connections.", (4, 4096)),
+        Parameter(
+            "jaus_idle_timeout",
+            float(known.idle_timeout),
+            "Seconds in which a message must come over a new TCP connection; 0 is any time.",
+            (0.0, 86400.0),
+        ),
+    )
+
+
+def max_events(value: int) -> Parameter:
+    """Returns how many events are served at a time."""
+    return Parameter("jaus_max_events", value, "JAUS events at a time.", (1, 255))
+
+
+def event_rate_budget(value: float) -> Parameter:
+    """Returns how many reports a second all periodic events may have together."""
+    text = "Reports of all periodic JAUS events together each second."
+    return Parameter("jaus_event_rate_budget", float(value), text, (1.0, 255 * MAX_EVENT_RATE))
+
+
+def authority(value: int) -> Parameter:
+    """Returns the authority code that control of others is requested with."""
+    text = "Authority that control of JAUS components is requested with."
+    return Parameter("jaus_authority", value, text, (0, 255))
+
+
+def diagnostics_frequency(value: float) -> Parameter:
+    """Returns how often diagnostics are published each second."""
+    text = "Diagnostics published each second (Hz)."
+    return Parameter("diagnostics_frequency", value, text, (0.01, 100.0))
+
+
+def autostart() -> Parameter:
+    """Returns whether the bridge becomes active by itself."""
+    text = "Whether the node becomes active by itself; if not, it waits unconfigured."
+    return Parameter("autostart", default=True, description=text)
+
+
+def queue_age_limit() -> Parameter:
+    """Returns the time in seconds after which a ROS message that waits is too old; 0 is never."""
+    text = "Seconds after which a message of a topic that is not latched is too old to be taken."
+    return Parameter("queue_age_limit", QUEUE_AGE_LIMIT, text, (0.0, LONGEST_TIME))
+
+
+def rate(connection: str, value: float) -> Parameter:
+    """Returns the rate of a connection in messages each second."""
+    text = f"Messages of the connection {connection} each second (Hz)."
+    return Parameter(f"{connection}.rate", value, text, (0.02, MAX_EVENT_RATE))
+
+
+def silence_timeout(connection: str, seconds: float) -> Parameter:
+    """Returns the silence timeout of a connection in seconds; 0 is never."""
+    text = f"Seconds without a message that count as silence of the source of {connection}."
+    return Parameter(f"{connection}.silence_timeout", seconds, text, (0.0, LONGEST_TIME))
+
+
+def max_rate(connection: str, hertz: float) -> Parameter:
+    """Returns the rate above which messages of a connection are thinned out; 0 is never."""
+    text = f"Messages of {connection} that pass each second at most (Hz); 0 is all."
+    return _limit(f"{connection}.max_rate", hertz, text)
+
+
+def rate_cap(connection: str, hertz: float) -> Parameter:
+    """Returns the rate above which messages of one source are dropped; 0 is never."""
+    text = f"Messages of {connection} that are taken of one source each second (Hz); 0 is all."
+    return _limit(f"{connection}.rate_cap", hertz, text)
+
+
+def _limit(name: str, hertz: float, text: str) -> Parameter:
+    """Returns a rate in hertz that limits; 0 is no limit."""
+
+    def check(value: float) -> None:
+        if 0 < value < LEAST_MAX_RATE:
+            raise ValueError(f"{value:g} Hz is neither 0 nor {LEAST_MAX_RATE:g} Hz or more")
+
+    return Parameter(name, hertz, text, (0.0, GREATEST), check)
+
+
+def decimation(connection: str, number: int) -> Parameter:
+    """Returns every how many messages of a connection one passes."""
+    text = f"Every how many messages of {connection} one passes."
+    return Parameter(f"{connection}.decimation", number, text, (1, GREATEST_DECIMATION))
+
+
+def age_limit(connection: str, seconds: float) -> Parameter:
+    """Returns the age in seconds above which messages of a connection do not pass; 0 is never."""
+    text = f"Seconds after which a message of {connection} is too old to pass; 0 is never."
+    return Parameter(f"{connection}.age_limit", seconds, text, (0.0, LONGEST_TIME))
+
+
+def latency(connection: str = "") -> Parameter:
+    """Returns whether the latency of a connection is measured, or that of all of them.
+
+    Args:
+        connection: The connection; empty for all.
+    """
+    name, whose = (f"{connection}.latency", connection) if connection else ("latency", "all")
+    text = f"Whether the latency of {whose} is measured."
+    return Parameter(name, default=False, description=text)
+
+
+def lift_emergency(check: Callable[[str], None]) -> Parameter:
+    """Returns whose emergencies are to be lifted, by somebody at the robot.
+
+    Args:
+        check: Raises ValueError where that cannot be.
+    """
+    text = "JAUS address of clients that set an emergency and are gone; setting it lifts theirs."
+    return Parameter("lift_emergency", "", text, check=check)
+
+
+def freshness(join: str, seconds: float) -> Parameter:
+    """Returns the time in seconds after which the latest message of a join is stale.
+
+    Args:
+        join: Connection and join, e.g. `pose.imu`.
+        seconds: The modelled time.
+    """
+    text = f"Seconds after which the latest message of {join} is stale."
+    return Parameter(f"{join}.freshness", seconds, text, (0.001, LONGEST_TIME))
+
+
+def topics(ros: RosSide, owner: str, modelled: Sequence[Topic]) -> tuple[Topic, ...]:
+    """Returns the topics of a connection or join under the names that parameters give them.
+
+    Args:
+        ros: The ROS side.
+        owner: Connection, or connection and join.
+        modelled: The topics that the model names.
+    """
+    if not modelled:
+        return ()
+    if len(modelled) == 1:
+        name = ros.parameter(Parameter(f"{owner}.topic", modelled[0].name, f"Topic of {owner}."))
+        return (replace(modelled[0], name=name),)
+
+    def check(names: Sequence[str]) -> None:
+        if len(names) != len(modelled):
+            raise ValueError(f"{owner} has {len(modelled)} topics, not {len(names)}")
+
+    default = [each.name for each in modelled]
+    text = f"Topics of {owner}, in the order of the model."
+    names = ros.parameter(Parameter(f"{owner}.topics", default, text, check=check))
+    return tuple(replace(each, name=name) for each, name in zip(modelled, names, strict=True))
+
+
+def action(ros: RosSide, connection: str, modelled: ListAction) -> ListAction:
+    """Returns the action of a connection under the name that a parameter gives it.
+
+    Args:
+        ros: The ROS side.
+        connection: The connection.
+        modelled: The action that the model names.
+    """
+    text = f"Action of {connection}."
+    return replace(
+        modelled, name=ros.parameter(Parameter(f"{connection}.action", modelled.name, text))
+    )
+
+
+def speed(connection: str, value: float) -> Parameter:
+    """Returns the speed in m/s at which the lists of a connection are executed."""
+    text = f"Speed at which the lists of {connection} are executed (m/s)."
+    return Parameter(f"{connection}.speed", value, text, (0.0, GREATEST_SPEED))
+
+
+def service(ros: RosSide, connection: str, modelled: RosService) -> RosService:
+    """Returns the service of a connection under the name that a parameter gives it.
+
+    Args:
+        ros: The ROS side.
+        connection: The connection.
+        modelled: The service that the model names.
+    """
+    text = f"ROS service of {connection}."
+    name = ros.parameter(Parameter(f"{connection}.service", modelled.name, text))
+    return replace(modelled, name=name)
+
+
+def timeout(connection: str, seconds: float) -> Parameter:
+    """Returns the time in seconds after which a call without an answer has failed."""
+    text = f"Seconds after which a call of {connection} without an answer has failed."
+    return Parameter(f"{connection}.timeout", seconds, text, (0.001, LONGEST_TIME))
+
+
+def peers(ros: RosSide, connection: str, modelled: PeerBinding) -> PeerBinding:
+    """Returns the JAUS components at the other end of a connection.
+
+    Args:
+        ros: The ROS side.
+        connection: The connection.
+        modelled: Those that the model names, which a parameter may change; or how they are found.
+    """
+    if not modelled.present:
+        return modelled
+    text = f"JAUS components at the other end of {connection}."
+    default = [str(each) for each in modelled.present]
+    parameter = Parameter(f"{connection}.peers", default, text, check=addresses)
+    return PeerBinding(addresses(ros.parameter(parameter)))
+
+
+def address(text: str) -> JausAddress:
+    """Returns the address of one component.
+
+    Raises:
+        ValueError: The text names no component, or several.
+    """
+    found = JausAddress.parse(text)
+    if not found.is_concrete:
+        raise ValueError(f"{text} does not name one component")
+    return found
+
+
+def addresses(texts: Iterable[str]) -> tuple[JausAddress, ...]:
+    """Returns the addresses of several components.
+
+    Raises:
+        ValueError: A text names no component, or several.
+    """
+    return tuple(map(address, texts))
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """Returns the known name that a misspelt one may mean; empty when none is near."""
+    return next(iter(difflib.get_close_matches(name, list(known), n=1)), "")

@@ -1,0 +1,1 @@
+"""Connections of ROS actions and JAUS lists."""

@@ -1,0 +1,257 @@
+"""Connection of a ROS action with a JAUS list driver: the goal is the list of a peer."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from ...services.definitions import Guard
+from ..ends import parameters
+from ..ends.actions import LONGEST_GOAL, Outcome
+from ..connections.connection import NO_PEER, NOT_READY
+from ..connections.controlled_peers import ControlledPeers
+from .list_connection import ListConnection
+from .list_run import ListRun
+from ..connections.transcoding import ros_decoder, uses_ros_classes
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from ...base.address import JausAddress
+    from ...clients.peer_search import PeerSearch
+    from ...wire.message import Message
+    from ..ends.actions import ListAction, ServedGoal
+    from ..ends.ends import Ends
+    from ..ends.list_driver import ListMessages
+    from ..reports.stops import Standing, StopReason
+
+SourceT = TypeVar("SourceT")
+TargetT = TypeVar("TargetT", bound="Message")
+
+EMPTY = "empty_goal"
+NO_SPEED = "no_speed"
+TOO_LONG = "too_long"
+
+_UIDS = 60000
+"""UIDs that are used before they begin anew."""
+
+
+class ActionToList(ListConnection[SourceT, TargetT]):
+    """Has the goals of a ROS action executed by the list driver of a JAUS peer.
+
+    A goal that comes while another one is executed takes its place, as it does at the servers of
+    Nav2; the other one is aborted.
+
+    Attributes:
+        speed: Metres per second that ExecuteList asks for.
+        timeout: Seconds in which the peer must answer.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        translate: Callable[[SourceT], TargetT | None],
+        *,
+        action: ListAction,
+        driver: ListMessages,
+        peers: Sequence[JausAddress] | PeerSearch,
+        speed: float = 0.0,
+        speed_of: Callable[[Any], float] | None = None,
+        control: bool = True,
+        timeout: float = 1.0,
+    ) -> None:
+        """Prepares the connection.
+
+        Args:
+            name: Name of the connection in the model.
+            translate: Makes the message that an element of the list holds of an element of a goal.
+            action: The action.
+            driver: The messages of the peer's list driver.
+            peers: JAUS components that may execute lists, or how they are found.
+            speed: Metres per second that ExecuteList asks for.
+            speed_of: Returns the speed for a goal of rclpy, if it is another one for each.
+            control: Whether control of the peers is acquired and kept, and they are resumed.
+            timeout: Seconds in which the peer must answer.
+        """
+        super().__init__(name, translate, action=action)
+        self.speed = speed
+        self.timeout = timeout
+        self._messages = driver
+        self._peers = ControlledPeers(peers, Guard.READY if control else Guard.ANY)
+        self._speed_of = speed_of
+        self._run: ListRun | None = None
+        self._goal: ServedGoal | None = None
+        self._next: tuple[JausAddress, list[bytes], float] | None = None  # what was accepted
+        self._count = 0
+        self._first = 1
+        self._result = "none yet"
+
+    # ------------------------------------------------------------------ as a connection
+
+    def open(self, ends: Ends) -> None:
+        """Begins to acquire control, then serves the action."""
+        super().open(ends)
+        self._run = self._goal = self._next = None  # of an earlier life
+        self._action = parameters.action(ends.ros, self.name, self._action)
+        self.speed = ends.ros.parameter(
+            parameters.speed(self.name, self.speed), partial(setattr, self, "speed")
+        )
+        self._peers.open(
+            ends,
+            self.name,
+            join=lambda _: None,
+            leave=self._leave,
+            changed=self._control_changed,
+        )
+        ends.ros.serve_action(self._action, self)
+
+    def decoder(self) -> Callable[[bytes], SourceT]:
+        """Returns what makes objects of serialized elements."""
+        real = uses_ros_classes(self._translate)
+        return ros_decoder(self._ends.ros, self._action.element, real=real)
+
+    def encode(self, target: TargetT) -> bytes:
+        """Encodes the message of an element."""
+        return target.encode()
+
+    def follow(self, standing: Standing, lost: StopReason | None) -> bool:  # noqa: ARG002
+        """Ends the goal while the bridge may not command."""
+        return self.halt(standing.halt)
+
+    def stop(self, reason: StopReason) -> bool:
+        """Ends the goal that is executed; whether there was one."""
+        if self._run is None:
+            return False
+        self.note_stop(reason)
+        run = self._run
+        run.stop(Outcome.ABORTED, reason.value)
+        # The result must not wait for the answer of a peer that may be gone.
+        run.leave(Outcome.ABORTED, reason.value)
+        return True
+
+    @property
+    def when_lost(self) -> str:
+        """What happens when the bridge may not command."""
+        return "the list is stopped and the goal aborted"
+
+    def lacks_peers(self) -> str:
+        """What is searched for and not found."""
+        return self._peers.lacking()
+
+    def refusal(self) -> str:
+        """Why no peer obeys."""
+        present = self._peers.present
+        if any(map(self._peers.obeys, present)):
+            return ""
+        reasons = "; ".join(map(self._peers.reason, present))
+        return f"no peer obeys: {reasons}" if reasons else "no peer obeys"
+
+    def describe_peers(self) -> list[tuple[str, str]]:
+        """The JAUS components, the state of their control, and how the last goal ended."""
+        under_way = "none" if self._run is None else f"executed by {self._run.peer}"
+        return [
+            *self._peers.describe(),
+            ("goal", under_way),
+            ("last goal", self._result),
+        ]
+
+    # ------------------------------------------------------------------ peers
+
+    def _leave(self, peer: JausAddress) -> None:
+        if self._run is not None and self._run.peer == peer:
+            self._run.leave(Outcome.ABORTED, f"{peer} is gone")
+
+    def _control_changed(self, peer: JausAddress) -> None:
+        run = self._run
+        if run is not None and run.peer == peer and not self._peers.obeys(peer):
+            run.leave(Outcome.ABORTED, f"{peer} does not obey: {self._peers.reason(peer)}")
+
+    # ------------------------------------------------------------------ GoalTaker
+
+    def accepts(self, elements: Sequence[bytes], request: Any) -> bool:
+        """Whether a goal can be executed now; the reason is counted when it cannot."""
+        counts = self.statistics
+        counts.arrivals += 1
+        counts.last_arrival = self._ends.loop.now()
+        self._next = None
+        peer = next(filter(self._peers.obeys, self._peers.present), None)
+        if self._halt is not None:
+            self.refuse_halted(self._halt)
+        elif not elements:
+            self.drop(EMPTY)
+        elif len(elements) > LONGEST_GOAL:
+            self.drop(TOO_LONG, f"a goal has {LONGEST_GOAL} elements at most")
+        elif not self._peers.present:
+            self.drop(NO_PEER)
+        elif peer is None:
+            self.drop(NOT_READY, ", ".join(map(str, self._peers.present)))
+        else:
+            self._next = self._prepared(peer, elements, request)
+        return self._next is not None
+
+    def begin(self, goal: ServedGoal) -> None:
+        """Has the goal that was accepted last executed, in the place of another one."""
+        if self._next is None:
+            goal.end(Outcome.ABORTED, "the goal was not accepted")
+            return
+        (peer, payloads, speed), self._next = self._next, None
+        self._make_way(peer)
+        self.note_usable()
+        self._goal, self._count = goal, len(payloads)
+        self._run = ListRun(self._ends.component, peer, self._messages, self, self.timeout)
+        first = self._first
+        self._first = (first + len(payloads)) % _UIDS or 1
+        if self._first < first:
+            first, self._first = 1, 1 + len(payloads)
+        self._run.start(payloads, first, speed)
+
+    def _make_way(self, peer: JausAddress) -> None:
+        """Ends the goal that is executed; its list is replaced, or stopped at another peer."""
+        run, reason = self._run, "another goal took its place"
+        if run is not None:
+            if run.peer != peer:
+                run.stop(Outcome.ABORTED, reason)
+            run.leave(Outcome.ABORTED, reason)
+
+    def cancel(self, goal: ServedGoal) -> None:
+        """Stops the list, as the client of its goal asks."""
+        if goal is self._goal and self._run is not None:
+            self._run.stop(Outcome.CANCELED, "canceled")
+
+    def _prepared(
+        self, peer: JausAddress, elements: Sequence[bytes], request: Any
+    ) -> tuple[JausAddress, list[bytes], float] | None:
+        """Returns what is sent to a peer; None, counted, when the goal cannot be translated."""
+        try:
+            speed = self.speed if self._speed_of is None else self._speed_of(request)
+        except Exception as error:  # of what the user has written
+            self.fail(error)
+            return None
+        made = self.all_transcoded(elements)
+        if made is None:
+            return None
+        if "speed" in getattr(self._messages.execute, "__dataclass_fields__", ()) and not (
+            0 < speed <= parameters.GREATEST_SPEED
+        ):
+            self.drop(NO_SPEED, f"{speed} m/s")
+            return None
+        return peer, made, speed
+
+    # ------------------------------------------------------------------ RunWatcher
+
+    def reached(self, run: ListRun, index: int) -> None:
+        """Tells the client which element is active."""
+        if run is self._run and self._goal is not None:
+            self._goal.progress(self._action.counting.number(index, self._count))
+
+    def ended(self, run: ListRun, outcome: Outcome, reason: str) -> None:
+        """Gives the client the result."""
+        if run is not self._run or self._goal is None:
+            return
+        goal, self._goal, self._run = self._goal, None, None
+        self._result = f"{outcome.value}: {reason}" if reason else outcome.value
+        if outcome is Outcome.SUCCEEDED:
+            self.statistics.passed += 1
+        elif outcome is Outcome.ABORTED:
+            self.drop(outcome.value, reason)
+        goal.end(outcome, reason)

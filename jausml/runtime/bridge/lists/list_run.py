@@ -1,0 +1,241 @@
+"""One list that the bridge has a JAUS peer execute, from setting it to its end.
+
+AS6009 has no message that ends the execution of a list. Two together do, and leave nothing that
+could go on: ExecuteList without an element and with speed 0, by which the vehicle stands ("modifies
+the travel speed"), and DeleteElement of all elements (AS5710, ListManager). How a list has ended is
+not said either: the active element is 0 after an end of any kind. So a list is done when its last
+element was active before that; peers with command events (AS5710 v1.1) tell of a failure besides.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol
+
+from ...services.element_list import ALL_UIDS, NO_UID, chain
+from ..ends.actions import Outcome
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from ...base.address import JausAddress
+    from ...base.loop import Timer
+    from ...clients.command_client import PendingCommand
+    from ...clients.event_subscription import EventSubscription
+    from ...clients.list_client import ListRequest
+    from ...component.component import JausComponent
+    from ...wire.message import Message
+    from ..ends.list_driver import ListMessages
+
+LONGEST_LIST = 30 * 24 * 3600
+"""Seconds that a peer is given for a list: a month, which is to say as long as it takes."""
+
+RETRIES = 3
+"""Repetitions of a request without an answer; all of them fit into the timeout."""
+
+PATIENCE = 3
+"""Timeouts in which a peer must begin with a list."""
+
+
+class RunWatcher(Protocol):
+    """Whoever is told how a list goes on: on the loop, with its lock."""
+
+    def reached(self, run: ListRun, index: int) -> None:
+        """An element is active, from 0."""
+
+    def ended(self, run: ListRun, outcome: Outcome, reason: str) -> None:
+        """The list is not executed any more."""
+
+
+class ListRun:
+    """A list that a peer executes. All of it happens on the loop, or with its lock."""
+
+    def __init__(
+        self,
+        component: JausComponent,
+        peer: JausAddress,
+        messages: ListMessages,
+        watcher: RunWatcher,
+        timeout: float,
+    ) -> None:
+        """Sends nothing before `start`.
+
+        Args:
+            component: The JAUS side of the bridge.
+            peer: The component that executes the list.
+            messages: The messages of its list driver.
+            watcher: Told how it goes on.
+            timeout: Seconds in which the peer must answer.
+        """
+        self.peer = peer
+        self._component = component
+        self._messages = messages
+        self._watcher = watcher
+        self._timeout = timeout
+        self._uids: list[int] = []
+        self._speed = 0.0
+        self._last = -1  # index of the element that was active last
+        self._has_ended = False
+        self._is_stopping = False
+        self._request: ListRequest | None = None
+        self._events: EventSubscription | None = None
+        self._command: PendingCommand | None = None
+        self._begun = 0.0  # when the peer was told to begin
+        self._poll: Timer | None = None
+
+    def start(self, payloads: Sequence[bytes], first: int, speed: float) -> None:
+        """Sets the list of the peer, and then has it executed.
+
+        Args:
+            payloads: What the elements hold, encoded.
+            first: UID of the first one; the others follow it. UIDs that the former list had not
+                keep late words about that one apart.
+            speed: Metres per second.
+        """
+        self._uids = list(range(first, first + len(payloads)))
+        self._speed = speed
+        contents = ((uid, data, 0) for uid, data in zip(self._uids, payloads, strict=True))
+        self._request = self._component.set_list(
+            self.peer,
+            chain(contents),
+            on_done=self._execute,
+            on_refused=self._refused,
+            timeout=self._timeout / (RETRIES + 1),
+            retries=RETRIES,
+        )
+
+    def leave(self, outcome: Outcome, reason: str) -> None:
+        """Ends it without a word to the peer: another list takes its place, or it is gone."""
+        self._end(outcome, reason)
+
+    def stop(self, outcome: Outcome, reason: str) -> None:
+        """Has the peer stop, and ends when that is confirmed.
+
+        Args:
+            outcome: How it ends then.
+            reason: Why.
+        """
+        if self._is_stopping or self._has_ended:
+            return
+        self._is_stopping = True
+        self._drop_requests()
+
+        def stopped() -> None:
+            self._end(outcome, reason)
+
+        def unconfirmed(code: int | None) -> None:
+            answer = "did not answer" if code is None else f"refused it with code {code}"
+            self._end(Outcome.ABORTED, f"{reason}; {self.peer} should have stopped and {answer}")
+
+        self._send_stop(stopped, unconfirmed)
+
+    def _give_up(self, reason: str) -> None:
+        """Ends it at a peer that may go on with it, and that may not hear of that."""
+        self._send_stop(None, None)
+        self._end(Outcome.ABORTED, reason)
+
+    def _send_stop(
+        self, on_done: Callable[[], None] | None, on_refused: Callable[[int | None], None] | None
+    ) -> None:
+        """Makes the vehicle stand, and the list empty; some drivers know no speed."""
+        if "speed" in _fields_of(self._messages.execute):
+            execute: Any = self._messages.execute
+            self._component.send(execute(speed=0.0), self.peer, acknowledge=True)
+        self._component.delete_elements(
+            self.peer,
+            [ALL_UIDS],
+            on_done=on_done,
+            on_refused=on_refused,
+            timeout=self._timeout / (RETRIES + 1),
+            retries=RETRIES,
+        )
+
+    # ------------------------------------------------------------------ answers of the peer
+
+    def _refused(self, code: int | None) -> None:
+        answer = "does not answer" if code is None else f"refuses the list with code {code}"
+        self._end(Outcome.ABORTED, f"{self.peer} {answer}")
+
+    def _execute(self) -> None:
+        component, messages = self._component, self._messages
+        self._events = component.subscribe(
+            self.peer, messages.query(), messages.report, self._reported
+        )
+        self._begun = component.loop.now()
+        # A peer of core v1.0 knows no command events, and executes the plain command.
+        self._command = component.command(
+            self.peer,
+            self._execution(),
+            on_done=self._command_done,
+            on_refused=lambda _code, _text: component.send(
+                self._execution(), self.peer, acknowledge=True
+            ),
+            max_duration=LONGEST_LIST,
+            timeout=self._timeout,
+        )
+        self._ask()
+
+    def _execution(self) -> Message:
+        execute: Any = self._messages.execute
+        own = {"speed": self._speed} if "speed" in _fields_of(execute) else {}
+        made: Message = execute(element_uid=self._uids[0], **own)
+        return made
+
+    def _command_done(self, succeeded: bool) -> None:  # noqa: FBT001 - as the client calls it
+        if not succeeded and not self._is_stopping:
+            self._end(Outcome.ABORTED, f"{self.peer} could not do it")
+
+    def _ask(self) -> None:
+        """Asks for the active element too: events may be refused or lost, and the peer may die."""
+        self._component.query(
+            self.peer,
+            self._messages.query(),
+            self._messages.report,
+            self._reported,
+            on_failure=self._silent,
+            timeout=self._timeout / (RETRIES + 1),
+            retries=RETRIES,
+        )
+        self._poll = self._component.loop.call_later(self._timeout, self._ask)
+
+    def _silent(self) -> None:
+        self._give_up(f"{self.peer} is silent")
+
+    def _reported(self, report: Any, _sender: JausAddress) -> None:
+        if self._has_ended or self._is_stopping:
+            return
+        uid = report.element_uid
+        if uid in self._uids:
+            index = self._uids.index(uid)
+            if index != self._last:
+                self._last = index
+                self._watcher.reached(self, index)
+        elif self._last >= 0:
+            self._end_at(uid)
+        elif self._component.loop.now() - self._begun > PATIENCE * self._timeout:
+            self._give_up(f"{self.peer} does not execute the list")
+
+    def _end_at(self, uid: int) -> None:
+        last, count = self._last + 1, len(self._uids)
+        if uid != NO_UID:
+            self._end(Outcome.ABORTED, f"{self.peer} executes another list")
+        elif last == count:
+            self._end(Outcome.SUCCEEDED, "")
+        else:
+            self._end(Outcome.ABORTED, f"{self.peer} stopped at element {last} of {count}")
+
+    def _end(self, outcome: Outcome, reason: str) -> None:
+        if self._has_ended:
+            return
+        self._has_ended = True
+        self._drop_requests()
+        self._watcher.ended(self, outcome, reason)
+
+    def _drop_requests(self) -> None:
+        for each in (self._request, self._events, self._command, self._poll):
+            if each is not None:
+                each.cancel()
+        self._request = self._events = self._command = self._poll = None
+
+
+def _fields_of(message: type[Message]) -> frozenset[str]:
+    return frozenset(getattr(message, "__dataclass_fields__", ()))

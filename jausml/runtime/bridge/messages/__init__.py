@@ -1,0 +1,1 @@
+"""ROS messages as bytes, their values, limits and errors."""

@@ -1,0 +1,395 @@
+"""CDR, the serialized form of ROS messages: what the light classes of a bridge are made of.
+
+The bytes are those of XCDR version 1 (OMG DDS-XTypes 1.3, 7.4), as rmw implementations exchange
+them: four bytes that tell the byte order, then the fields in order, each at a multiple of its size
+counted from behind these four.
+"""
+
+from __future__ import annotations
+
+import struct
+import sys
+from array import array
+from collections.abc import Callable, MutableSequence
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+
+from ...wire.message import DecodeError, EncodeError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+Append: TypeAlias = Callable[[bytes], object]
+"""Takes the next bytes of a message."""
+
+Reals: TypeAlias = MutableSequence[float]
+"""Array or sequence of real numbers."""
+
+Integers: TypeAlias = MutableSequence[int]
+"""Array or sequence of integers."""
+
+Truths: TypeAlias = MutableSequence[bool]
+"""Array or sequence of truth values."""
+
+T = TypeVar("T")
+
+HEADER = b"\0\1\0\0"
+"""What stands before a message in little-endian order."""
+
+LITTLE, BIG = 0, 8
+"""Byte orders, as they are added to an index of a run."""
+
+ORDERS = {b"\0\1": LITTLE, b"\0\0": BIG}
+"""Byte orders by the two bytes that a serialized message begins with."""
+
+_NATIVE = LITTLE if sys.byteorder == "little" else BIG
+_PADDING = b"\0" * 8
+_SIZES = {code: struct.calcsize(f"<{code}") for code in "?bBhHiIqQfd"}
+
+
+# ------------------------------------------------------------------ numbers in a row
+
+
+def run(items: str) -> tuple[struct.Struct, ...]:
+    """Returns the layouts of numbers that stand in a row, wherever the row begins.
+
+    Args:
+        items: Format characters of `struct` with blanks between them; with a number before it, one
+            stands for the bytes of an array of that many.
+
+    Returns:
+        Layouts by offset modulo 8, those in big-endian order behind the others.
+    """
+    words = items.split()
+    return tuple(struct.Struct(_format(words, at, mark)) for mark in "<>" for at in range(8))
+
+
+def _format(words: Sequence[str], offset: int, mark: str) -> str:
+    position, parts = offset - len(HEADER), [mark]
+    for word in words:
+        code, count = word[-1], word[:-1]
+        size = _SIZES[code]
+        padding = -position % size
+        parts.append("x" * padding)
+        parts.append(f"{int(count) * size}s" if count else code)
+        position += padding + size * int(count or 1)
+    return "".join(parts)
+
+
+def several(make: Callable[[], T], count: int) -> list[T]:
+    """Returns a new list of so many new elements."""
+    return [make() for _ in range(count)]
+
+
+def filled(code: str, values: Sequence[Any]) -> MutableSequence[Any]:
+    """Returns a new array of given elements.
+
+    Args:
+        code: Format character of its elements.
+        values: Its elements.
+    """
+    return elements(code, raw(code, values), LITTLE)
+
+
+def zeros(code: str, count: int) -> MutableSequence[Any]:
+    """Returns a new array of zeros.
+
+    Args:
+        code: Format character of its elements.
+        count: Number of elements.
+    """
+    return elements(code, bytes(count * _SIZES[code]), LITTLE)
+
+
+def elements(code: str, raw: bytes, order: int) -> MutableSequence[Any]:
+    """Returns the elements of an array.
+
+    Args:
+        code: Format character of the elements.
+        raw: The bytes of the array.
+        order: Their order.
+
+    Returns:
+        A bytearray for octets, a list for truth values, else an array.
+    """
+    if code == "B":
+        return bytearray(raw)
+    if code == "?":
+        return [each != 0 for each in raw]
+    found = array(code, raw)
+    if order != _NATIVE:
+        found.byteswap()
+    return found
+
+
+def vector(
+    data: bytes, offset: int, count: int, code: str, order: int
+) -> tuple[MutableSequence[Any], int]:
+    """Returns the elements of a sequence of numbers, and the offset behind it.
+
+    Args:
+        data: The serialized message.
+        offset: Offset behind the number of elements.
+        count: That number.
+        code: Format character of the elements.
+        order: Byte order.
+
+    Raises:
+        DecodeError: The message ends before.
+    """
+    if not count:
+        return elements(code, b"", order), offset
+    size = _SIZES[code]
+    offset += (len(HEADER) - offset) % size
+    end = offset + count * size
+    if end > len(data):
+        raise DecodeError("sequence", f"{count} elements, but {len(data) - offset} bytes")
+    return elements(code, data[offset:end], order), end
+
+
+def raw(code: str, values: Any, count: int | None = None) -> bytes:
+    """Returns the bytes of an array or sequence of numbers.
+
+    Args:
+        code: Format character of the elements.
+        values: The elements: bytes, an array, or any sequence of numbers.
+        count: How many there must be; None for a sequence.
+
+    Raises:
+        EncodeError: There are more or fewer.
+        struct.error: An element is no such number.
+    """
+    if count is not None and len(values) != count:
+        raise EncodeError("array", f"{len(values)} elements, not {count}")
+    if code == "B" and isinstance(values, bytes | bytearray):
+        return bytes(values)
+    if isinstance(values, array) and values.typecode == code and _NATIVE == LITTLE:
+        return values.tobytes()
+    if code == "B":
+        values = map(octet, values)
+        return bytes(values)
+    return struct.pack(f"<{len(values)}{code}", *values)
+
+
+def put(append: Append, offset: int, found: bytes, size: int) -> int:
+    """Appends the elements of a sequence of numbers.
+
+    Args:
+        append: Takes the bytes.
+        offset: Offset behind the number of elements.
+        found: The bytes of the elements.
+        size: Bytes of an element.
+
+    Returns:
+        The offset behind them.
+    """
+    if not found:
+        return offset
+    padding = (len(HEADER) - offset) % size
+    append(_PADDING[:padding])
+    append(found)
+    return offset + padding + len(found)
+
+
+def octet(value: Any) -> int:
+    """Returns the number of a byte, which is a number or, as ROS has it, bytes of length 1."""
+    return value[0] if isinstance(value, bytes) and len(value) == 1 else value
+
+
+# ------------------------------------------------------------------ texts
+
+
+def text(data: bytes, offset: int, length: int) -> tuple[str, int]:
+    """Returns a text, and the offset behind it; what is not UTF-8 is replaced.
+
+    Args:
+        data: The serialized message.
+        offset: Offset of the first character.
+        length: Number of bytes, with the zero at the end.
+
+    Raises:
+        DecodeError: The message ends before, or the zero is missing.
+    """
+    end = offset + length
+    if end > len(data):
+        raise DecodeError("string", f"{length} bytes, but {len(data) - offset} are left")
+    if length and data[end - 1]:
+        raise DecodeError("string", "no zero at its end")
+    return str(data[offset : end - 1], "utf-8", "replace") if length else "", end
+
+
+def encoded(value: str, most: int = 0) -> bytes:
+    """Returns the bytes of a text, with the zero at the end.
+
+    Args:
+        value: The text.
+        most: Largest number of characters; 0 for no limit.
+
+    Raises:
+        EncodeError: It is longer.
+    """
+    if most and len(value) > most:
+        raise EncodeError("string", f"{len(value)} characters, more than {most}")
+    return value.encode() + b"\0"
+
+
+def wide_text(data: bytes, offset: int, count: int, order: int) -> tuple[str, int]:
+    """Returns a text of wide characters, each in four bytes, and the offset behind it.
+
+    Args:
+        data: The serialized message.
+        offset: Offset behind the number of characters.
+        count: Number of units of UTF-16.
+        order: Byte order.
+
+    Raises:
+        DecodeError: The message ends before, or a unit is none.
+    """
+    units, end = vector(data, offset, count, "I", order)
+    try:
+        return array("H", units).tobytes().decode(_UTF_16, "replace"), end
+    except OverflowError as error:
+        raise DecodeError("wstring", str(error)) from error
+
+
+_UTF_16 = f"utf-16-{sys.byteorder[0]}e"
+
+
+def wide(value: str, most: int = 0) -> bytes:
+    """Returns the bytes of a text of wide characters.
+
+    Args:
+        value: The text.
+        most: Largest number of characters; 0 for no limit.
+
+    Raises:
+        EncodeError: It is longer.
+    """
+    if most and len(value) > most:
+        raise EncodeError("wstring", f"{len(value)} characters, more than {most}")
+    units = array("H", value.encode(_UTF_16))
+    return struct.pack(f"<{len(units)}I", *units)
+
+
+_LENGTH = run("I")
+
+
+def texts(data: bytes, offset: int, count: int, order: int) -> tuple[list[str], int]:
+    """Returns texts that follow each other, and the offset behind them.
+
+    Args:
+        data: The serialized message.
+        offset: Offset of the first.
+        count: Number of texts.
+        order: Byte order.
+
+    Raises:
+        DecodeError: The message ends before.
+    """
+    return _several(data, offset, count, order, lambda at, length: text(data, at, length))
+
+
+def wide_texts(data: bytes, offset: int, count: int, order: int) -> tuple[list[str], int]:
+    """Returns texts of wide characters as `texts` does."""
+    return _several(
+        data, offset, count, order, lambda at, length: wide_text(data, at, length, order)
+    )
+
+
+def _several(
+    data: bytes,
+    offset: int,
+    count: int,
+    order: int,
+    read: Callable[[int, int], tuple[str, int]],
+) -> tuple[list[str], int]:
+    check_count(data, offset, count, 4)
+    found = []
+    for _ in range(count):
+        layout = _LENGTH[offset & 7 | order]
+        (length,) = layout.unpack_from(data, offset)
+        each, offset = read(offset + layout.size, length)
+        found.append(each)
+    return found, offset
+
+
+def put_texts(values: Sequence[str], append: Append, offset: int, most: int = 0) -> int:
+    """Appends texts; returns the offset behind them.
+
+    Args:
+        values: The texts.
+        append: Takes the bytes.
+        offset: Offset of the first.
+        most: Largest number of characters; 0 for no limit.
+
+    Raises:
+        EncodeError: A text is longer.
+    """
+    for each in values:
+        found = encoded(each, most)
+        layout = _LENGTH[offset & 7]
+        append(layout.pack(len(found)))
+        append(found)
+        offset += layout.size + len(found)
+    return offset
+
+
+def put_wide_texts(values: Sequence[str], append: Append, offset: int, most: int = 0) -> int:
+    """Appends texts of wide characters as `put_texts` does."""
+    for each in values:
+        found = wide(each, most)
+        layout = _LENGTH[offset & 7]
+        append(layout.pack(len(found) // 4))
+        append(found)
+        offset += layout.size + len(found)
+    return offset
+
+
+# ------------------------------------------------------------------ counts
+
+
+def check_count(data: bytes, offset: int, count: int, least: int) -> None:
+    """Sees to it that nothing is made by a number for which there are no bytes.
+
+    Args:
+        data: The serialized message.
+        offset: Offset of the first element.
+        count: Number of elements.
+        least: Fewest bytes of an element.
+
+    Raises:
+        DecodeError: The bytes that are left are too few.
+    """
+    if count * least > len(data) - offset:
+        raise DecodeError("sequence", f"{count} elements, but {len(data) - offset} bytes")
+
+
+def check_bound(count: int, most: int) -> None:
+    """Sees to it that a bounded sequence that was received has no more elements than it may.
+
+    Raises:
+        DecodeError: It has.
+    """
+    if count > most:
+        raise DecodeError("sequence", f"{count} elements, more than {most}")
+
+
+def at_most(values: Sequence[T], most: int) -> Sequence[T]:
+    """Returns the elements of a bounded sequence.
+
+    Raises:
+        EncodeError: There are more than it may have.
+    """
+    if len(values) > most:
+        raise EncodeError("sequence", f"{len(values)} elements, more than {most}")
+    return values
+
+
+def exactly(values: Sequence[T], count: int) -> Sequence[T]:
+    """Returns the elements of a fixed array.
+
+    Raises:
+        EncodeError: There are more or fewer than it has.
+    """
+    if len(values) != count:
+        raise EncodeError("array", f"{len(values)} elements, not {count}")
+    return values

@@ -1,0 +1,1 @@
+"""What is counted and said of a connection."""

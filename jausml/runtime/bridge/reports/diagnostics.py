@@ -1,0 +1,181 @@
+"""Counts and reports of a connection of a bridge."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from ...clients.greeter import PATIENCE
+from ...services.definitions import Status
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from ...base.address import JausAddress
+    from ...transports.delivery import Double
+    from .stops import Standing, StopReason
+
+LOST_IN_QUEUE = "lost_in_queue"
+"""Messages of a topic that the queue of its subscription had no room for."""
+
+MISSED = "missed"
+"""Messages of a topic that were published and never arrived."""
+
+TOO_OLD = "too_old"
+"""Messages that waited too long in the queue of their subscription, or came too late."""
+
+LOST_ON_THE_WAY = "lost_on_the_way"
+"""Reports of an event that never arrived, by the gaps between sequence numbers."""
+
+OUT_OF_ORDER = "out_of_order"
+"""Reports of an event that arrived after newer ones, and were dropped."""
+
+UNHEARD = "unheard"
+"""Messages that were published while nobody subscribed to their topic."""
+
+THINNED = "thinned"
+"""Messages that gave way to others, because fewer were wanted."""
+
+NOT_LOST = frozenset([UNHEARD, THINNED])
+"""Counts that tell of no loss: of what nobody is there for, and of what nobody wants."""
+
+DOUBLE_LIFETIME = 10.0
+"""Seconds after which a component with the same address that was heard no more is history."""
+
+
+_LEVELS = {Status.EMERGENCY: "warning", Status.FAILURE: "error"}
+
+
+@dataclass(slots=True)
+class Statistics:
+    """Counts of one connection. Times are those of a steady clock.
+
+    Attributes:
+        arrivals: Messages taken from the source.
+        passed: Messages given to the target side.
+        thinned: Messages that gave way to others, as the model or parameters want it.
+        safe_values: Safe values sent because the source was lost.
+        stops: How often messages of the source ceased to stand, by reason.
+        limited: Values that were moved into the range of their target field.
+        out_of_range: Values that their target field could not carry, by policy and field.
+        errors: Messages not passed on because of a value whose policy is `error`.
+        drops: Messages not passed on, by reason.
+        withheld: Messages that were passed on to other peers, but not to one that did not obey.
+        last_arrival: Seconds, None before the first message.
+        heard: When the source last said something usable, or silence was last looked for.
+    """
+
+    arrivals: int = 0
+    passed: int = 0
+    thinned: int = 0
+    safe_values: int = 0
+    stops: dict[StopReason, int] = field(default_factory=dict)
+    limited: int = 0
+    out_of_range: dict[tuple[str, str], int] = field(default_factory=dict)
+    errors: int = 0
+    drops: dict[str, int] = field(default_factory=dict)
+    withheld: dict[JausAddress, int] = field(default_factory=dict)
+    last_arrival: float | None = None
+    heard: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class ConnectionStatus:
+    """State of a connection for `/diagnostics`.
+
+    Attributes:
+        name: Name of the connection.
+        level: `ok`, `warning`, `error` or `stale`.
+        message: The state in a few words.
+        hardware_id: JAUS address of the bridge.
+        values: Names and values in the order in which they are shown.
+    """
+
+    name: str
+    level: str
+    message: str
+    hardware_id: str
+    values: tuple[tuple[str, str], ...]
+
+
+def state_status(hardware_id: str, standing: Standing, controller: str) -> ConnectionStatus:
+    """Returns the status of the bridge itself.
+
+    Args:
+        hardware_id: JAUS address of the bridge.
+        standing: State of the node and of the JAUS component.
+        controller: JAUS address of the controller; empty without one.
+    """
+    node, jaus = ("active" if standing.is_active else "inactive"), standing.status.name.lower()
+    level = _LEVELS.get(standing.status, "ok" if standing.is_active else "stale")
+    values = (("node", node), ("jaus", jaus), ("controller", controller or "none"))
+    return ConnectionStatus("jaus state", level, f"{node}, {jaus}", hardware_id, values)
+
+
+def double_status(double: Double, now: float) -> ConnectionStatus:
+    """Returns the status of a bridge whose address somebody else was heard with.
+
+    Args:
+        double: The other one.
+        now: Time of the loop.
+    """
+    age = now - double.last_heard
+    values = (("place", double.place), ("age (s)", f"{age:.3f}"))
+    level = "error" if age < DOUBLE_LIFETIME else "warning"
+    return ConnectionStatus("jaus id", level, str(double), str(double.address), values)
+
+
+def greeting_status(unanswered: Mapping[JausAddress, int], hardware_id: str) -> ConnectionStatus:
+    """Returns the status of a bridge that greets peers.
+
+    Args:
+        unanswered: How often each of them was greeted since it spoke last.
+        hardware_id: JAUS address of the bridge.
+    """
+    silent = [str(peer) for peer, tries in unanswered.items() if tries >= PATIENCE]
+    message = f"no answer of {', '.join(silent)}" if silent else "running"
+    values = tuple((f"greetings to {peer}", str(tries)) for peer, tries in unanswered.items())
+    level = "warning" if silent else "ok"
+    return ConnectionStatus("jaus greetings", level, message, hardware_id, values)
+
+
+def guardian_status(told: str, failure: str, hardware_id: str) -> ConnectionStatus:
+    """Returns the status of the guardian of a bridge.
+
+    Args:
+        told: What it watches.
+        failure: Why there is none any more; empty while there is.
+        hardware_id: JAUS address of the bridge.
+    """
+    level = "error" if failure else "ok"
+    message = f"it {failure}: nothing stops the robot if this bridge dies" if failure else told
+    return ConnectionStatus("guardian", level, message, hardware_id, ())
+
+
+def traffic_status(
+    counts: Mapping[str, int], former: Mapping[str, int], hardware_id: str
+) -> ConnectionStatus:
+    """Returns the status of what was dropped on the JAUS side, before any connection.
+
+    Args:
+        counts: Drops by name.
+        former: Those of the last status.
+        hardware_id: JAUS address of the bridge.
+    """
+    new = [name for name, count in counts.items() if count > former.get(name, 0)]
+    level, message = ("warning", ", ".join(new)) if new else ("ok", "running")
+    values = tuple((f"dropped: {name}", str(count)) for name, count in counts.items())
+    return ConnectionStatus("jaus traffic", level, message, hardware_id, values)
+
+
+def socket_status(drops: int, hardware_id: str, *, is_new: bool) -> ConnectionStatus:
+    """Returns the status of a bridge for whose sockets the kernel had no room.
+
+    Args:
+        drops: Datagrams that were dropped so far.
+        hardware_id: JAUS address of the bridge.
+        is_new: Whether some of them were dropped since the last status.
+    """
+    level, message = ("warning", "datagrams are lost") if is_new else ("ok", "running")
+    values = (("dropped by the kernel", str(drops)),)
+    return ConnectionStatus("jaus socket", level, message, hardware_id, values)

@@ -1,0 +1,112 @@
+"""Counts of what a translation cannot carry: values out of range, and messages that are dropped."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING
+
+from ...conversions import ConversionError
+from ...wire.message import DecodeError, EncodeError
+from ..messages.errors import AbsentFieldError, OutOfRangeError, StaleJoinError
+from ..messages.limits import CLAMP, DROP_FIELD, ERROR, Clamp, DropField, DropMessage, Error
+
+if TYPE_CHECKING:
+    from ...base.counters import Counters
+    from .diagnostics import Statistics
+
+BLOCKED = "blocked"
+FAILED = "translation_failed"
+OUT_OF_RANGE = "out_of_range"
+STALE_JOIN = "stale_join"
+
+_REASONS: tuple[tuple[type[Exception], str], ...] = (
+    (AbsentFieldError, "absent_field"),
+    (ConversionError, "no_counterpart"),
+    (EncodeError, "not_encodable"),
+    (DecodeError, "not_decodable"),
+)
+
+FAILURES = frozenset([FAILED, *(reason for _, reason in _REASONS)])
+"""Reasons for which a message could not be translated, whatever its values."""
+
+
+class Limiting:
+    """What translations call for values that may not fit, and what counts those that do not.
+
+    Attributes:
+        name: Name under which is counted.
+        statistics: What happened so far.
+        counters: Counters of the process, while the bridge is open.
+        clamp: Moves values into the range of their target field.
+        drop_field: Leaves fields out whose value is out of range.
+        drop_message: Drops messages with a value out of range.
+        error: Does the same, as an error.
+    """
+
+    name: str
+    statistics: Statistics
+    counters: Counters
+
+    def __init__(self) -> None:
+        """Counts in the statistics alone until the bridge is open."""
+        self.clamp = Clamp(self._note_out_of_range)
+        self.drop_field = DropField(self._note_out_of_range)
+        self.drop_message = DropMessage(self._note_out_of_range)
+        self.error = Error(self._note_out_of_range)
+        self._is_open = False
+
+    def drop(self, reason: str, detail: str = "", error: Exception | None = None) -> None:
+        """Counts a message that is not passed on."""
+        drops = self.statistics.drops
+        drops[reason] = drops.get(reason, 0) + 1
+        self.counters.count(f"bridge.{self.name}.{reason}", detail, error=error)
+
+    def refuse(self, reason: str, detail: str = "") -> None:
+        """Counts a message that comes, and is not looked at."""
+        self.statistics.arrivals += 1
+        self.drop(reason, detail)
+
+    def _note_out_of_range(self, policy: str, field: str, reason: str) -> None:
+        """Counts a value that its target field cannot carry.
+
+        A value that is left out is ordinary traffic: ROS marks what is unknown by values that no
+        JAUS field carries. One that is clamped stands for another one, of which the log tells once
+        and the end of the process again. What is dropped goes into the log.
+        """
+        counts = self.statistics.out_of_range
+        counts[policy, field] = counts.get((policy, field), 0) + 1
+        self.statistics.limited += policy == CLAMP
+        if not self._is_open:  # a translation that is tried
+            return
+        name = f"bridge.{self.name}.{OUT_OF_RANGE}.{policy}.{field}"
+        if policy == DROP_FIELD:
+            self.counters.add(name)
+        else:
+            level = logging.ERROR if policy == ERROR else logging.WARNING
+            self.counters.count(name, reason, level=level, once=policy == CLAMP)
+
+    def note_blocking(self, seconds: float) -> None:
+        """Counts a translation during which nothing else went on."""
+        detail = f"the translation took {seconds:.1f} s; nothing was received meanwhile"
+        self.counters.count(f"bridge.{self.name}.{BLOCKED}", detail)
+
+    def _refuse(self, error: OutOfRangeError) -> None:
+        """Counts a message that is not passed on because of one of its values."""
+        drops = self.statistics.drops
+        drops[OUT_OF_RANGE] = drops.get(OUT_OF_RANGE, 0) + 1
+        self.statistics.errors += error.policy == ERROR
+        self._note_out_of_range(error.policy, error.field, str(error))
+
+    def fail(self, error: Exception) -> None:
+        """Counts a message that could not be translated or handed over."""
+        if isinstance(error, OutOfRangeError):
+            self._refuse(error)
+            return
+        if isinstance(error, StaleJoinError):
+            self.drop(f"{STALE_JOIN}_{error.join}", str(error))
+            return
+        for kind, reason in _REASONS:
+            if isinstance(error, kind):
+                self.drop(reason, str(error))
+                return
+        self.drop(FAILED, repr(error), error)

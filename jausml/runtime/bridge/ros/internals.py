@@ -1,0 +1,66 @@
+"""What the bridge uses of rclpy below its public interface, named in one place.
+
+Subscriptions, publishers and events are handles of rclpy's extension module, which the loop or a
+wait set serves. That costs a third of what the public classes cost, and the executor does not look
+at each of them whenever it wakes up; but a new version of rclpy may change it.
+"""
+
+# ROS is typed in parts; whoever checks generated code reads this module too.
+# mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
+
+from __future__ import annotations
+
+from typing import Any
+
+from rclpy.duration import Duration
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+
+from ..messages.errors import RosLostError
+
+internals: Any = rclpy_implementation
+"""The extension module of rclpy."""
+
+_HANDLE = ("destroy_when_not_in_use", "pointer")
+
+NEEDED: dict[str, tuple[str, ...]] = {
+    "EventHandle": (*_HANDLE, "take_event"),
+    "GuardCondition": (*_HANDLE, "trigger_guard_condition"),
+    "Publisher": (*_HANDLE, "publish", "publish_raw", "wait_for_all_acked"),
+    "Service": (*_HANDLE, "service_send_response", "service_take_request"),
+    "Subscription": (*_HANDLE, "take_message"),
+    "WaitSet": (
+        *("add_event", "add_guard_condition", "add_service", "add_subscription", "clear_entities"),
+        *("get_ready_entities", "is_ready", "wait"),
+    ),
+}
+"""Classes of the extension module and what is used of them."""
+
+
+def require_internals(node: Any) -> None:
+    """Refuses a rclpy that has not all that the bridge uses.
+
+    Args:
+        node: A node.
+
+    Raises:
+        RosLostError: Something is missing.
+    """
+    needed = [(getattr(internals, name, None), name, parts) for name, parts in NEEDED.items()]
+    needed += [
+        (Duration, "Duration", ("get_c_duration",)),
+        (QoSProfile, "QoSProfile", ("get_c_qos_profile",)),
+        (Node, "Node", ("handle", "resolve_topic_name")),
+        (node, "node", ("_parameter_overrides",)),
+        (SingleThreadedExecutor, "SingleThreadedExecutor", ("_make_handler",)),
+    ]
+    lacking = [
+        f"{name}.{part}"
+        for where, name, parts in needed
+        for part in parts
+        if not hasattr(where, part)
+    ]
+    if lacking:
+        raise RosLostError(f"this rclpy lacks {', '.join(lacking)}, which bridges rely on")

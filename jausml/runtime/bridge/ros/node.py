@@ -1,0 +1,367 @@
+"""The ROS side of a bridge, on rclpy.
+
+The loop waits for topics as it waits for sockets (`ros_topics.py`, `ros_listener.py`); the executor
+of rclpy has a thread of its own for parameters, services and `/clock`.
+"""
+
+# ROS is typed in parts; whoever checks generated code reads this module too.
+# mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
+
+from __future__ import annotations
+
+import threading
+import time
+from typing import TYPE_CHECKING, Any
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.context import Context
+from rclpy.executors import ExternalShutdownException
+from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import try_shutdown
+
+from ...base.counters import LOGGER
+from ...conversions import Time
+from ..ends import parameters
+from ..messages.errors import RosLostError
+from .codec import Codec
+from .executor import GuardedExecutor
+from .internals import require_internals
+from .lifecycle import ManagedNode
+from .log import RosLogHandler
+from .parameters import NodeParameters, as_parameter_error
+from .services import NodeServices
+from .topics import NodeTopics
+from ..ends.topics import Qos, Topic, TopicCounts
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from ...base.loop import Loop
+    from ...guardian.ward import Ward
+    from ..ends.actions import ActionClient, GoalTaker, ListAction
+    from ..ends.parameter import Parameter
+    from ..ends.quality import TopicFault
+    from .actions import NodeActions
+    from .lifecycle import Managed
+    from .publisher import NodePublisher
+    from .services import NodeClient, TakeRequest
+    from .topics import WaitingName
+    from ..ends.service_client import RosService
+
+LAST_WORDS = 1.0
+"""Longest time in seconds that a node which ends waits for slow subscribers."""
+
+
+class RosNode:
+    """One rclpy node, whose topics a loop waits for.
+
+    Attributes:
+        ward: What tells the guardian of goals; None where there is none.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        namespace: str,
+        arguments: Sequence[str] | None = None,
+        waiting: WaitingName = "automatic",
+    ) -> None:
+        """Joins ROS.
+
+        Args:
+            name: Node name, which `-r __node:=` changes.
+            namespace: Namespace; empty means the root.
+            arguments: Command line with `--ros-args`; None means none.
+            waiting: How to wait for topics.
+        """
+        self._context = Context()
+        # Signals are left to the process: ROS must outlive the release of JAUS control.
+        with as_parameter_error():
+            rclpy.init(
+                args=list(arguments or ()),
+                context=self._context,
+                signal_handler_options=SignalHandlerOptions.NO,
+            )
+            self._node = ManagedNode(name, namespace=namespace, context=self._context)
+        require_internals(self._node)
+        self._executor = GuardedExecutor(self._context)
+        self._executor.add_node(self._node)
+        self._thread: threading.Thread | None = None
+        self._fail: Callable[[BaseException], None] | None = None
+        self._is_closing = False
+        self.ward: Ward | None = None
+        self._log = RosLogHandler(self._node)
+        self._diagnostics = self._node.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        self._waiting_name = waiting
+        self._loop: Loop | None = None
+        self._actions: NodeActions | None = None
+        self._topics: NodeTopics | None = None
+        self._services: NodeServices | None = None
+        self._parameters = NodeParameters(self._node)
+        self._clock: Any = self._node.get_clock()  # a ROSClock, as nodes have
+        self._is_simulated = False
+        self._parameters.follow("use_sim_time", self._follow_simulation)
+        self._follow_simulation()
+        self._age_limit = round(self.parameter(parameters.queue_age_limit()) * 1e9)
+
+    @property
+    def name(self) -> str:
+        """Name of the node with its namespace, e.g. `/fleet/bridge`."""
+        return str(self._node.get_fully_qualified_name())
+
+    def now(self) -> Time:
+        """Time of the ROS clock, which follows `/clock` when `use_sim_time` is set."""
+        if self._is_simulated:
+            return Time(*self._clock.now().seconds_nanoseconds())
+        return Time(*divmod(time.time_ns(), 10**9))
+
+    @property
+    def is_simulated(self) -> bool:
+        """Whether the ROS clock follows `/clock`."""
+        return self._is_simulated
+
+    def follow_clock(self, take: Callable[[float], None]) -> None:
+        """Gives each time on `/clock` in seconds to a function, on the loop or with its lock."""
+        from rosgraph_msgs.msg import Clock  # noqa: PLC0415 - most bridges are in no simulation
+
+        decode = self.codec(Clock).decode
+
+        def hear(data: bytes, _stamp: int) -> None:
+            clock = decode(data).clock
+            take(clock.sec + clock.nanosec * 1e-9)
+
+        self.subscribe(Clock, Topic("/clock", Qos(reliability="best_effort", depth=1)), hear)
+
+    def parameter(self, parameter: Parameter, changed: Callable[[Any], None] | None = None) -> Any:
+        """Declares a parameter and returns its value.
+
+        Args:
+            parameter: The parameter.
+            changed: Takes each later value, on the thread of the executor; without it the parameter
+                cannot change.
+
+        Raises:
+            ParameterError: The command line or a parameter file gives it a value of another type,
+                or one that does not do.
+        """
+        return self._parameters.declare(parameter, changed)
+
+    def codec(self, ros_type: type[Any]) -> Codec:
+        """Returns what makes objects of serialized messages, and the reverse.
+
+        Args:
+            ros_type: A class of rclpy, or a light class, whose `TYPE` names the type.
+
+        Raises:
+            ImportError: ROS has no such type here.
+        """
+        return Codec(ros_type)
+
+    # ------------------------------------------------------------------ endpoints
+
+    def attach(self, loop: Loop) -> None:
+        """Chooses how to wait; to be called before there are publishers and subscriptions.
+
+        Args:
+            loop: The loop on which, or with whose lock, messages are taken.
+
+        Raises:
+            ParameterError: Only a listener would do, and there is none.
+        """
+        self._loop = loop
+        self._executor.counters = loop.counters
+        self._services = NodeServices(self._node, loop)
+        self._topics = NodeTopics(
+            self._node, self._context, loop, self._waiting_name, self._parameters, self._age_limit
+        )
+
+    def publisher(
+        self,
+        ros_type: type[Any],
+        topic: Topic,
+        greet: Callable[[], None] | None = None,
+    ) -> NodePublisher:
+        """Makes a publisher; see `RosSide`.
+
+        Raises:
+            ParameterError: A parameter gives it a name or a policy that ROS refuses.
+        """
+        return self._present_topics.publisher(ros_type, topic, greet)
+
+    def subscribe(
+        self, ros_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
+    ) -> TopicCounts:
+        """Makes a subscription; see `RosSide`. Messages are taken after `start`.
+
+        Raises:
+            ParameterError: A parameter gives it a name or a policy that ROS refuses.
+        """
+        return self._present_topics.subscribe(ros_type, topic, take)
+
+    def faults(self, topic: Topic, *, publishes: bool) -> list[TopicFault]:
+        """Returns why a topic does not work as it should; see `RosSide`."""
+        return self._present_topics.faults(topic, publishes=publishes)
+
+    @property
+    def _present_topics(self) -> NodeTopics:
+        if self._topics is None:
+            raise RuntimeError("no loop is attached")
+        return self._topics
+
+    def action_client(self, action: ListAction) -> ActionClient:
+        """Makes what sends goals of an action.
+
+        Raises:
+            RosTypeError: Its type is not installed as the model has it.
+            ParameterError: A parameter gives it a name that ROS refuses.
+        """
+        return self._node_actions().client(action)
+
+    def serve_action(self, action: ListAction, taker: GoalTaker) -> None:
+        """Takes the goals of an action.
+
+        Raises:
+            RosTypeError: Its type is not installed as the model has it.
+            ParameterError: A parameter gives it a name that ROS refuses.
+        """
+        self._node_actions().serve(action, taker)
+
+    def _node_actions(self) -> NodeActions:
+        # Bridges without actions do not wait for what rclpy imports for them.
+        from .actions import NodeActions  # noqa: PLC0415
+
+        if self._loop is None:
+            raise RuntimeError("no loop is attached")
+        if self._actions is None:
+            self._actions = NodeActions(self._node, self._executor, self._loop, self.ward)
+        return self._actions
+
+    def serve(self, service: RosService, take: TakeRequest) -> None:
+        """Serves a service; see `RosSide`."""
+        self._present_services.serve(service, take)
+
+    def service_client(self, service: RosService) -> NodeClient:
+        """Returns what calls a service; see `RosSide`."""
+        return self._present_services.client(service)
+
+    @property
+    def _present_services(self) -> NodeServices:
+        if self._services is None:
+            raise RuntimeError("no loop is attached")
+        return self._services
+
+    # ------------------------------------------------------------------ life
+
+    def publish_diagnostics(self, data: bytes) -> None:
+        """Publishes a serialized `diagnostic_msgs/msg/DiagnosticArray`."""
+        self._diagnostics.publish(data)
+
+    def start(self, fail: Callable[[BaseException], None]) -> None:
+        """Starts to wait for messages and parameters, and to log through ROS.
+
+        Args:
+            fail: Told, on the thread concerned, why nobody waits any more, unless the node is
+                closed.
+        """
+        LOGGER.addHandler(self._log)
+        LOGGER.propagate = False
+        self._fail = fail
+        self.listen()
+        self._thread = threading.Thread(target=self._spin, args=[fail], name="ros", daemon=True)
+        self._thread.start()
+
+    def listen(self) -> None:
+        """Begins to take the messages of what was subscribed to; before `start`, that does."""
+        if self._topics is not None and self._fail is not None:
+            self._topics.listen(self._fail)
+
+    def release(self) -> None:
+        """Gives all topics back, once subscribers have what was published last.
+
+        At the end of the process, `close` does. The caller must not hold the lock of the loop:
+        whoever waits may need it to finish.
+        """
+        self._finish()
+        # The executor may look at ends just now; while it runs, it alone may destroy them.
+        if self._thread in (None, threading.current_thread()):
+            self._give_back()
+
+    def _finish(self) -> None:
+        """Waits until subscribers have what was published, and clients the ends of their goals."""
+        if not self._context.ok():
+            return
+        deadline = time.monotonic() + LAST_WORDS
+        if self._topics is not None:
+            self._topics.wait(deadline)
+        # Goals end on the thread of the executor, which cannot wait for itself.
+        if self._actions is not None and threading.current_thread() is not self._thread:
+            self._actions.wait(deadline)
+
+    def _give_back(self) -> None:
+        """Destroys all ends; to be called on the thread of the executor, or when it is over."""
+        if self._actions is not None:
+            self._actions.destroy()
+            self._actions = None
+        if self._topics is not None:
+            self._topics.destroy()
+            self._topics = None
+        if self._services is not None:
+            self._services.destroy()
+            self._services = None
+        self._parameters.release()
+
+    # ------------------------------------------------------------------ transitions
+
+    def manage(self, managed: Managed) -> None:
+        """Has transitions of the node act on something from now on."""
+        self._node.manage(managed)
+
+    def bring_up(self) -> None:
+        """Goes from unconfigured to active.
+
+        Raises:
+            BaseException: What keeps it from there.
+        """
+        self._node.bring_up()
+
+    def shut_down(self) -> None:
+        """Goes to finalized, unless it is there or ROS is gone."""
+        if self._context.ok() and self._node.state != "finalized":
+            self._node.trigger_shutdown()
+
+    def close(self) -> None:
+        """Stops to wait and leaves ROS, once subscribers have what was published last.
+
+        The caller must not hold the lock of the loop: whoever waits may need it to finish.
+        """
+        if self._is_closing:
+            return
+        self._is_closing = True
+        LOGGER.removeHandler(self._log)
+        LOGGER.propagate = True
+        self._finish()
+        self._executor.shutdown()
+        if self._thread is not None:
+            self._thread.join()
+        self._give_back()
+        self._node.destroy_node()
+        try_shutdown(context=self._context)
+
+    def _follow_simulation(self, _: object = None) -> None:
+        former, self._is_simulated = self._is_simulated, self._clock.ros_time_is_active
+        if self._thread is not None and former is not self._is_simulated:
+            LOGGER.warning(
+                "use_sim_time: stamps follow at once, rates and time-outs after a new start"
+            )
+
+    def _spin(self, fail: Callable[[BaseException], None]) -> None:
+        reason: BaseException = RosLostError("ROS was shut down under the bridge")
+        try:
+            self._executor.spin()
+        except ExternalShutdownException:
+            pass
+        except BaseException as error:  # SystemExit of overridden methods too
+            reason = error
+        if not self._is_closing:
+            fail(reason)

@@ -1,0 +1,175 @@
+"""Services of ROS on rclpy: what serves requests, and what calls servers.
+
+The executor takes requests and responses on its thread and hands them to the loop, as bytes.
+Requests are taken by a waitable instead of the server class of rclpy: that one would keep a
+coroutine for each request under way, which the executor then asks again and again.
+"""
+
+# ROS is typed in parts; whoever checks generated code reads this module too.
+# mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
+
+from __future__ import annotations
+
+import importlib
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from rclpy.qos import QoSProfile
+from rclpy.serialization import deserialize_message, serialize_message
+from rclpy.type_support import check_is_valid_srv_type
+from rclpy.waitable import NumberOfEntities, Waitable
+
+from ..light_message import installed_class
+from .internals import internals
+from .parameters import as_parameter_error
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ...base.loop import Loop
+    from ..ends.service_client import RosService
+
+    Reply = Callable[[bytes], None]
+    TakeRequest = Callable[[bytes, Reply], None]
+    Answered = Callable[[bytes], None]
+
+_PROFILE = QoSProfile(depth=128)
+"""Reliable and volatile as services are, with room for more calls than are under way at once."""
+
+
+class NodeServices:
+    """The services of one node."""
+
+    def __init__(self, node: Any, loop: Loop) -> None:
+        """Has none yet.
+
+        Args:
+            node: The node of rclpy.
+            loop: Where requests and responses are taken.
+        """
+        self._node = node
+        self._loop = loop
+        self._served: list[_Served] = []
+        self._clients: list[Any] = []
+
+    def serve(self, service: RosService, take: TakeRequest) -> None:
+        """Serves a service.
+
+        Args:
+            service: The service.
+            take: Is given each request and what replies to it, on the loop.
+
+        Raises:
+            RosTypeError: Its type is not installed as the model has it.
+            ParameterError: ROS refuses its name.
+        """
+        kind = _installed(service)
+        with as_parameter_error(f"service {service.name!a}: "), self._node.handle:
+            profile = _PROFILE.get_c_qos_profile()
+            handle = internals.Service(self._node.handle, kind, service.name, profile)
+        served = _Served(self._node.default_callback_group, handle, kind, self._loop, take)
+        self._served.append(served)
+        self._node.add_waitable(served)
+
+    def client(self, service: RosService) -> NodeClient:
+        """Returns what calls a service.
+
+        Raises:
+            RosTypeError: Its type is not installed as the model has it.
+            ParameterError: ROS refuses its name.
+        """
+        kind = _installed(service)
+        with as_parameter_error(f"service {service.name!a}: "):
+            client = self._node.create_client(kind, service.name, qos_profile=_PROFILE)
+        self._clients.append(client)
+        return NodeClient(client, kind, self._loop)
+
+    def destroy(self) -> None:
+        """Leaves ROS."""
+        for each in self._served:
+            self._node.remove_waitable(each)
+            each.handle.destroy_when_not_in_use()
+        for client in self._clients:
+            self._node.destroy_client(client)
+
+
+class NodeClient:
+    """Calls one service; `ServiceClient` of calls.py says what each method is for."""
+
+    def __init__(self, client: Any, kind: Any, loop: Loop) -> None:
+        """Made by `NodeServices.client`."""
+        self._client = client
+        self._kind = kind
+        self._loop = loop
+
+    def is_ready(self) -> bool:
+        """Whether somebody serves."""
+        return bool(self._client.service_is_ready())
+
+    def call(self, request: bytes, answered: Answered) -> Callable[[], None]:
+        """Calls the service."""
+        future = self._client.call_async(deserialize_message(request, self._kind.Request))
+        future.add_done_callback(partial(self._done, answered))
+        return partial(self._client.remove_pending_request, future)
+
+    def _done(self, answered: Answered, future: Any) -> None:
+        """Hands a response to the loop; on the thread of the executor, which nothing may end."""
+        if future.cancelled() or future.exception() is not None:
+            return
+        response = serialize_message(future.result())
+        self._loop.call_soon(partial(answered, response))
+
+
+class _Served(Waitable):
+    """A service whose requests the loop takes."""
+
+    def __init__(self, group: Any, handle: Any, kind: Any, loop: Loop, take: TakeRequest) -> None:
+        super().__init__(group)
+        self.handle = handle
+        self._kind = kind
+        self._loop = loop
+        self._take = take
+        self._index: int | None = None
+
+    def get_num_entities(self) -> Any:
+        return NumberOfEntities(num_services=1)
+
+    def add_to_wait_set(self, wait_set: Any) -> None:
+        with self.handle:
+            self._index = wait_set.add_service(self.handle)
+
+    def is_ready(self, wait_set: Any) -> bool:
+        return self._index is not None and bool(wait_set.is_ready("service", self._index))
+
+    def take_data(self) -> Any:
+        with self.handle:
+            return self.handle.service_take_request(self._kind.Request)
+
+    async def execute(self, taken: Any) -> None:
+        request, header = taken or (None, None)
+        if header is None:
+            return
+        data = serialize_message(request)
+        reply = partial(self._reply, header.request_id)
+        self._loop.call_soon(lambda: self._take(data, reply))
+
+    def _reply(self, request_id: Any, data: bytes) -> None:
+        response = deserialize_message(data, self._kind.Response)
+        with self.handle:
+            self.handle.service_send_response(response, request_id)
+
+    def __enter__(self) -> None:
+        self.handle.__enter__()
+
+    def __exit__(self, *error: object) -> None:
+        self.handle.__exit__(*error)
+
+
+def _installed(service: RosService) -> Any:
+    """Returns the class of a service, whose parts are those of the model."""
+    for part in (service.request, service.response):
+        installed_class(part)
+    package, kind, name = service.type_name.split("/")
+    found = getattr(importlib.import_module(f"{package}.{kind}"), name)
+    check_is_valid_srv_type(found)  # which imports what serializes it
+    return found

@@ -1,0 +1,289 @@
+"""Topics of a bridge on rclpy: publishers, subscriptions, and what waits for both.
+
+They are made below the classes `Publisher` and `Subscription` of rclpy: the executor would look at
+each of those whenever it wakes up.
+"""
+
+# ROS is typed in parts; whoever checks generated code reads this module too.
+# mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from typing import TYPE_CHECKING, Any, Literal, Protocol
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.duration import Duration
+from rclpy.type_support import check_is_valid_msg_type
+
+from ...base.counters import LOGGER
+from ..ends.parameters import ParameterError
+from ..ends.quality import EndpointHealth
+from .codec import message_class
+from .events import matched_event, publisher_events, subscription_events
+from .internals import internals
+from .listener import Listener, NoListenerError
+from .parameters import as_parameter_error, tell_unknown
+from .profiles import OVERRIDABLE, deep_enough, never_waiting, overridden, profile_of, qos_of
+from .publisher import NodePublisher
+from .taking import Subscription
+from .wait_set import WaitSets
+from ..ends.topics import Published, Qos, Topic, TopicCounts
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from ...base.loop import Loop
+    from ..ends.quality import TopicFault
+    from .parameters import NodeParameters
+
+WaitingName = Literal["automatic", "listener", "wait-set"]
+"""How the bridge waits for ROS; `automatic` takes the listener where there is one."""
+
+
+class Waiting(Protocol):
+    """Waits for topics and events, and runs what takes them with the lock of the loop."""
+
+    def subscription(self, subscription: Subscription) -> None:
+        """Takes the messages of a subscription, what waits already included."""
+
+    def event(self, event: Any, read: Callable[[], object]) -> None:
+        """Runs `read` when an event has something to tell."""
+
+    def start(self, fail: Callable[[BaseException], None]) -> None:
+        """Begins; `fail` is told why nobody waits any more."""
+
+    def close(self) -> None:
+        """Ends; the handles may be destroyed then."""
+
+
+class NodeTopics:
+    """The topics of one node."""
+
+    def __init__(
+        self,
+        node: Any,
+        context: Any,
+        loop: Loop,
+        waiting: WaitingName,
+        parameters: NodeParameters,
+        age_limit: int,
+    ) -> None:
+        """Has none yet.
+
+        Args:
+            node: The node of rclpy.
+            context: Its context.
+            loop: The loop on which, or with whose lock, messages are taken.
+            waiting: How to wait for topics.
+            parameters: The parameters of the node.
+            age_limit: Nanoseconds that a message may wait in the queue of a topic; 0 means forever.
+
+        Raises:
+            ParameterError: Only a listener would do, and there is none.
+        """
+        self._node = node
+        self._parameters = parameters
+        self._age_limit = age_limit
+        self._health: dict[tuple[Topic, bool], EndpointHealth] = {}
+        self._kin: Counter[tuple[str, bool]] = Counter()  # endpoints that share a topic
+        self._publishers: list[Any] = []
+        self._subscriptions: list[Any] = []
+        self._events: list[Any] = []
+        self._waiting = self._chosen(waiting, context, loop)
+
+    def publisher(
+        self,
+        ros_type: type[Any],
+        topic: Topic,
+        greet: Callable[[], None] | None = None,
+    ) -> NodePublisher:
+        """Makes a publisher.
+
+        Args:
+            ros_type: A class of rclpy, or a light class, whose `TYPE` names the type.
+            topic: The topic.
+            greet: Called for each subscriber that is found, on the loop or with its lock.
+
+        Raises:
+            ParameterError: A parameter gives it a name or a policy that ROS refuses.
+        """
+        found = message_class(ros_type)
+        health = self._watched(topic, topic.qos, publishes=True)
+        health.qos = never_waiting(health.qos)
+        handle = self._made(internals.Publisher, found, topic, health)
+        self._publishers.append(handle)
+        self._watch_types(health, found, handle.get_subscription_count)
+        published = Published(health.topic, _type_name(found), health.qos)
+        made = NodePublisher(handle, found, published)
+
+        def matched(state: Any) -> None:
+            made.matched = state.current_count
+            if state.current_count_change > 0 and greet is not None:
+                greet()
+
+        self._wait_for(publisher_events(handle, health, matched))
+        return made
+
+    def subscribe(
+        self, ros_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
+    ) -> TopicCounts:
+        """Makes a subscription; messages are taken after `start`.
+
+        Args:
+            ros_type: A class of rclpy, or a light class, whose `TYPE` names the type.
+            topic: The topic.
+            take: Is given each serialized message, and the time at which it was published, in
+                nanoseconds by the clock of its publisher; on the loop or with its lock.
+
+        Returns:
+            The counts, which go on.
+
+        Raises:
+            ParameterError: A parameter gives it a name or a policy that ROS refuses.
+        """
+        found, counts = message_class(ros_type), TopicCounts()
+        health = self._watched(topic, deep_enough(topic.qos), publishes=False)
+        handle = self._made(internals.Subscription, found, topic, health)
+        self._subscriptions.append(handle)
+        self._watch_types(health, found, handle.get_publisher_count)
+        qos = health.qos
+        # What is latched is as old as it is.
+        age_limit = self._age_limit if qos.durability == "volatile" else 0
+        depth = qos.depth if qos.history == "keep_last" else 0
+        self._wait_for(subscription_events(handle, health))
+        matched = matched_event(handle)
+        self._events.append(matched)
+        self._waiting.subscription(
+            Subscription(handle, matched, found, depth, take, age_limit, counts)
+        )
+        return counts
+
+    def faults(self, topic: Topic, *, publishes: bool) -> list[TopicFault]:
+        """Returns why a topic does not work as it should; nothing while it does.
+
+        Args:
+            topic: A topic that was subscribed to, or has a publisher.
+            publishes: Whether its publisher is meant.
+        """
+        return self._health[topic, publishes].faults()
+
+    def _watched(self, topic: Topic, qos: Qos, *, publishes: bool) -> EndpointHealth:
+        """Returns what will know how a publisher or subscription fares, with its final quality."""
+        with as_parameter_error(f"topic {topic.name!a}: "):
+            name = self._node.resolve_topic_name(topic.name)
+        find = self._finder(publishes=publishes)
+        kin = self._kin[name, publishes]
+        self._kin[name, publishes] += 1
+        entity = ("publisher" if publishes else "subscription") + (f"_{kin + 1}" if kin else "")
+
+        def others() -> list[tuple[str, Qos]]:
+            return [(_node_name(each), qos_of(each.qos_profile)) for each in find(name)]
+
+        health = EndpointHealth(publishes, name, qos, entity, others)
+        health.qos = overridden(health, self._parameters.given, self._parameters.declare)
+        self._health[topic, publishes] = health
+        return health
+
+    def _watch_types(
+        self, health: EndpointHealth, found: type[Any], count: Callable[[], int]
+    ) -> None:
+        """Lets what fares badly know who is at the other end with another type, if nobody else."""
+        find, own = self._finder(publishes=health.publishes), _type_name(found)
+
+        def strangers() -> list[tuple[str, str]]:
+            if count():
+                return []
+            ends = find(health.topic)
+            return [(_node_name(each), each.topic_type) for each in ends if each.topic_type != own]
+
+        health.strangers = strangers
+
+    def _finder(self, *, publishes: bool) -> Callable[[str], list[Any]]:
+        """Returns what finds the other ends of a topic, by its full name."""
+        node: Any = self._node
+        found: Callable[[str], list[Any]] = (
+            node.get_subscriptions_info_by_topic if publishes else node.get_publishers_info_by_topic
+        )
+        return found
+
+    def _made(self, kind: Any, found: type[Any], topic: Topic, health: EndpointHealth) -> Any:
+        """Returns the handle of a new publisher or subscription."""
+        check_is_valid_msg_type(found)
+        with as_parameter_error(f"topic {topic.name!a}: "), self._node.handle:
+            profile = profile_of(health.qos).get_c_qos_profile()
+            return kind(self._node.handle, found, topic.name, profile)
+
+    def _wait_for(self, events: Iterator[tuple[Any, Callable[[], None]]]) -> None:
+        for event, read in events:
+            self._events.append(event)
+            self._waiting.event(event, read)
+
+    # ------------------------------------------------------------------ life
+
+    def listen(self, fail: Callable[[BaseException], None]) -> None:
+        """Begins to take the messages of what was subscribed to.
+
+        Args:
+            fail: Told why nobody waits any more.
+        """
+        possible = (
+            each.parameter(policy) for each in self._health.values() for policy in OVERRIDABLE
+        )
+        tell_unknown(self._node, possible)
+        self._waiting.start(fail)
+
+    def wait(self, deadline: float) -> None:
+        """Waits until subscribers have what was published, at most to a time of the steady clock.
+
+        Args:
+            deadline: The time.
+        """
+        for publisher in self._publishers:
+            left = Duration(seconds=max(deadline - time.monotonic(), 0.0))
+            publisher.wait_for_all_acked(left.get_c_duration())
+
+    def destroy(self) -> None:
+        """Gives all topics back; on the thread of the executor, or when it is over."""
+        self._waiting.close()
+        for handle in (*self._events, *self._subscriptions, *self._publishers):
+            handle.destroy_when_not_in_use()
+
+    # ------------------------------------------------------------------ waiting
+
+    def _chosen(self, waiting: WaitingName, context: Any, loop: Loop) -> Waiting:
+        """Returns what waits."""
+        if waiting == "wait-set":
+            return WaitSets(loop, context)
+        try:
+            return self._listener(loop)
+        except NoListenerError as error:
+            if waiting == "listener":
+                raise ParameterError(f"--ros-waiting listener: {error}") from error
+            LOGGER.warning("waiting for ROS with a wait set, which is slower: %s", error)
+            return WaitSets(loop, context)
+
+    def _listener(self, loop: Loop) -> Listener:
+        """Returns the listener, tried with a subscription and an event that go at once."""
+        listener = Listener(loop)
+        node = self._node.handle
+        with node:
+            profile = profile_of(Qos()).get_c_qos_profile()
+            trial = internals.Subscription(node, DiagnosticArray, "_trial", profile)
+        matched = matched_event(trial)
+        try:
+            listener.try_out(trial, matched)
+        finally:
+            matched.destroy_when_not_in_use()
+            trial.destroy_when_not_in_use()
+        return listener
+
+
+def _type_name(found: type[Any]) -> str:
+    package, kind, *_ = found.__module__.split(".")
+    return f"{package}/{kind}/{found.__name__}"
+
+
+def _node_name(end: Any) -> str:
+    return f"{end.node_namespace.rstrip('/')}/{end.node_name}"
