@@ -12,8 +12,8 @@ import time
 import typing
 from importlib import import_module
 
-from jausml_runtime.bridge.messages.errors import StaleJoinError
 from jausml_runtime.bridge.connections.transcoding import readable, transcoder_of
+from jausml_runtime.bridge.messages.errors import StaleJoinError
 from jausml_runtime.conversions import Time
 
 _NANO = 10**9

@@ -19,34 +19,34 @@ from .base.address import JausAddress
 from .base.api import API_VERSION, ApiVersionError, require_api
 from .base.errors import JausError
 from .base.settings import TransportKind, TransportSettings, peers
-from .bridge.lists.action_to_list import ActionToList
-from .bridge.ends.actions import ListAction, Progress
 from .bridge.bridge import Bridge
 from .bridge.calls.call_translation import CallTranslation
+from .bridge.calls.jaus_to_service import JausToRosService
+from .bridge.calls.service_to_jaus import RosServiceToJaus
 from .bridge.connections.carried import Carried
 from .bridge.connections.command_answers import CommandAnswer
 from .bridge.connections.connection import AnyConnection
-from .bridge.ends.ends import RosSide
-from .bridge.messages.errors import AbsentFieldError, OutOfRangeError, StaleJoinError
-from .bridge.forms import differing_forms
-from .bridge.calls.jaus_to_service import JausToRosService
 from .bridge.connections.joins import Join
-from .bridge.messages.layouts import CdrLayouts, CdrRows, PresenceLayouts
-from .bridge.ends.list_driver import ListAnswers, ListMessages
-from .bridge.lists.list_to_action import ListToAction
-from .bridge.ends.parameters import AttributeParameter
-from .bridge.process import run_bridge, run_node
 from .bridge.connections.report_joins import ReportJoin
-from .bridge.ends.service_client import RosService
-from .bridge.calls.service_to_jaus import RosServiceToJaus
-from .bridge.ends.settings import BridgeSettings
 from .bridge.connections.shaping import Shape
 from .bridge.connections.to_jaus import TopicsToMessage
 from .bridge.connections.to_reports import TopicsToReport
 from .bridge.connections.to_ros import EventToTopics, MessageToTopics, QueryToTopics
-from .bridge.ends.topics import Qos, Topic
 from .bridge.connections.transcoding import Transcode, ros_classes, transcoded
+from .bridge.ends.actions import ListAction, Progress
+from .bridge.ends.ends import RosSide
+from .bridge.ends.list_driver import ListAnswers, ListMessages
+from .bridge.ends.parameters import AttributeParameter
+from .bridge.ends.service_client import RosService
+from .bridge.ends.settings import BridgeSettings
+from .bridge.ends.topics import Qos, Topic
+from .bridge.forms import differing_forms
+from .bridge.lists.action_to_list import ActionToList
+from .bridge.lists.list_to_action import ListToAction
+from .bridge.messages.errors import AbsentFieldError, OutOfRangeError, StaleJoinError
+from .bridge.messages.layouts import CdrLayouts, CdrRows, PresenceLayouts
 from .bridge.messages.values import by_name, set_quaternion, set_time
+from .bridge.process import run_bridge, run_node
 from .clients.command_client import PendingCommand
 from .clients.control_session import ControlSession
 from .clients.control_state import ControlState

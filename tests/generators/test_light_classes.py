@@ -24,8 +24,8 @@ from light_support import (
 )
 
 from jausml.generation import GenerationError
-from jausml.runtime.bridge.messages.errors import RosTypeError
 from jausml.runtime.bridge.light_message import differences, installed_class, is_light
+from jausml.runtime.bridge.messages.errors import RosTypeError
 from jausml.runtime.wire import DecodeError, EncodeError
 
 LIBRARY, EXTREME = library(), extremes()

@@ -14,8 +14,8 @@ pytest.importorskip("rclpy")
 from jausml.model import read_models
 from jausml.runtime.bridge.ends.parameter import Parameter
 from jausml.runtime.bridge.ends.parameters import ParameterError
-from jausml.runtime.bridge.ros.profiles import MOST_KEPT
 from jausml.runtime.bridge.ends.topics import Qos, Topic
+from jausml.runtime.bridge.ros.profiles import MOST_KEPT
 from jausml.semantics.topics import endpoints
 from jausml.text.notation import NOTATIONS
 

@@ -1,4 +1,4 @@
-"""Statuses of `/diagnostics`, and what bridges say in them (`runtime/bridge/connections/reporting.py`)."""
+"""Statuses of `/diagnostics`, and what bridges say in them (`bridge/connections/reporting.py`)."""
 
 from __future__ import annotations
 

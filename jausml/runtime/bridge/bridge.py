@@ -22,13 +22,13 @@ from ..component.component import JausComponent
 from ..conversions import Time
 from ..services.definitions import Guard, Status
 from ..services.management import PASSIVE
-from .ends import parameters
-from .diagnosing import Diagnosing
-from .ends.list_driver import ListDriver
 from .connections.sharing import SharedMessages, SharedTopics
+from .connections.transcoding import Form
+from .diagnosing import Diagnosing
+from .ends import parameters
+from .ends.list_driver import ListDriver
 from .ends.simulation import Simulation
 from .reports.stops import Standing, StopReason
-from .connections.transcoding import Form
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -40,8 +40,8 @@ if TYPE_CHECKING:
     from ..services.element_list import ListElement
     from ..transports.transport import Transport
     from ..wire.message import Message
-    from .ends.by_sender import Taker
     from .connections.carried import Carried
+    from .ends.by_sender import Taker
     from .ends.ends import Feed, ReportHolder, RosPublisher, RosSide
     from .ends.list_driver import ListMessages
     from .ends.parameters import AttributeParameter

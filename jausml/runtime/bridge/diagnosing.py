@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol
 
+from .ends.ends import Ends
 from .reports.accounting import Accounting
 from .reports.diagnostic_array import DiagnosticArray
 from .reports.diagnostics import (
@@ -14,15 +15,14 @@ from .reports.diagnostics import (
     state_status,
     traffic_status,
 )
-from .ends.ends import Ends
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from ..base.loop import Loop, Timer
     from .connections.carried import Carried
-    from .reports.diagnostics import ConnectionStatus
     from .ends.simulation import Simulation
+    from .reports.diagnostics import ConnectionStatus
     from .reports.stops import Standing
 
 _JAUS_AREAS = frozenset(["component", "judp", "jtcp", "transport"])

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ..base.errors import JausError
 from ..wire.message import DecodeError, EncodeError
-from .messages.errors import RosTypeError
-from .light_message import LightMessage
 from .connections.transcoding import transcoder_of, uses_ros_classes
+from .light_message import LightMessage
+from .messages.errors import RosTypeError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

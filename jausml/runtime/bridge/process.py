@@ -24,12 +24,12 @@ from ..component.process import (
     running_transport,
 )
 from ..guardian.ward import Ward
-from .ends import parameters
 from .collection import QuietCollection, without_collection
-from .messages.errors import RosLostError, RosTypeError
+from .ends import parameters
 from .ends.guarding import ros_of
-from .managed import ManagedBridge
 from .ends.parameters import ParameterError
+from .managed import ManagedBridge
+from .messages.errors import RosLostError, RosTypeError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -37,8 +37,8 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from ..base.settings import TransportSettings
     from .bridge import Bridge
-    from .ros.node import RosNode
     from .ends.settings import BridgeSettings
+    from .ros.node import RosNode
 
 
 def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ..bridge.messages.errors import RosTypeError
 from ..bridge.ends.quality import EndpointHealth, conflicts
 from ..bridge.ends.topics import Published, Qos, Topic, TopicCounts
+from ..bridge.messages.errors import RosTypeError
 from .link import Link, Way
 
 if TYPE_CHECKING:

@@ -6,9 +6,9 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from ..bridge.messages.errors import RosTypeError
 from ..bridge.ends.parameters import ParameterError, nearest
 from ..bridge.ends.topics import Topic
+from ..bridge.messages.errors import RosTypeError
 from ..conversions import Time
 from .graph import GraphSubscription, type_name
 

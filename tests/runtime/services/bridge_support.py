@@ -9,12 +9,12 @@ from typing import ClassVar
 from jausml.runtime import ComponentSettings, Guard, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.bridge.bridge import Bridge
-from jausml.runtime.bridge.reports.diagnostics import ConnectionStatus
-from jausml.runtime.bridge.light_message import LightMessage
-from jausml.runtime.bridge.ends.settings import BridgeSettings
 from jausml.runtime.bridge.connections.to_jaus import TopicsToMessage
 from jausml.runtime.bridge.connections.to_ros import EventToTopics, MessageToTopics
+from jausml.runtime.bridge.ends.settings import BridgeSettings
 from jausml.runtime.bridge.ends.topics import Topic, TopicCounts
+from jausml.runtime.bridge.light_message import LightMessage
+from jausml.runtime.bridge.reports.diagnostics import ConnectionStatus
 from jausml.runtime.conversions import Time
 from jausml.runtime.messages import QueryEventTimeout, ReportEventTimeout, SetTime
 from jausml.runtime.wire.message import DecodeError

@@ -14,13 +14,13 @@ from hypothesis import strategies as st
 
 from jausml.runtime import Guard, Shape
 from jausml.runtime.base.loop import Loop
-from jausml.runtime.bridge.ends import parameters
-from jausml.runtime.bridge.connections.ages import jaus_age, ros_age
 from jausml.runtime.bridge.bridge import Bridge
-from jausml.runtime.bridge.reports.diagnostics import Statistics
+from jausml.runtime.bridge.connections.ages import jaus_age, ros_age
 from jausml.runtime.bridge.connections.shaping import Shaping
 from jausml.runtime.bridge.connections.to_reports import TopicsToReport
+from jausml.runtime.bridge.ends import parameters
 from jausml.runtime.bridge.ends.topics import Qos, Topic
+from jausml.runtime.bridge.reports.diagnostics import Statistics
 from jausml.runtime.conversions import Time, time_to_timestamp
 from jausml.runtime.messages import QueryEventTimeout, ReportEventTimeout, SetTime
 from jausml.validation.rules.bridge import shaping as rules

@@ -5,17 +5,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ..connections.connection import FILTERED
+from ..connections.transcoding import readable, ros_decoder, ros_encoder, uses_ros_classes
 from ..reports.diagnostics import Statistics
 from ..reports.limiting import Limiting
-from ..connections.transcoding import readable, ros_decoder, ros_encoder, uses_ros_classes
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ...wire.message import Message
+    from ..connections.transcoding import Transcode
     from ..ends.ends import Ends
     from ..light_message import LightMessage
-    from ..connections.transcoding import Transcode
 
 
 class CallFailedError(Exception):

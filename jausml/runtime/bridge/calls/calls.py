@@ -9,14 +9,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 from ...wire.message import EncodeError
-from ..ends import parameters
-from .call_translation import CallFailedError, CallTranslation
 from ..connections.connection import NOT_READY
+from ..connections.transcoding import Form
+from ..ends import parameters
 from ..reports.diagnostics import ConnectionStatus, Statistics
 from ..reports.state_log import StateLog
 from ..reports.states import Facts, judge
 from ..reports.stops import StopReason
-from ..connections.transcoding import Form
+from .call_translation import CallFailedError, CallTranslation
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

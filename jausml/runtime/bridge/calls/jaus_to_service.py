@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 from ...clients.peer_binding import PeerBinding
 from ...services.definitions import Guard
 from ...transports.packets.packet import Priority
+from ..connections.to_ros import UNEXPECTED
 from ..ends import parameters
 from ..ends.by_sender import Taker
 from .call_translation import CallFailedError, CallTranslation
 from .calls import FAILED, NOT_TRANSLATED, REJECTED, TIMED_OUT, UNANSWERED, Call, Calls
-from ..connections.to_ros import UNEXPECTED
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

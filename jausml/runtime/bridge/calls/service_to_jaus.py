@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 from ...clients.exchanges import Unanswered
 from ...services.definitions import Guard
 from ...transports.packets.packet import Priority
+from ..connections.connection import NO_PEER, NOT_READY
+from ..connections.controlled_peers import ControlledPeers
 from .call_translation import CallFailedError, CallTranslation
 from .calls import (
     FAILED,
@@ -20,8 +22,6 @@ from .calls import (
     Calls,
     codes_of,
 )
-from ..connections.connection import NO_PEER, NOT_READY
-from ..connections.controlled_peers import ControlledPeers
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ...conversions import ConversionError, Time, timestamp_to_time
 from ...wire.message import DecodeError
-from ..messages import cdr
 from ..light_message import is_light
+from ..messages import cdr
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

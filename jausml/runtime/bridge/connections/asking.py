@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from ...clients.peer_binding import PeerBinding
     from ...component.component import JausComponent
     from ...wire.message import Message
-    from .connection import Take
     from ..ends.ends import Ends
+    from .connection import Take
 
 
 class AskedEvents:

@@ -11,8 +11,8 @@ if TYPE_CHECKING:
 
     from ...base.loop import Timer
     from ...base.standstill import Watch
-    from ..reports.diagnostics import Statistics
     from ..ends.ends import Ends
+    from ..reports.diagnostics import Statistics
 
     Take = Callable[[bytes, Any], None]
     Drop = Callable[[str, str], None]

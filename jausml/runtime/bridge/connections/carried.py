@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
-    from ..reports.diagnostics import ConnectionStatus, Statistics
     from ..ends.ends import Ends
+    from ..reports.diagnostics import ConnectionStatus, Statistics
     from ..reports.stops import Standing, StopReason
     from .transcoding import Form
 

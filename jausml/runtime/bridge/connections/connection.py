@@ -15,25 +15,25 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from ..ends import parameters
-from .backlog import Backlog
-from .joins import with_joins
 from ..reports.latency import Latency
 from ..reports.limiting import Limiting
+from ..reports.stops import StopReason
+from .backlog import Backlog
+from .joins import with_joins
 from .reporting import Reporter
 from .shaping import Shape, Shaping
 from .stopping import Stopping, Switch
-from ..reports.stops import StopReason
 from .transcoding import Form, readable, transcoder_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from ...base.address import JausAddress
-    from .ages import Age
-    from ..reports.diagnostics import ConnectionStatus
     from ..ends.ends import Ends
-    from .joins import Joined
     from ..ends.quality import TopicFault
+    from ..reports.diagnostics import ConnectionStatus
+    from .ages import Age
+    from .joins import Joined
     from .transcoding import Transcode
 
     Take = Callable[[bytes, Any], None]

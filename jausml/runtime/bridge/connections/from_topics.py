@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..ends import parameters
+from ..light_message import is_light
+from ..reports.diagnostics import LOST_IN_QUEUE, MISSED, TOO_OLD
+from ..reports.latency import age_of_time
 from .ages import ros_age
 from .connection import Connection
-from ..reports.diagnostics import LOST_IN_QUEUE, MISSED, TOO_OLD
 from .joins import JoinedTopic
-from ..reports.latency import age_of_time
-from ..light_message import is_light
 from .transcoding import Form, ros_decoder, uses_ros_classes
 
 if TYPE_CHECKING:
@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from typing import Concatenate
 
     from ...wire.message import Message
-    from .ages import Age
     from ..ends.ends import Ends, Feed
-    from .joins import Join
     from ..ends.quality import TopicFault
     from ..ends.topics import Topic
+    from .ages import Age
+    from .joins import Join
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 from ...clients.peer_binding import PeerBinding
 from ...services.definitions import Guard
 from ..ends import parameters
-from .asking import AskedEvents, AskedQueries
 from ..ends.by_sender import Taker
+from .asking import AskedEvents, AskedQueries
 from .joins import Joined
 
 if TYPE_CHECKING:

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
     from ...base.address import JausAddress
     from ...base.counters import Counters
-    from ..reports.diagnostics import Statistics
     from ..ends.quality import TopicFault
+    from ..reports.diagnostics import Statistics
     from .transcoding import Form
 
 

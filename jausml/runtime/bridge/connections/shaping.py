@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ...base.loop import Timer
-    from .ages import Age
-    from ..reports.diagnostics import Statistics
     from ..ends.ends import Ends
+    from ..reports.diagnostics import Statistics
+    from .ages import Age
 
     Take = Callable[[bytes, Any], None]
     Drop = Callable[[str, str], None]

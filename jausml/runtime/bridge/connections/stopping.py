@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 from ...base.counters import LOGGER
 from ...guardian.ward import stops
 from ..ends import parameters
-from ..reports.diagnostics import Statistics
 from ..ends.guarding import MARK
+from ..reports.diagnostics import Statistics
 from ..reports.stops import StopReason
 
 if TYPE_CHECKING:

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from ...clients.peer_search import PeerSearch
     from ...guardian.ward import Content
     from ...wire.message import Message
-    from .connection import Take
     from ..ends.ends import Ends
-    from .stopping import Switch
     from ..reports.stops import Standing, StopReason
+    from .connection import Take
+    from .stopping import Switch
 
     Send = Callable[[bytes], None]
 

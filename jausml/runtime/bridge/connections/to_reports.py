@@ -12,10 +12,10 @@ if TYPE_CHECKING:
     from typing import Concatenate
 
     from ...wire.message import Message
-    from .connection import Take
     from ..ends.ends import Ends, ReportHolder
-    from .stopping import Switch
     from ..reports.stops import StopReason
+    from .connection import Take
+    from .stopping import Switch
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")

@@ -8,19 +8,19 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ...clients.peer_binding import PeerBinding
 from ...services.definitions import Guard, Status
 from ..ends import parameters
+from ..ends.by_sender import Taker
+from ..ends.guarding import topic_stops
+from ..ends.quality import TopicFault
+from ..light_message import is_light
+from ..reports.diagnostics import LOST_ON_THE_WAY, OUT_OF_ORDER, UNHEARD
+from ..reports.latency import age_of_stamp
+from ..reports.stops import StopReason
 from .ages import jaus_age
 from .asking import AskedEvents, AskedQueries
-from ..ends.by_sender import Taker
 from .command_answers import CommandMemory
 from .connection import FILTERED, Connection
-from ..reports.diagnostics import LOST_ON_THE_WAY, OUT_OF_ORDER, UNHEARD
-from ..ends.guarding import topic_stops
-from ..reports.latency import age_of_stamp
-from ..light_message import is_light
-from ..ends.quality import TopicFault
 from .rate_cap import RateCap
 from .report_joins import JoinedReport
-from ..reports.stops import StopReason
 from .transcoding import Form, ros_encoder, uses_ros_classes
 
 if TYPE_CHECKING:
@@ -31,14 +31,14 @@ if TYPE_CHECKING:
     from ...clients.peer_search import PeerSearch
     from ...guardian.ward import Content
     from ...wire.message import Message
+    from ..ends.ends import Ends, RosPublisher
+    from ..ends.topics import Topic
+    from ..reports.stops import Standing
     from .ages import Age
     from .command_answers import CommandAnswer
     from .connection import Take
-    from ..ends.ends import Ends, RosPublisher
     from .report_joins import ReportJoin
     from .stopping import Switch
-    from ..reports.stops import Standing
-    from ..ends.topics import Topic
     from .transcoding import Transcode
 
 SourceT = TypeVar("SourceT", bound="Message")

@@ -6,13 +6,13 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ...services.definitions import Guard
-from ..ends import parameters
-from ..ends.actions import LONGEST_GOAL, Outcome
 from ..connections.connection import NO_PEER, NOT_READY
 from ..connections.controlled_peers import ControlledPeers
+from ..connections.transcoding import ros_decoder, uses_ros_classes
+from ..ends import parameters
+from ..ends.actions import LONGEST_GOAL, Outcome
 from .list_connection import ListConnection
 from .list_run import ListRun
-from ..connections.transcoding import ros_decoder, uses_ros_classes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

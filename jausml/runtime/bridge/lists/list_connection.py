@@ -5,16 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, TypeVar
 
 from ..connections.connection import FILTERED, Connection
-from ..light_message import is_light
 from ..connections.transcoding import Form, uses_ros_classes
+from ..light_message import is_light
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from ..ends.actions import ListAction
     from ..connections.connection import Take
-    from ..ends.ends import Ends
     from ..connections.stopping import Switch
+    from ..ends.actions import ListAction
+    from ..ends.ends import Ends
     from ..reports.stops import StopReason
 
 SourceT = TypeVar("SourceT")

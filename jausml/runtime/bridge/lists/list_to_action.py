@@ -10,12 +10,12 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ...clients.peer_binding import PeerBinding
+from ..connections.connection import NOT_READY
+from ..connections.transcoding import ros_encoder
 from ..ends import parameters
 from ..ends.actions import LONGEST_GOAL, Outcome
-from ..connections.connection import NOT_READY
-from .list_connection import ListConnection
 from ..ends.list_driver import ListAnswers
-from ..connections.transcoding import ros_encoder
+from .list_connection import ListConnection
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

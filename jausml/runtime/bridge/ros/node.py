@@ -23,6 +23,7 @@ from rclpy.utilities import try_shutdown
 from ...base.counters import LOGGER
 from ...conversions import Time
 from ..ends import parameters
+from ..ends.topics import Qos, Topic, TopicCounts
 from ..messages.errors import RosLostError
 from .codec import Codec
 from .executor import GuardedExecutor
@@ -32,7 +33,6 @@ from .log import RosLogHandler
 from .parameters import NodeParameters, as_parameter_error
 from .services import NodeServices
 from .topics import NodeTopics
-from ..ends.topics import Qos, Topic, TopicCounts
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -42,12 +42,12 @@ if TYPE_CHECKING:
     from ..ends.actions import ActionClient, GoalTaker, ListAction
     from ..ends.parameter import Parameter
     from ..ends.quality import TopicFault
+    from ..ends.service_client import RosService
     from .actions import NodeActions
     from .lifecycle import Managed
     from .publisher import NodePublisher
     from .services import NodeClient, TakeRequest
     from .topics import WaitingName
-    from ..ends.service_client import RosService
 
 LAST_WORDS = 1.0
 """Longest time in seconds that a node which ends waits for slow subscribers."""

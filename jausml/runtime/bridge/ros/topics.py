@@ -20,6 +20,7 @@ from rclpy.type_support import check_is_valid_msg_type
 from ...base.counters import LOGGER
 from ..ends.parameters import ParameterError
 from ..ends.quality import EndpointHealth
+from ..ends.topics import Published, Qos, Topic, TopicCounts
 from .codec import message_class
 from .events import matched_event, publisher_events, subscription_events
 from .internals import internals
@@ -29,7 +30,6 @@ from .profiles import OVERRIDABLE, deep_enough, never_waiting, overridden, profi
 from .publisher import NodePublisher
 from .taking import Subscription
 from .wait_set import WaitSets
-from ..ends.topics import Published, Qos, Topic, TopicCounts
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
