@@ -107,4 +107,4 @@ release-check: $(READY)  ## check version, changelog, wheel, sdist and the lowes
 	$(BIN)/python tools/release_check.py
 
 clean:  ## remove everything that make has made
-	rm -rf .venv build dist wheels *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis site demo-out experiment-out jausml/studio/page studio/node_modules
+	rm -rf .venv build dist wheels *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis site demo-out experiment-out jausml/authoring/studio/page studio/node_modules

@@ -16,19 +16,19 @@ from typing import TYPE_CHECKING, Any
 
 from ends import message_class
 
-from jausml.languages.expressions import evaluate
-from jausml.metamodel.classes import bridge
+from jausml.language.attributes.expressions import evaluate
+from jausml.language.metamodel.classes import bridge
 from jausml.runtime import conversions
-from jausml.semantics.attributes import NUMBER, TEXT, Attribute
-from jausml.semantics.paths import Placed, outer_scope, parse_path
-from jausml.semantics.steps import steps_of
+from jausml.language.semantics.attributes import NUMBER, TEXT, Attribute
+from jausml.language.semantics.paths import Placed, outer_scope, parse_path
+from jausml.language.semantics.steps import steps_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from jausml.live.messages import MessageEntry
-    from jausml.semantics.paths import PathScope
-    from jausml.semantics.steps import Step
+    from jausml.language.semantics.paths import PathScope
+    from jausml.language.semantics.steps import Step
 
 _ELEMENT = "."
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from figures import rounded
 
 from jausml.generation import render
-from jausml.model import read_models
+from jausml.language.model import read_models
 from jausml.runtime import messages as core_messages
 from jausml_generators.messages.target import TARGET as MESSAGES
 

@@ -41,7 +41,7 @@ _SERVICE = """  <services name="S{n}" urn="urn:example:S{n}" version="1.0" {inhe
 """
 _READ = """
 import resource, sys
-from jausml.model import read_models
+from jausml.language.model import read_models
 result = read_models([sys.argv[1]])
 assert not result.has_errors, result.diagnostics[:3]
 elements = sum(1 for _ in result.model.elements())

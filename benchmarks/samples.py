@@ -12,10 +12,10 @@ from names import KINDS
 from rclpy.serialization import serialize_message
 
 from jausml.live.messages import Catalogue
-from jausml.metamodel.classes import bridge
+from jausml.language.metamodel.classes import bridge
 
 if TYPE_CHECKING:
-    from jausml.model import Model
+    from jausml.language.model import Model
 
 _TIME = {"seconds": 1_700_000_000, "nanoseconds": 123_456_789}
 _RATES = {"vx": 1.25, "vy": -0.5, "yaw_rate": 0.25}

@@ -22,8 +22,8 @@ import growth
 from figures import rounded
 from websockets.sync.client import ClientConnection, connect
 
-from jausml.model import read_models
-from jausml.model.uris import LIBRARY_URI
+from jausml.language.model import read_models
+from jausml.language.model.uris import LIBRARY_URI
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -43,7 +43,7 @@ _PROGRAM = """
 import sys
 from pathlib import Path
 from jausml.cli import main
-from jausml.studio import serving
+from jausml.authoring.studio import serving
 serving.PAGE = Path(sys.argv.pop(1))
 main()
 """

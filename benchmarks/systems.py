@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from ends import FIRST_BRIDGE, PEER, SINK
 
 from jausml.generation import render
-from jausml.model import read_models
-from jausml.text.notation import NOTATIONS
+from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGES
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.runtime.target import TARGET as RUNTIME
@@ -20,7 +20,7 @@ from jausml_generators.runtime.target import TARGET as RUNTIME
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from jausml.model import Model
+    from jausml.language.model import Model
 
 HERE = Path(__file__).resolve().parent
 MAPS = ("point", "twist", "odometry", "scan", "grid", "path")

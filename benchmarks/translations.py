@@ -22,7 +22,7 @@ from samples import sample
 from systems import MAPS, READY, Measured, generate
 
 from jausml.live.messages import Catalogue
-from jausml.metamodel.classes import bridge
+from jausml.language.metamodel.classes import bridge
 
 if TYPE_CHECKING:
     from collections.abc import Callable

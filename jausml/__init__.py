@@ -10,20 +10,20 @@ from typing import Any
 __version__ = "0.1.0"
 
 _HOMES = {
-    "AsyncComponent": "jausml.api.aio",
-    "AsyncSubscription": "jausml.api.aio",
-    "Component": "jausml.api.component",
+    "AsyncComponent": "jausml.live.api.aio",
+    "AsyncSubscription": "jausml.live.api.aio",
+    "Component": "jausml.live.api.component",
     "MessageError": "jausml.live.messages",
-    "ModelError": "jausml.api.models",
+    "ModelError": "jausml.live.api.models",
     "NoAnswer": "jausml.live.peers.asking",
-    "Received": "jausml.api.component",
+    "Received": "jausml.live.api.component",
     "Refused": "jausml.live.peers.operator",
-    "Subscription": "jausml.api.component",
-    "decode": "jausml.api.messages",
-    "encode": "jausml.api.messages",
-    "generate": "jausml.api.models",
-    "read": "jausml.api.models",
-    "validate": "jausml.api.models",
+    "Subscription": "jausml.live.api.component",
+    "decode": "jausml.live.api.messages",
+    "encode": "jausml.live.api.messages",
+    "generate": "jausml.live.api.models",
+    "read": "jausml.live.api.models",
+    "validate": "jausml.live.api.models",
 }
 """Where the names of the interface stand. They are loaded when used: tools start quickly."""
 

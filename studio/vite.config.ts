@@ -7,7 +7,7 @@ export default defineConfig({
   base: "./",
   plugins: [react()],
   build: {
-    outDir: "../jausml/studio/page",
+    outDir: "../jausml/authoring/studio/page",
     emptyOutDir: true,
     target: "es2022",
     assetsInlineLimit: 0,

@@ -85,7 +85,7 @@ def _modules(root: Path, changed: list[str], known: set[str]) -> set[str]:
     for name in changed:
         parts = name.removesuffix(".py").removesuffix("/__init__").split("/")
         if parts[0] == "metamodels":
-            found |= {each for each in known if each.startswith("jausml.metamodel.")}
+            found |= {each for each in known if each.startswith("jausml.language.metamodel.")}
         home = next((each for each, at in PACKAGES.items() if name.startswith(f"{at}/")), None)
         if home is None:
             continue

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jausml.generation import FileTask, Target, Task, render
-from jausml.metamodel.classes import jaus
-from jausml.model import Model, read_models
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import Model, read_models
 from jausml_generators.python.codec.message_builder import build_messages
 from jausml_generators.python.codec.messages import MessagesModule
 from jausml_generators.python.package import PACKAGE_TEMPLATES

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.cli import listed
 from jausml.cli.known import FOLDER, NAMES
-from jausml.model import library_root
+from jausml.language.model import library_root
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

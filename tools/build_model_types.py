@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the stubs in jausml/metamodel/classes/ from the metamodels: what mypy knows of models.
+"""Writes the stubs in jausml/language/metamodel/classes/ from the metamodels: what mypy knows of models.
 
 Usage: python tools/build_model_types.py [FOLDER]
 """
@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from multigen.jinja import JinjaGenerator
 from pyecoregen.ecore import EcoreGenerator, EcorePackageModuleTask
 
-from jausml.metamodel import (
+from jausml.language.metamodel import (
     ClassTable,
     FeatureKind,
     FeatureTable,
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     import jinja2
 
 ROOT = Path(__file__).resolve().parent.parent
-FOLDER = ROOT / "jausml" / "metamodel" / "classes"
+FOLDER = ROOT / "jausml" / "language" / "metamodel" / "classes"
 
 _INDENT = "    "
 _WIDTH = 100

@@ -9,19 +9,19 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli import main as command_line
-from jausml.importers.jsidl.rules import JSIDL_RULES
-from jausml.importers.ros.rules import ROS_RULES
-from jausml.merging.conflicts import MERGE_RULES
-from jausml.metamodel import (
+from jausml.language.importers.jsidl.rules import JSIDL_RULES
+from jausml.language.importers.ros.rules import ROS_RULES
+from jausml.authoring.merging.conflicts import MERGE_RULES
+from jausml.language.metamodel import (
     ClassTable,
     FeatureTable,
     PackageTable,
     documentation,
     load_metamodels,
 )
-from jausml.semantics.conversions import CONVERSIONS
-from jausml.text.rules import TEXT_RULES
-from jausml.validation.catalogue import catalogue
+from jausml.language.semantics.conversions import CONVERSIONS
+from jausml.language.text.rules import TEXT_RULES
+from jausml.language.validation.catalogue import catalogue
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping

@@ -18,10 +18,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from jausml.importers.ros import ImportResult, import_packages, package_sources, placed
-from jausml.languages.units import parse_unit
-from jausml.metamodel.filling import set_value
-from jausml.model.xmi.writer import write_model
+from jausml.language.importers.ros import ImportResult, import_packages, package_sources, placed
+from jausml.language.attributes.units import parse_unit
+from jausml.language.metamodel.filling import set_value
+from jausml.language.model.xmi.writer import write_model
 
 HERE = Path(__file__).resolve().parent
 OWN_DEFINITIONS = HERE / "ros_definitions"

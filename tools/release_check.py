@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).resolve().parent.parent
 RELEASE = re.compile(r"\d+\.\d+\.\d+")
-PAGE = "jausml/studio/page/"
+PAGE = "jausml/authoring/studio/page/"
 EXAMPLE = "minimal/minimal.xmi"
 SMOKE = (
     *("tests/metamodel/test_shipped.py", "tests/model"),

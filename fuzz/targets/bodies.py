@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from jausml.generation import FileTask, Target, render
-from jausml.metamodel.classes import jaus
-from jausml.model import Model, read_models
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import Model, read_models
 from jausml.runtime.wire.message import DecodeError, EncodeError, Message
 from jausml_generators.python.codec.message_builder import build_messages
 from jausml_generators.python.codec.message_examples import example_bytes

@@ -9,8 +9,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jausml.importers.jsidl import Source, import_sources
-from jausml.model.xmi.writer import to_xmi
+from jausml.language.importers.jsidl import Source, import_sources
+from jausml.language.model.xmi.writer import to_xmi
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -9,9 +9,9 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jausml.model import read_models
-from jausml.text.notation import NOTATIONS
-from jausml.validation.engine import check
+from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
+from jausml.language.validation.engine import check
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

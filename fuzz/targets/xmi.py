@@ -10,10 +10,10 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jausml.model import read_models
-from jausml.model.comparison import compare
-from jausml.model.xmi.writer import write_model
-from jausml.validation.engine import check
+from jausml.language.model import read_models
+from jausml.language.model.comparison import compare
+from jausml.language.model.xmi.writer import write_model
+from jausml.language.validation.engine import check
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

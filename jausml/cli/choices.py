@@ -15,7 +15,7 @@ COMPLETION = "_JAUSML_COMPLETE"
 """The variable by which a shell asks for completions; click makes its name of the program's."""
 
 REPORT_FORMATS = ("text", "json", "junit", "sarif", "github")
-"""`jausml.validation.formats`."""
+"""`jausml.language.validation.formats`."""
 
 CONFORMANCE_FORMATS = ("text", "json", "junit")
 """`jausml.live.peers.conformance.formats`."""

@@ -14,7 +14,7 @@ import click
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
-    from jausml.model.notation import Notation
+    from jausml.language.model.notation import Notation
 
 _ADDRESS = re.compile(r"\d+\.\d+\.\d+")
 
@@ -129,8 +129,8 @@ def notations_for(
         UsageError: There can be no such bridge.
     """
     # Most verbs take files by their endings alone, which needs no reader.
-    from jausml.text.bridge_options import BridgeOfMaps
-    from jausml.text.notation import NOTATIONS, SUFFIX, Ros2Jaus
+    from jausml.language.text.bridge_options import BridgeOfMaps
+    from jausml.language.text.notation import NOTATIONS, SUFFIX, Ros2Jaus
 
     if bridge_address is None:
         return NOTATIONS
@@ -161,7 +161,7 @@ def _own_models(files: Sequence[str]) -> Sequence[str]:
     """Returns the files that are no copies of the shipped library; all where all are copies."""
     if len(files) == 1:
         return files
-    from jausml.model.uris import shipped_as
+    from jausml.language.model.uris import shipped_as
 
     own = [each for each in files if shipped_as(Path(os.path.realpath(each))) is None]
     return own or files
@@ -223,7 +223,7 @@ def write_report(rendered: str | bytes, output: str | None) -> None:
 
 
 def _files_at(path: str, suffixes: tuple[str, ...]) -> Sequence[str]:
-    from jausml.model.inputs import open_input
+    from jausml.language.model.inputs import open_input
 
     try:
         if os.path.isdir(path):  # noqa: PTH112 - paths stay as the user wrote them
@@ -250,8 +250,8 @@ def _refuse_links(folder: str, found: Sequence[str]) -> None:
     Raises:
         EnvironmentFault: There is one.
     """
-    from jausml.model.inputs import leads_out
-    from jausml.model.uris import find_project_root
+    from jausml.language.model.inputs import leads_out
+    from jausml.language.model.uris import find_project_root
 
     links = [each for each in found if os.path.islink(each)]  # noqa: PTH114 - as above
     root = Path(os.path.realpath(find_project_root([Path(folder) / "any"]))) if links else None

@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.cli.common import Reading
-    from jausml.metamodel.classes.ecore import EObject
-    from jausml.model.documents import Document
-    from jausml.model.model import Model
-    from jausml.model.reading.reader import ReadResult
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.documents import Document
+    from jausml.language.model.model import Model
+    from jausml.language.model.reading.reader import ReadResult
 
 _XMI, _TEXT = SUFFIXES
 
@@ -61,8 +61,8 @@ def command(
     Exit status: 0 done, 1 errors in the model, 2 FROM cannot be read or TO cannot be written, 3
     internal error.
     """
-    from jausml.model.reading.reader import read_models
-    from jausml.model.xmi.writer import UnwritableError
+    from jausml.language.model.reading.reader import read_models
+    from jausml.language.model.xmi.writer import UnwritableError
 
     _check_paths(source, target)
     notations = notations_for(source, bridge_address, frequency)
@@ -102,9 +102,9 @@ def _check_paths(source: str, target: str) -> None:
 
 def _report(result: ReadResult, source: str, *, quiet: bool) -> None:
     """Shows what was found in reading, and ends when the model cannot be used."""
-    from jausml.model.diagnostics import Severity
-    from jausml.validation.formats import text
-    from jausml.validation.report import Report
+    from jausml.language.model.diagnostics import Severity
+    from jausml.language.validation.formats import text
+    from jausml.language.validation.report import Report
 
     report = Report(result.model, (source,), tuple(result.diagnostics))
     shown = [each for each in report.diagnostics if each.severity is not Severity.INFO]
@@ -121,11 +121,11 @@ def _written(
     roots: list[EObject], model: Model, target: str, project_root: str | None
 ) -> tuple[str, dict[Path, bytes]]:
     """Returns the new file, and the copies of ready maps that Eclipse needs beside it."""
-    from jausml.model.identifiers import name_identifiers
-    from jausml.model.uris import find_project_root
-    from jausml.model.xmi.writer import to_xmi
-    from jausml.projects.eclipse import as_xmi_beside, localized, with_ready_maps
-    from jausml.text.writing.unparsing import to_text
+    from jausml.language.model.identifiers import name_identifiers
+    from jausml.language.model.uris import find_project_root
+    from jausml.language.model.xmi.writer import to_xmi
+    from jausml.authoring.projects.eclipse import as_xmi_beside, localized, with_ready_maps
+    from jausml.language.text.writing.unparsing import to_text
 
     if target.endswith(_TEXT):
         return to_text(roots, model, target), {}
@@ -141,7 +141,7 @@ def _written(
 
 def _left_behind(result: ReadResult, target: str, written: str) -> Iterator[str]:
     """Yields what the new file does not say, and where it leads that cannot be followed."""
-    from jausml.model.uris import find_project_root
+    from jausml.language.model.uris import find_project_root
 
     document, *others = result.model.documents
     number = _comments(document)
@@ -163,7 +163,7 @@ def _left_behind(result: ReadResult, target: str, written: str) -> Iterator[str]
 
 def _comments(document: Document) -> int:
     """Returns how many comments of a document no model holds."""
-    from jausml.text.comments import ordinary_comments
+    from jausml.language.text.comments import ordinary_comments
 
     if document.is_xml:
         return document.data.replace(b"\0", b"").count(b"<!--")

@@ -12,7 +12,7 @@ from jausml.cli.manners import painted_findings, step
 
 if TYPE_CHECKING:
     from jausml.cli.common import Reading
-    from jausml.diagrams.graph import Graph
+    from jausml.views.diagrams.graph import Graph
 
 SUFFIXES = (".svg", ".png", ".html", ".mmd", ".dot")
 THEMES = ("auto", "light", "dark")
@@ -53,11 +53,11 @@ def command(model: str, view: str, output: str, theme: str, reading: Reading) ->
     Exit status: 0 done, 1 drawn, with errors in the model, 2 usage (an unknown view) or
     environment, 3 internal error.
     """
-    from jausml.diagrams.views import UnknownViewError, graph_of
-    from jausml.model.reading.reader import read_models
-    from jausml.text.notation import NOTATIONS
-    from jausml.validation.engine import check
-    from jausml.validation.formats import text
+    from jausml.views.diagrams.views import UnknownViewError, graph_of
+    from jausml.language.model.reading.reader import read_models
+    from jausml.language.text.notation import NOTATIONS
+    from jausml.language.validation.engine import check
+    from jausml.language.validation.formats import text
 
     suffix = PurePath(output).suffix
     if suffix not in SUFFIXES:
@@ -80,9 +80,9 @@ def command(model: str, view: str, output: str, theme: str, reading: Reading) ->
 
 
 def _rendered(graph: Graph, suffix: str, theme: str) -> str | bytes:
-    from jausml.diagrams.layout.graphviz import Graphviz
-    from jausml.diagrams.layout.sheet import LayoutError
-    from jausml.diagrams.writers import dot, html, mermaid, png, svg
+    from jausml.views.diagrams.layout.graphviz import Graphviz
+    from jausml.views.diagrams.layout.sheet import LayoutError
+    from jausml.views.diagrams.writers import dot, html, mermaid, png, svg
 
     match suffix:
         case ".mmd":

@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from jausml.cli.common import Reading
-    from jausml.differences.change import Change
-    from jausml.differences.matching import Matching
-    from jausml.model.diagnostics import Location
-    from jausml.model.model import Model
-    from jausml.model.reading.reader import ReadResult
+    from jausml.authoring.differences.change import Change
+    from jausml.authoring.differences.matching import Matching
+    from jausml.language.model.diagnostics import Location
+    from jausml.language.model.model import Model
+    from jausml.language.model.reading.reader import ReadResult
 
 FORMATS = ("text", "json", "svg", "html")
 _PICTURES = ("svg", "html")
@@ -88,9 +88,9 @@ def command(
     Exit status: 0 done, 1 changes of the kind of --fail-on, 2 usage or environment, 3 internal
     error.
     """
-    from jausml.differences.finding import changes
-    from jausml.differences.matching import Matching
-    from jausml.differences.pairing import paired_roots
+    from jausml.authoring.differences.finding import changes
+    from jausml.authoring.differences.matching import Matching
+    from jausml.authoring.differences.pairing import paired_roots
 
     if file is not None and os.devnull in (old, new):
         click.echo(f"+ {file}: added" if old == os.devnull else f"- {file}: removed")
@@ -134,7 +134,7 @@ def _unread(*states: ReadResult) -> bool:
 
 def _warn(name: str, result: ReadResult) -> None:
     """Tells the first error of a state, and how many more there are."""
-    from jausml.model.diagnostics import Severity
+    from jausml.language.model.diagnostics import Severity
 
     errors = [each for each in result.diagnostics if each.severity is Severity.ERROR]
     if not errors:
@@ -149,9 +149,9 @@ def _read(
     given: str, file: str | None, reading: Reading, stack: ExitStack
 ) -> tuple[ReadResult, Path]:
     """Reads a state; returns it with the folder that its files are named from."""
-    from jausml.model.inputs import read_input
-    from jausml.model.reading.reader import read_models
-    from jausml.text.notation import NOTATIONS
+    from jausml.language.model.inputs import read_input
+    from jausml.language.model.reading.reader import read_models
+    from jausml.language.text.notation import NOTATIONS
 
     path = Path(given)
     options: dict[str, Any] = dict(reading)
@@ -180,12 +180,12 @@ def _drawn(
     Raises:
         EnvironmentFault: Neither state has the view, or there is no layout engine.
     """
-    from jausml.diagrams.graph import Graph
-    from jausml.diagrams.layout.graphviz import Graphviz
-    from jausml.diagrams.layout.sheet import LayoutError
-    from jausml.diagrams.views import UnknownViewError, graph_of
-    from jausml.diagrams.writers import html, svg
-    from jausml.differences.drawing import Drawn, compared
+    from jausml.views.diagrams.graph import Graph
+    from jausml.views.diagrams.layout.graphviz import Graphviz
+    from jausml.views.diagrams.layout.sheet import LayoutError
+    from jausml.views.diagrams.views import UnknownViewError, graph_of
+    from jausml.views.diagrams.writers import html, svg
+    from jausml.authoring.differences.drawing import Drawn, compared
 
     drawn: list[Drawn] = []
     faults: list[UnknownViewError] = []
@@ -214,7 +214,7 @@ def _drawn(
 
 
 def _line(change: Change) -> str:
-    from jausml.differences.breaking import marked
+    from jausml.authoring.differences.breaking import marked
 
     mark = marked(change.breaks)
     kind = change.kind.value

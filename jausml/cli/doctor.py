@@ -92,9 +92,9 @@ def _peers(interface: str, port: int, group: str, peers: Sequence[str]) -> list[
 
 def _packages(paths: Sequence[str], reading: Reading) -> list[str]:
     """Returns the packages of messages that models use and do not declare themselves."""
-    from jausml.metamodel.classes import ros
-    from jausml.model.reading.reader import read_models
-    from jausml.text.notation import NOTATIONS
+    from jausml.language.metamodel.classes import ros
+    from jausml.language.model.reading.reader import read_models
+    from jausml.language.text.notation import NOTATIONS
 
     model = read_models(paths, notations=NOTATIONS, **reading).model
     used = model.instances(ros.InterfacePackage)

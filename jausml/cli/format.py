@@ -15,7 +15,7 @@ from jausml.cli.options import quiet_option
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from jausml.text.reading.parsing import Parsed
+    from jausml.language.text.reading.parsing import Parsed
 
 
 @click.command("format")
@@ -32,9 +32,9 @@ def command(files: tuple[str, ...], check: bool, diff: bool, quiet: bool) -> Non
     Exit status: 0 done (--check: nothing to do), 1 syntax errors (--check: or a file would change),
     2 a file cannot be read or written or is not ros2jaus text, 3 internal error.
     """
-    from jausml.text.notation import SUFFIX
-    from jausml.text.reading.parsing import parse
-    from jausml.text.writing.layout import lay_out
+    from jausml.language.text.notation import SUFFIX
+    from jausml.language.text.reading.parsing import parse
+    from jausml.language.text.writing.layout import lay_out
 
     texts = {name: _read(name) for name in find_files(files, (SUFFIX,))}
     parsed = {name: parse(text) for name, text in texts.items()}
@@ -55,9 +55,9 @@ def command(files: tuple[str, ...], check: bool, diff: bool, quiet: bool) -> Non
 
 def _read(name: str) -> str:
     """Returns the text of a file as it is, line ends and byte order mark included."""
-    from jausml.model.diagnostics import Location
-    from jausml.model.inputs import read_input
-    from jausml.text.notation import SUFFIX, decode
+    from jausml.language.model.diagnostics import Location
+    from jausml.language.model.inputs import read_input
+    from jausml.language.text.notation import SUFFIX, decode
 
     if not name.endswith(SUFFIX):
         raise EnvironmentFault(f"{click.format_filename(name)}: the file is no *{SUFFIX} file")
@@ -74,8 +74,8 @@ def _read(name: str) -> str:
 
 def _report(parsed: Mapping[str, Parsed]) -> bool:
     """Reports the syntax errors of files, and tells whether there are any."""
-    from jausml.model.diagnostics import Diagnostic, Location, Severity
-    from jausml.validation.formats.text import lines_of
+    from jausml.language.model.diagnostics import Diagnostic, Location, Severity
+    from jausml.language.validation.formats.text import lines_of
 
     findings = [
         Diagnostic(
@@ -105,7 +105,7 @@ def _patch(name: str, old: str, new: str) -> str:
 
 
 def _write(name: str, text: str) -> None:
-    from jausml.model.xmi.writer import replace_file
+    from jausml.language.model.xmi.writer import replace_file
 
     try:
         replace_file(Path(name), text.encode("utf-8"))

@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
     from jausml.cli.common import Reading
     from jausml.generation import NoSystemError, Plan, Result, Selection, Target
-    from jausml.model import ReadResult
-    from jausml.model.model import Model
-    from jausml.model.notation import Notation
+    from jausml.language.model import ReadResult
+    from jausml.language.model.model import Model
+    from jausml.language.model.notation import Notation
 
 _FEW = 3
 """Files of a package that are listed one by one when the same becomes of them."""
@@ -120,8 +120,8 @@ def command(
     something would change; --check and --strict: or your own files no longer fit the model), 2
     usage or environment, 3 internal error.
     """
-    from jausml.metamodel.classes import bridge
-    from jausml.validation.rules.jaus.components import MAXIMUM_RATE
+    from jausml.language.metamodel.classes import bridge
+    from jausml.language.validation.rules.jaus.components import MAXIMUM_RATE
 
     chosen = [mode for mode in _MODES if modes[mode]]
     if len(chosen) > 1:
@@ -153,14 +153,14 @@ def _out_folder(model: str, out: str | None) -> Path:
 
 
 def _read(path: str, reading: Reading, notations: Sequence[Notation]) -> ReadResult:
-    from jausml.model import read_models
+    from jausml.language.model import read_models
 
     return read_models(one_model(path), notations=notations, **reading)
 
 
 def _valid_model(read: ReadResult, *, strict: bool) -> Model:
-    from jausml.validation.engine import check
-    from jausml.validation.formats import text
+    from jausml.language.validation.engine import check
+    from jausml.language.validation.formats import text
 
     with step("checking the model"):
         report = check(read)
@@ -228,7 +228,7 @@ def _generated(model: Model, selection: Selection, folder: Path, **options: Any)
 
 
 def _no_system(error: NoSystemError) -> str:
-    from jausml.text.notation import SUFFIX
+    from jausml.language.text.notation import SUFFIX
 
     if error.systems or not error.maps or not error.path.endswith(SUFFIX):
         return str(error)
@@ -240,7 +240,7 @@ def _no_system(error: NoSystemError) -> str:
 
 
 def _report_drift(result: Result) -> None:
-    from jausml.validation.formats.text import one_line
+    from jausml.language.validation.formats.text import one_line
 
     for finding in result.drift:
         place = f"{result.plan.out / finding.path}:{finding.line}"

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from jausml.live.systems.ros_graph import GraphEnd, GraphTopic
-    from jausml.proposals.topics import TopicEnd
+    from jausml.authoring.proposals.topics import TopicEnd
 
 
 def graph_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -66,7 +66,7 @@ def topics_that_run(words: Sequence[str], seconds: float, namespace: str = "") -
 
 
 def _named(word: str, known: dict[str, TopicEnd]) -> TopicEnd:
-    from jausml.model.values import suggest
+    from jausml.language.model.values import suggest
 
     name, _, maps = word.partition(":")
     found = known.get(name if name.startswith("/") else f"/{name}")
@@ -86,7 +86,7 @@ def _line(topic: GraphTopic) -> str:
 
 def _end(topic: GraphTopic, namespace: str) -> TopicEnd:
     """Returns a topic with the direction and quality of service that its ends leave."""
-    from jausml.proposals.topics import TopicEnd
+    from jausml.authoring.proposals.topics import TopicEnd
 
     is_one_way = bool(topic.publishers) is not bool(topic.subscriptions)
     return TopicEnd(

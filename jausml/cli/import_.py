@@ -16,9 +16,9 @@ from jausml.cli.options import format_option, quiet_option
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.importers.jsidl import ImportResult
-    from jausml.metamodel.classes import jaus
-    from jausml.validation.report import Report
+    from jausml.language.importers.jsidl import ImportResult
+    from jausml.language.metamodel.classes import jaus
+    from jausml.language.validation.report import Report
 
 JSIDL_SUFFIXES = (".xml", ".jsidl")
 """The endings of JSIDL files."""
@@ -67,9 +67,9 @@ def jsidl(
     Exit status: 0 done, 1 errors in the files (--compare-library: or differences), 2 a path cannot
     be read or OUT.xmi cannot be written, 3 internal error.
     """
-    from jausml.importers.jsidl import import_jsidl
-    from jausml.validation.formats import RENDERERS, text
-    from jausml.validation.formats.text import one_line
+    from jausml.language.importers.jsidl import import_jsidl
+    from jausml.language.validation.formats import RENDERERS, text
+    from jausml.language.validation.formats.text import one_line
 
     if output is None and not compare_library:
         raise click.UsageError("name the model to write by -o OUT.xmi")
@@ -107,9 +107,9 @@ def jsidl(
 
 def findings_of(result: ImportResult) -> Report:
     """Returns the findings of the importer; without errors, those of the rules too."""
-    from jausml.model.reading.reader import ReadResult
-    from jausml.validation.engine import check
-    from jausml.validation.report import Report
+    from jausml.language.model.reading.reader import ReadResult
+    from jausml.language.validation.engine import check
+    from jausml.language.validation.report import Report
 
     if not result.has_errors:
         return check(ReadResult(result.model, result.diagnostics))
@@ -119,9 +119,9 @@ def findings_of(result: ImportResult) -> Report:
 
 def _differences(result: ImportResult) -> Iterator[str]:
     """Yields the differences from the services of the library, each with its place."""
-    from jausml.importers.jsidl.library import library_model, services_by_urn
-    from jausml.importers.jsidl.scopes import pick_version
-    from jausml.model.comparison import ON_THE_WIRE, compare
+    from jausml.language.importers.jsidl.library import library_model, services_by_urn
+    from jausml.language.importers.jsidl.scopes import pick_version
+    from jausml.language.model.comparison import ON_THE_WIRE, compare
 
     library = services_by_urn(library_model())
     for service in (each for root in result.sets for each in root.services):

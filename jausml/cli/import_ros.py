@@ -14,10 +14,10 @@ from jausml.cli.imported import counted, document, say, write_document
 from jausml.cli.options import format_option, quiet_option
 
 if TYPE_CHECKING:
-    from jausml.importers.ros import ImportResult, PackageSource
-    from jausml.interfaces import Installation
-    from jausml.metamodel.classes.ros import InterfacePackage
-    from jausml.validation.report import Report
+    from jausml.language.importers.ros import ImportResult, PackageSource
+    from jausml.language.interfaces import Installation
+    from jausml.language.metamodel.classes.ros import InterfacePackage
+    from jausml.language.validation.report import Report
 
 
 @click.command("ros")
@@ -59,9 +59,9 @@ def ros(
     Exit status: 0 done, 1 errors in the files, 2 a package is not installed, a path cannot be read
     or a file cannot be written, 3 internal error.
     """
-    from jausml.importers.ros import import_packages
-    from jausml.interfaces import Installation
-    from jausml.validation.formats import RENDERERS, text
+    from jausml.language.importers.ros import import_packages
+    from jausml.language.interfaces import Installation
+    from jausml.language.validation.formats import RENDERERS, text
 
     installation = Installation(shares)
     sources = _sources(packages, installation)
@@ -79,8 +79,8 @@ def ros(
 
 def _sources(words: tuple[str, ...], installation: Installation) -> list[PackageSource]:
     """Returns the packages that are meant: by their names, or by paths."""
-    from jausml.importers.ros import PackageSource, installed_source
-    from jausml.interfaces.types import is_package_name
+    from jausml.language.importers.ros import PackageSource, installed_source
+    from jausml.language.interfaces.types import is_package_name
 
     sources: dict[str, PackageSource] = {}
     for word in words:
@@ -95,10 +95,10 @@ def _sources(words: tuple[str, ...], installation: Installation) -> list[Package
 
 
 def _at(path: str, installation: Installation) -> list[PackageSource]:
-    from jausml.importers.ros import package_sources
-    from jausml.importers.ros.sources import SUFFIXES
-    from jausml.model.inputs import open_input
-    from jausml.model.values import suggest
+    from jausml.language.importers.ros import package_sources
+    from jausml.language.importers.ros.sources import SUFFIXES
+    from jausml.language.model.inputs import open_input
+    from jausml.language.model.values import suggest
 
     shown = click.format_filename(path)
     place = Path(path)
@@ -124,9 +124,9 @@ def _at(path: str, installation: Installation) -> list[PackageSource]:
 
 def _report(result: ImportResult) -> Report:
     """Returns the findings of the importer; without errors, those of the rules too."""
-    from jausml.model.reading.reader import ReadResult
-    from jausml.validation.engine import check
-    from jausml.validation.report import Report
+    from jausml.language.model.reading.reader import ReadResult
+    from jausml.language.validation.engine import check
+    from jausml.language.validation.report import Report
 
     if not result.has_errors:
         return check(ReadResult(result.model, result.diagnostics))
@@ -138,7 +138,7 @@ def _documents(
     result: ImportResult, output: str | None
 ) -> list[tuple[str, list[InterfacePackage], bytes]]:
     """Returns the files to be written, each with its packages and its bytes."""
-    from jausml.importers.ros import placed
+    from jausml.language.importers.ros import placed
 
     output = output or f"{result.packages[0].name}.xmi"
     if output.endswith(os.sep) or Path(output).is_dir():

@@ -13,8 +13,8 @@ from jausml.cli.common import EnvironmentFault
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from jausml.metamodel.classes.ecore import EObject
-    from jausml.model.model import Model
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.model import Model
 
 
 def document(roots: Sequence[EObject], model: Model, output: str) -> bytes:
@@ -28,9 +28,9 @@ def document(roots: Sequence[EObject], model: Model, output: str) -> bytes:
     Raises:
         click.ClickException: The notation cannot say what they hold.
     """
-    from jausml.model.xmi.writer import UnwritableError, to_xmi
-    from jausml.text.notation import SUFFIX
-    from jausml.text.writing.unparsing import to_text
+    from jausml.language.model.xmi.writer import UnwritableError, to_xmi
+    from jausml.language.text.notation import SUFFIX
+    from jausml.language.text.writing.unparsing import to_text
 
     write = to_text if output.endswith(SUFFIX) else to_xmi
     try:
@@ -52,8 +52,8 @@ def write_document(output: str, data: bytes, inputs: Iterable[str], *, force: bo
     Raises:
         EnvironmentFault: The file cannot be written, or must not.
     """
-    from jausml.model.inputs import read_input
-    from jausml.model.xmi.writer import replace_file
+    from jausml.language.model.inputs import read_input
+    from jausml.language.model.xmi.writer import replace_file
 
     check_output(output, inputs)
     path = Path(output)

@@ -22,9 +22,9 @@ from jausml.cli.topics import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.importers.jsidl import ImportResult
-    from jausml.projects.creating import Wish
-    from jausml.proposals.topics import Crossing
+    from jausml.language.importers.jsidl import ImportResult
+    from jausml.authoring.projects.creating import Wish
+    from jausml.authoring.proposals.topics import Crossing
 
 _EXAMPLE, _EMPTY, _TOPICS, _JSIDL = "example", "empty", "topics", "jsidl"
 _EXAMPLES = {_TOPICS: "odom:nav_msgs/Odometry", _JSIDL: "services/Winch.jsidl"}
@@ -72,8 +72,8 @@ def command(
     Exit status: 0 done, 1 errors in JSIDL files, 2 usage or environment (a file already exists), 3
     internal error.
     """
-    from jausml.projects.creating import Wish, create, name_for
-    from jausml.projects.errors import ProjectError
+    from jausml.authoring.projects.creating import Wish, create, name_for
+    from jausml.authoring.projects.errors import ProjectError
 
     if bool(sources) is not (origin in _EXAMPLES):
         what = f"needs SOURCEs, such as {_EXAMPLES[origin]}" if not sources else "takes no SOURCE"
@@ -112,9 +112,9 @@ def _from_topics(
     yes: bool,
     holds: Sequence[str],
 ) -> tuple[list[str], Sequence[Crossing]]:
-    from jausml.metamodel.classes import bridge
-    from jausml.projects.starting import start_from_topics
-    from jausml.proposals.elements import library
+    from jausml.language.metamodel.classes import bridge
+    from jausml.authoring.projects.starting import start_from_topics
+    from jausml.authoring.proposals.elements import library
 
     topics = topics_of(sources)
     maps = library().instances(bridge.AttributeMap)
@@ -126,7 +126,7 @@ def _from_topics(
 
 
 def _from_jsidl(folder: Path, wish: Wish, sources: Sequence[str]) -> list[str]:
-    from jausml.projects.starting import start_from_services
+    from jausml.authoring.projects.starting import start_from_services
 
     return start_from_services(folder, wish, _imported(sources))
 
@@ -134,8 +134,8 @@ def _from_jsidl(folder: Path, wish: Wish, sources: Sequence[str]) -> list[str]:
 def _imported(paths: Sequence[str]) -> ImportResult:
     """Returns services in JSIDL; ends when the files have errors."""
     from jausml.cli.import_ import JSIDL_SUFFIXES, findings_of
-    from jausml.importers.jsidl import import_jsidl
-    from jausml.validation.formats import text
+    from jausml.language.importers.jsidl import import_jsidl
+    from jausml.language.validation.formats import text
 
     folders = [each for each in paths if Path(each).is_dir()]
     files = find_files([each for each in paths if each not in folders], JSIDL_SUFFIXES)

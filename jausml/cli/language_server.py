@@ -19,6 +19,6 @@ def command() -> None:
     """
     if find_spec("pygls") is None:
         raise EnvironmentFault("the language server needs pygls: pip install 'jausml[editor]'")
-    from jausml.editor.server import serve
+    from jausml.authoring.editor.server import serve
 
     serve()

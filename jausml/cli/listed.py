@@ -8,12 +8,12 @@ import click
 
 from jausml.cli.maps import open_maps
 from jausml.cli.messages import open_catalogue
-from jausml.importers.jsidl.rules import JSIDL_RULES
-from jausml.importers.ros.rules import ROS_RULES
+from jausml.language.importers.jsidl.rules import JSIDL_RULES
+from jausml.language.importers.ros.rules import ROS_RULES
 from jausml.live.messages import UnknownServiceError
-from jausml.merging.conflicts import MERGE_RULES
-from jausml.text.rules import TEXT_RULES
-from jausml.validation.catalogue import catalogue
+from jausml.authoring.merging.conflicts import MERGE_RULES
+from jausml.language.text.rules import TEXT_RULES
+from jausml.language.validation.catalogue import catalogue
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

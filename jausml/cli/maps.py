@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.cli.common import find_models
 from jausml.cli.messages import ModelFault
-from jausml.metamodel.classes import bridge
-from jausml.model import Severity, library_root, read_models
-from jausml.semantics.map_overview import MapOverview, overview
-from jausml.text.notation import NOTATIONS
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model import Severity, library_root, read_models
+from jausml.language.semantics.map_overview import MapOverview, overview
+from jausml.language.text.notation import NOTATIONS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

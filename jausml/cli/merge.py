@@ -36,10 +36,10 @@ def command(base: str, ours: str, theirs: str, file: str | None, output: str | N
 
     Exit status: 0 merged, 1 merged with conflicts, 2 usage or environment, 3 internal error.
     """
-    from jausml.merging.conflicts import AS_LINES
-    from jausml.merging.merging import UnmergeableError, merged
-    from jausml.model.uris import find_project_root
-    from jausml.validation.formats.text import lines_of
+    from jausml.authoring.merging.conflicts import AS_LINES
+    from jausml.authoring.merging.merging import UnmergeableError, merged
+    from jausml.language.model.uris import find_project_root
+    from jausml.language.validation.formats.text import lines_of
 
     named = Path(file or ours)
     states = [_read(each) for each in (base, ours, theirs)]
@@ -65,7 +65,7 @@ def command(base: str, ours: str, theirs: str, file: str | None, output: str | N
 
 
 def _read(file: str) -> bytes:
-    from jausml.model.inputs import read_input
+    from jausml.language.model.inputs import read_input
 
     try:
         return read_input(file)

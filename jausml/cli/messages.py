@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from jausml.live.messages import Catalogue
-    from jausml.model import Model
+    from jausml.language.model import Model
 
 STDIN = "-"
 
@@ -58,7 +58,7 @@ def open_catalogue(models: Iterable[str]) -> Catalogue:
     """
     # Options and output of the verbs alone need no reader.
     from jausml.live.messages import CatalogueError, load_catalogue
-    from jausml.text.notation import NOTATIONS
+    from jausml.language.text.notation import NOTATIONS
 
     try:
         return load_catalogue(find_models(models), notations=NOTATIONS)
@@ -76,9 +76,9 @@ def read_model(path: str) -> Model:
         EnvironmentFault: The file cannot be read.
         ModelFault: The model has errors.
     """
-    from jausml.model import Severity, read_models
-    from jausml.text.notation import NOTATIONS
-    from jausml.validation.formats.text import one_line
+    from jausml.language.model import Severity, read_models
+    from jausml.language.text.notation import NOTATIONS
+    from jausml.language.validation.formats.text import one_line
 
     result = read_models(one_model(path), notations=NOTATIONS)
     errors = [each for each in result.diagnostics if each.severity is Severity.ERROR]

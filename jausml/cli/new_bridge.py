@@ -54,7 +54,7 @@ def command(
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
-    from jausml.projects.adding import add_bridge, ready_maps
+    from jausml.authoring.projects.adding import add_bridge, ready_maps
 
     if by_topics and from_graph:
         raise click.UsageError("--topics and --from-graph exclude each other")

@@ -11,8 +11,8 @@ from jausml.cli.new_places import model_option, place_for, report, stopping
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from jausml.editing.commands import Command
-    from jausml.projects.places import Opened
+    from jausml.authoring.editing.commands import Command
+    from jausml.authoring.projects.places import Opened
 
 
 @click.command("component")
@@ -39,8 +39,8 @@ def command(
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
-    from jausml.projects.adding import add, check_name
-    from jausml.proposals.parts import new_component
+    from jausml.authoring.projects.adding import add, check_name
+    from jausml.authoring.proposals.parts import new_component
 
     def commands(at: Opened) -> list[Command]:
         check_name(name, at.system)

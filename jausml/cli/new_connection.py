@@ -39,7 +39,7 @@ def command(
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
-    from jausml.projects.adding import add_connections, namespace_of, ready_maps
+    from jausml.authoring.projects.adding import add_connections, namespace_of, ready_maps
 
     with stopping():
         place = place_for(model)

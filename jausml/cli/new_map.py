@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from jausml.editing.commands import Command
-    from jausml.metamodel.classes import bridge
-    from jausml.projects.places import Opened
-    from jausml.proposals.elements import Scope
-    from jausml.proposals.mapping.beginning import Begun, Doubt, Wish
+    from jausml.authoring.editing.commands import Command
+    from jausml.language.metamodel.classes import bridge
+    from jausml.authoring.projects.places import Opened
+    from jausml.authoring.proposals.elements import Scope
+    from jausml.authoring.proposals.mapping.beginning import Begun, Doubt, Wish
 
 _EXAMPLE = "twist.linear.x=Velocity_X"
 _WAYS = {"both": (True, False), "to-ros": (True,), "to-jaus": (False,)}
@@ -90,9 +90,9 @@ def command(
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
-    from jausml.projects.adding import add, bridge_in, check_map_name
-    from jausml.proposals.finding import message_of, type_of
-    from jausml.proposals.mapping.beginning import Wish
+    from jausml.authoring.projects.adding import add, bridge_in, check_map_name
+    from jausml.authoring.proposals.finding import message_of, type_of
+    from jausml.authoring.proposals.mapping.beginning import Wish
 
     if ready is not None and (fills or to_ros or to_jaus or zeros_stop):
         taken = "--fill, --to-ros, --to-jaus or --zeros-stop"
@@ -124,8 +124,8 @@ def _copy(
     Raises:
         UsageError: There is none of the name, or nobody can be asked.
     """
-    from jausml.model.names import name_of
-    from jausml.proposals.ready import between, copied
+    from jausml.language.model.names import name_of
+    from jausml.authoring.proposals.ready import between, copied
 
     found = between(scope, wish.message, wish.type)
     names = [name_of(each) for each in found]
@@ -157,7 +157,7 @@ def _chosen_ready(names: Sequence[str]) -> list[int]:
 
 def _begun(scope: Scope, owner: bridge.Bridge, wish: Wish, *, yes: bool) -> Begun:
     """Returns the map that is wanted; asks where more than one thing fits."""
-    from jausml.proposals.mapping.beginning import begin_map
+    from jausml.authoring.proposals.mapping.beginning import begin_map
 
     begun = begin_map(scope, owner, wish)
     asked: set[Doubt] = set()
@@ -189,7 +189,7 @@ def _zeros_stop() -> bool:
 
 def _answered(wish: Wish, doubt: Doubt) -> Wish:
     """Returns a wish with what somebody says to a doubt, which may be nothing."""
-    from jausml.proposals.mapping.words import shown
+    from jausml.authoring.proposals.mapping.words import shown
 
     chosen = choose(f"What fills {doubt.target}?", [shown(each) for each in doubt.choices])
     return wish.with_answer(doubt, doubt.choices[chosen[0]]) if chosen else wish

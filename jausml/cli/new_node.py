@@ -11,8 +11,8 @@ from jausml.cli.new_places import model_option, pairs, place_for, report, stoppi
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from jausml.editing.commands import Command
-    from jausml.projects.places import Opened
+    from jausml.authoring.editing.commands import Command
+    from jausml.authoring.projects.places import Opened
 
 _EXAMPLE = "cmd_vel:geometry_msgs/Twist"
 
@@ -33,8 +33,8 @@ def command(
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
-    from jausml.projects.adding import add, check_name
-    from jausml.proposals.parts import new_node
+    from jausml.authoring.projects.adding import add, check_name
+    from jausml.authoring.proposals.parts import new_node
 
     published = pairs(publishes, ":", _EXAMPLE)
     heard = pairs(subscribes, ":", _EXAMPLE)

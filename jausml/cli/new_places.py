@@ -13,7 +13,7 @@ from jausml.cli.common import EnvironmentFault
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-    from jausml.projects.places import Place
+    from jausml.authoring.projects.places import Place
 
 
 def model_option(command: Callable[..., None]) -> Callable[..., None]:
@@ -44,7 +44,7 @@ def pairs(words: Sequence[str], sign: str, example: str) -> list[tuple[str, str]
 
 def place_for(model: Path | None) -> Place:
     """Returns the place of a model, by default that of the project of the current folder."""
-    from jausml.projects.places import place_of, system_in
+    from jausml.authoring.projects.places import place_of, system_in
 
     return place_of(model) if model is not None else system_in(Path.cwd())
 
@@ -52,7 +52,7 @@ def place_for(model: Path | None) -> Place:
 @contextmanager
 def stopping() -> Iterator[None]:
     """Ends the verb where something cannot be added."""
-    from jausml.projects.errors import ProjectError
+    from jausml.authoring.projects.errors import ProjectError
 
     try:
         yield

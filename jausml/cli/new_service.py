@@ -11,8 +11,8 @@ from jausml.cli.new_places import model_option, place_for, report, stopping
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from jausml.editing.commands import Add, Child, Command
-    from jausml.projects.places import Opened
+    from jausml.authoring.editing.commands import Add, Child, Command
+    from jausml.authoring.projects.places import Opened
 
 
 @click.command("service")
@@ -57,8 +57,8 @@ def command(
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """  # noqa: D301 - click wants the character
-    from jausml.projects.adding import add, models_beside
-    from jausml.proposals.services import new_service
+    from jausml.authoring.projects.adding import add, models_beside
+    from jausml.authoring.proposals.services import new_service
 
     made: list[Add] = []
 

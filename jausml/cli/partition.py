@@ -11,9 +11,9 @@ from jausml.cli.manners import painted_findings
 from jausml.cli.systems import assumption_options, whole_number
 
 if TYPE_CHECKING:
-    from jausml.analysis.assumptions import Assumptions
+    from jausml.views.analysis.assumptions import Assumptions
     from jausml.cli.common import Reading
-    from jausml.model.model import Model
+    from jausml.language.model.model import Model
 
 AUTO = "auto"
 
@@ -60,9 +60,9 @@ def command(
     Exit status: 0 done, 1 errors in the model or no such split, 2 usage or environment, 3 internal
     error.
     """
-    from jausml.analysis.formats.partition import render
-    from jausml.analysis.partition import UnsplittableError, propose
-    from jausml.analysis.splitting import AddressesExhaustedError, split
+    from jausml.views.analysis.formats.partition import render
+    from jausml.views.analysis.partition import UnsplittableError, propose
+    from jausml.views.analysis.splitting import AddressesExhaustedError, split
     from jausml.cli.systems import check_names, read_system
 
     if output is not None and not output.endswith(_suffix(model)):
@@ -89,12 +89,12 @@ def _suffix(model: str) -> str:
 def _write(read: Model, model: str, output: str, reading: Reading, *, force: bool) -> None:
     """Writes the model, reads it again, and shows what it has of errors."""
     from jausml.cli.imported import say, write_document
-    from jausml.model.reading.reader import read_models
-    from jausml.model.xmi.writer import UnwritableError, to_xmi
-    from jausml.text.notation import NOTATIONS, SUFFIX
-    from jausml.text.writing.unparsing import to_text
-    from jausml.validation.engine import check
-    from jausml.validation.formats import text
+    from jausml.language.model.reading.reader import read_models
+    from jausml.language.model.xmi.writer import UnwritableError, to_xmi
+    from jausml.language.text.notation import NOTATIONS, SUFFIX
+    from jausml.language.text.writing.unparsing import to_text
+    from jausml.language.validation.engine import check
+    from jausml.language.validation.formats import text
 
     roots = read.documents[0].roots
     write = to_text if output.endswith(SUFFIX) else to_xmi

@@ -32,9 +32,9 @@ if TYPE_CHECKING:
     from jausml.live.traffic.frames import UdpReader
     from jausml.live.traffic.interface import InterfaceCapture
     from jausml.live.traffic.listening import MulticastListener
-    from jausml.recording.parts import Limits, Parts
-    from jausml.recording.recorder import Recorder
-    from jausml.recording.ros_topics import RosTopics
+    from jausml.live.recording.parts import Limits, Parts
+    from jausml.live.recording.recorder import Recorder
+    from jausml.live.recording.ros_topics import RosTopics
     from jausml.runtime.base.settings import TransportSettings
 
 _TURN = 0.1
@@ -141,10 +141,10 @@ def command(
     from threading import Event
 
     from jausml.live.traffic.frames import UdpReader
-    from jausml.recording.parts import Limits
-    from jausml.recording.recorder import Recorder, topics_of
-    from jausml.recording.ros_topics import RosTopics
-    from jausml.recording.selection import Selection
+    from jausml.live.recording.parts import Limits
+    from jausml.live.recording.recorder import Recorder, topics_of
+    from jausml.live.recording.ros_topics import RosTopics
+    from jausml.live.recording.selection import Selection
     from jausml.runtime.base.settings import TransportSettings
 
     size = None if max_size is None else int(max_size * _MEGA)
@@ -200,8 +200,8 @@ def _output(output: str | None, limits: Limits, *, force: bool) -> Path:
 
 def _parts(path: Path, limits: Limits, compression: str, *, force: bool) -> Parts:
     """Returns the files, which are made."""
-    from jausml.recording.errors import RecordingError
-    from jausml.recording.parts import Parts
+    from jausml.live.recording.errors import RecordingError
+    from jausml.live.recording.parts import Parts
 
     try:
         return Parts(path, limits, compression, overwrites=force)
@@ -241,7 +241,7 @@ def _until(
 
 def _entered(ros: RosTopics, stack: ExitStack, *, is_wanted: bool) -> bool:
     """Enters ROS; returns whether that is possible here."""
-    from jausml.recording.errors import RecordingError
+    from jausml.live.recording.errors import RecordingError
 
     try:
         ros.open()
@@ -299,7 +299,7 @@ def _heard(listener: MulticastListener) -> Iterator[Frame | None]:
 def _tell(
     recorder: Recorder, ros: RosTopics, reader: UdpReader, settings: TransportSettings
 ) -> None:
-    from jausml.recording.recorder import CALLS
+    from jausml.live.recording.recorder import CALLS
 
     place = f" on port {settings.port} of {settings.interface}; --port and --interface choose"
     hint = "" if recorder.captured.count else f"{place} others"

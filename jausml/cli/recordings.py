@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from threading import Event
 
-    from jausml.model import Model
+    from jausml.language.model import Model
 
 output_option = click.option("-o", "--output", metavar="FILE", help="MCAP file to write.")
 force_option = click.option("--force", is_flag=True, help="Overwrite FILE.")
@@ -32,9 +32,9 @@ def valid_model(path: str, bridge_address: str | None = None) -> Model:
     Raises:
         EnvironmentFault: It cannot be read.
     """
-    from jausml.model import read_models
-    from jausml.validation.engine import check
-    from jausml.validation.formats import text
+    from jausml.language.model import read_models
+    from jausml.language.validation.engine import check
+    from jausml.language.validation.formats import text
 
     if Path(path).is_dir():
         raise EnvironmentFault(f"{click.format_filename(path)} is a folder; name one model file")

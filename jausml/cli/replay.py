@@ -31,13 +31,13 @@ if TYPE_CHECKING:
 
     from jausml.cli.manners import Progress
     from jausml.live.traffic.captures import Frame
-    from jausml.model import Model
-    from jausml.recording.bags import Bag, RosMessage
-    from jausml.recording.from_captures import CaptureReplay, JausWriter
-    from jausml.recording.pace import Pace
-    from jausml.recording.spans import Span
-    from jausml.recording.to_wire import WireReplay
-    from jausml.recording.translating import Translator
+    from jausml.language.model import Model
+    from jausml.live.recording.bags import Bag, RosMessage
+    from jausml.live.recording.from_captures import CaptureReplay, JausWriter
+    from jausml.live.recording.pace import Pace
+    from jausml.live.recording.spans import Span
+    from jausml.live.recording.to_wire import WireReplay
+    from jausml.live.recording.translating import Translator
 
 _NANO = 10**9
 
@@ -141,9 +141,9 @@ def command(
     done), 2 usage or environment, 3 internal error.
     """
     from jausml.generation import GenerationError, NoSystemError
-    from jausml.recording.bags import is_bag
-    from jausml.recording.errors import RecordingError
-    from jausml.recording.spans import Span
+    from jausml.live.recording.bags import is_bag
+    from jausml.live.recording.errors import RecordingError
+    from jausml.live.recording.spans import Span
 
     span = Span(start, duration)
     if output is not None:
@@ -178,10 +178,10 @@ def command(
 
 def _again(recording: str, output: str | None, span: Span, *, force: bool, ros_only: bool) -> None:
     """Writes an MCAP file again, as far as it goes, or a part of it."""
-    from jausml.recording.bags import MCAP
-    from jausml.recording.copying import copied
-    from jausml.recording.errors import RecordingError
-    from jausml.recording.mcap_reading import McapRecording
+    from jausml.live.recording.bags import MCAP
+    from jausml.live.recording.copying import copied
+    from jausml.live.recording.errors import RecordingError
+    from jausml.live.recording.mcap_reading import McapRecording
 
     if not recording.endswith(MCAP) or output is None:
         raise click.UsageError("Missing argument '[MODEL]': an MCAP file with --output needs none")
@@ -212,9 +212,9 @@ def _to_wire(recording: str, model: Model, span: Span, options: dict[str, Any]) 
     """Gives a recording of ROS to bridges; returns whether all that they take could be used."""
     from threading import Event
 
-    from jausml.recording.bags import Bag
-    from jausml.recording.pace import Pace
-    from jausml.recording.to_wire import WireReplay
+    from jausml.live.recording.bags import Bag
+    from jausml.live.recording.pace import Pace
+    from jausml.live.recording.to_wire import WireReplay
 
     if not Path(recording).exists():
         raise EnvironmentFault(f"{shown_path(recording)}: there is no such file")
@@ -290,9 +290,9 @@ def _to_file(
     read: Model, paths: tuple[str, str, str], port: int, span: Span, *, force: bool, jaus: bool
 ) -> bool:
     """Makes a file of a capture; returns whether all of it could be used."""
-    from jausml.recording.from_captures import CaptureReplay, JausWriter
-    from jausml.recording.mcap_writing import McapFile
-    from jausml.recording.translating import Translator
+    from jausml.live.recording.from_captures import CaptureReplay, JausWriter
+    from jausml.live.recording.mcap_writing import McapFile
+    from jausml.live.recording.translating import Translator
 
     recording, model, output = paths
     catalogue = open_catalogue([model]) if jaus else None

@@ -11,7 +11,7 @@ from jausml.cli.options import format_option
 from jausml.cli.systems import assumption_options
 
 if TYPE_CHECKING:
-    from jausml.analysis.assumptions import Assumptions
+    from jausml.views.analysis.assumptions import Assumptions
     from jausml.cli.common import Reading
 
 FORMATS = ("text", "json", "html")
@@ -43,7 +43,7 @@ def command(
     from dataclasses import replace
     from importlib import import_module
 
-    from jausml.analysis.report import report_of
+    from jausml.views.analysis.report import report_of
     from jausml.cli.systems import check_names, read_system
 
     _, system = read_system(model, reading)
@@ -55,5 +55,5 @@ def command(
             known = ", ".join(each.name for each in report.bridges) or "none"
             raise click.UsageError(f"no bridge {bridge_name!a}; there are: {known}")
         report = replace(report, components=chosen, hosts=())
-    render = import_module(f"jausml.analysis.formats.{output_format}").render
+    render = import_module(f"jausml.views.analysis.formats.{output_format}").render
     write_report(render(report), output)

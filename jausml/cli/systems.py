@@ -14,10 +14,10 @@ from jausml.cli.manners import step
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from jausml.analysis.assumptions import Assumptions
+    from jausml.views.analysis.assumptions import Assumptions
     from jausml.cli.common import Reading
-    from jausml.metamodel.classes.system import System
-    from jausml.model.model import Model
+    from jausml.language.metamodel.classes.system import System
+    from jausml.language.model.model import Model
 
 Number = TypeVar("Number", int, float)
 
@@ -49,7 +49,7 @@ def assumption_options(command: Callable[..., None]) -> Callable[..., None]:
     def with_assumptions(
         *arguments: object, rates: tuple[str, ...], lengths: tuple[str, ...], **others: object
     ) -> None:
-        from jausml.analysis.assumptions import (
+        from jausml.views.analysis.assumptions import (
             DEFAULT_LENGTH,
             DEFAULT_RATE,
             Assumptions,
@@ -77,10 +77,10 @@ def read_system(path: str, reading: Reading) -> tuple[Model, System]:
     """
     from jausml.generation.errors import NoSystemError
     from jausml.generation.system import system_of
-    from jausml.model.reading.reader import read_models
-    from jausml.text.notation import NOTATIONS
-    from jausml.validation.engine import check
-    from jausml.validation.formats import text
+    from jausml.language.model.reading.reader import read_models
+    from jausml.language.text.notation import NOTATIONS
+    from jausml.language.validation.engine import check
+    from jausml.language.validation.formats import text
 
     with step("checking the model"):
         report = check(read_models(one_model(path), notations=NOTATIONS, **reading))
@@ -104,7 +104,7 @@ def check_names(assumptions: Assumptions, system: System) -> None:
     Raises:
         UsageError: A name is that of no connection.
     """
-    from jausml.analysis.assumptions import names_of
+    from jausml.views.analysis.assumptions import names_of
 
     known = {
         name

@@ -13,8 +13,8 @@ from jausml.cli.manners import remark
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from jausml.metamodel.classes import bridge
-    from jausml.proposals.topics import Crossing, TopicEnd
+    from jausml.language.metamodel.classes import bridge
+    from jausml.authoring.proposals.topics import Crossing, TopicEnd
 
 
 def topic_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -45,7 +45,7 @@ def holds_of(words: Sequence[str], topics: Sequence[TopicEnd]) -> dict[str, str]
     Raises:
         UsageError: A word has no topic of these, or no reason that only a person can state.
     """
-    from jausml.semantics.stops import is_reason
+    from jausml.language.semantics.stops import is_reason
 
     known = {each.name for each in topics}
     found: dict[str, str] = {}
@@ -67,9 +67,9 @@ def topics_of(words: Sequence[str]) -> list[TopicEnd]:
     Raises:
         UsageError: A word names none, or two name one topic.
     """
-    from jausml.interfaces.types import is_package_name, is_type_name
-    from jausml.proposals.topics import TopicEnd
-    from jausml.semantics.topics import topic_fault
+    from jausml.language.interfaces.types import is_package_name, is_type_name
+    from jausml.authoring.proposals.topics import TopicEnd
+    from jausml.language.semantics.topics import topic_fault
 
     found: dict[str, TopicEnd] = {}
     for word in words:
@@ -91,9 +91,9 @@ def topics_of(words: Sequence[str]) -> list[TopicEnd]:
 
 def _full(message: str) -> str:
     """Returns the type with its package of which ready maps have a message name; empty for none."""
-    from jausml.metamodel.classes import bridge
-    from jausml.proposals.elements import library
-    from jausml.semantics.ros_paths import ros_name
+    from jausml.language.metamodel.classes import bridge
+    from jausml.authoring.proposals.elements import library
+    from jausml.language.semantics.ros_paths import ros_name
 
     maps = library().instances(bridge.AttributeMap)
     known = {ros_name(each.type) for each in maps if each.type is not None}
@@ -123,7 +123,7 @@ def chosen_crossings(
     Raises:
         UsageError: A topic has no way, or several and nobody can be asked.
     """
-    from jausml.proposals.topics import crossings
+    from jausml.authoring.proposals.topics import crossings
 
     reasons = holds_of(holds, topics)
     offered = {each.name: crossings(each, maps, side) for each in topics}
@@ -152,8 +152,8 @@ def _decided(crossing: Crossing, reasons: Mapping[str, str], *, yes: bool) -> Cr
 
 
 def _asked(crossing: Crossing) -> str:
-    from jausml.model.names import name_of
-    from jausml.semantics.stops import is_reason
+    from jausml.language.model.names import name_of
+    from jausml.language.semantics.stops import is_reason
 
     click.echo(
         f"Nothing stops what {name_of(crossing.offer.message)} of {crossing.topic.name} sets in "
@@ -167,7 +167,7 @@ def _asked(crossing: Crossing) -> str:
 
 def _feeding(offered: dict[str, list[Crossing]]) -> set[str]:
     """Returns the types that joins of maps take which other topics may have."""
-    from jausml.semantics.ros_paths import ros_name
+    from jausml.language.semantics.ros_paths import ros_name
 
     ways = [way for each in offered.values() for way in each if not way.offer.to_ros]
     return {ros_name(join.type) for way in ways for join in way.map.joins}
@@ -176,8 +176,8 @@ def _feeding(offered: dict[str, list[Crossing]]) -> set[str]:
 def _without(
     topic: TopicEnd, maps: Sequence[bridge.AttributeMap], side: str, *, is_error: bool
 ) -> None:
-    from jausml.model.values import suggest
-    from jausml.semantics.ros_paths import ros_name
+    from jausml.language.model.values import suggest
+    from jausml.language.semantics.ros_paths import ros_name
 
     known = {ros_name(each.type) for each in maps if each.type is not None}
     hint = suggest(topic.type, known - {topic.type}) if topic.type not in known else ""
@@ -189,7 +189,7 @@ def _without(
 
 
 def _taken(topic: TopicEnd, ways: Sequence[Crossing], *, yes: bool) -> list[Crossing]:
-    from jausml.model.names import name_of
+    from jausml.language.model.names import name_of
 
     if topic.maps:
         by_name = {name_of(each.map): each for each in reversed(ways)}
@@ -215,7 +215,7 @@ def _taken(topic: TopicEnd, ways: Sequence[Crossing], *, yes: bool) -> list[Cros
 
 def _options(ways: Sequence[Crossing]) -> list[str]:
     """Returns what to choose from; ways of which the same is said are told apart by their maps."""
-    from jausml.model.names import name_of
+    from jausml.language.model.names import name_of
 
     found = []
     for way in ways:
@@ -235,8 +235,8 @@ def tell(chosen: Sequence[Crossing], topics: Sequence[TopicEnd]) -> None:
         chosen: The ways that were taken.
         topics: All topics, some of which joins of the maps read.
     """
-    from jausml.model.names import name_of
-    from jausml.proposals.topics import joins_of
+    from jausml.language.model.names import name_of
+    from jausml.authoring.proposals.topics import joins_of
 
     fed: set[str] = set()
     for each in chosen:
@@ -256,8 +256,8 @@ def tell_undecided(chosen: Sequence[Crossing]) -> None:
     Args:
         chosen: All ways that were taken.
     """
-    from jausml.model.names import name_of
-    from jausml.proposals.mapping.stopping import STOPS, stops_by_zeros
+    from jausml.language.model.names import name_of
+    from jausml.authoring.proposals.mapping.stopping import STOPS, stops_by_zeros
 
     names = [each for each in chosen if each.has_no_stop and not each.hold_reason]
     if not names:
@@ -284,7 +284,7 @@ def tell_unanswered(chosen: Sequence[Crossing]) -> None:
     Args:
         chosen: All ways of the bridge.
     """
-    from jausml.proposals.topics import unanswered_queries
+    from jausml.authoring.proposals.topics import unanswered_queries
 
     for service, queries in unanswered_queries(chosen).items():
         remark(f"{service}: no connection answers {', '.join(queries)}")
@@ -292,7 +292,7 @@ def tell_unanswered(chosen: Sequence[Crossing]) -> None:
 
 def _assumed(chosen: Sequence[Crossing]) -> list[tuple[bridge.Quantity, str]]:
     """Returns the numbers of a vehicle that maps assume, each with the name of a map."""
-    from jausml.model.names import name_of
+    from jausml.language.model.names import name_of
 
     found: dict[str, tuple[bridge.Quantity, str]] = {}
     for each in chosen:

@@ -29,9 +29,9 @@ def command(folder: Path, check: bool) -> None:
     Exit status: 0 done, 1 a model cannot be upgraded (--check: or something is out of date), 2
     usage or environment, 3 internal error.
     """
-    from jausml.projects.errors import ProjectError
-    from jausml.projects.upgrading.project import carry_out, upgrade_of
-    from jausml.projects.upgrading.steps import UpgradeError
+    from jausml.authoring.projects.errors import ProjectError
+    from jausml.authoring.projects.upgrading.project import carry_out, upgrade_of
+    from jausml.authoring.projects.upgrading.steps import UpgradeError
 
     try:
         upgrade = upgrade_of(folder)

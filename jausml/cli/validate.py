@@ -23,7 +23,7 @@ from jausml.cli.options import format_option, quiet_option
 
 if TYPE_CHECKING:
     from jausml.cli.common import Reading
-    from jausml.validation.report import Report
+    from jausml.language.validation.report import Report
 
 
 @click.command("validate")
@@ -67,8 +67,8 @@ def command(
     Exit status: 0 no errors, 1 errors (with --strict: or warnings), 2 a path cannot be read or a
     folder holds no models, 3 internal error.
     """
-    from jausml.validation.engine import validate
-    from jausml.validation.formats import RENDERERS, sarif, text
+    from jausml.language.validation.engine import validate
+    from jausml.language.validation.formats import RENDERERS, sarif, text
 
     if bridge_address is not None and len(paths) > 1:
         raise click.UsageError("--bridge-address takes one file of maps")
@@ -102,7 +102,7 @@ def _against(report: Report, path: Path, *, is_written: bool) -> tuple[Report, i
     """Returns a report without what a baseline lists, which is written first if that is wanted."""
     from collections import Counter
 
-    from jausml.validation import baseline
+    from jausml.language.validation import baseline
 
     name = click.format_filename(path)
     if is_written:

@@ -23,7 +23,7 @@ from jausml.generation.source import (
     read_classes,
     read_imports,
 )
-from jausml.model.inputs import read_input
+from jausml.language.model.inputs import read_input
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

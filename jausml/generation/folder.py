@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from jausml.generation.artifact import normalize_newlines
 from jausml.generation.header import DIGEST_MARK, has_valid_header
 from jausml.generation.manifest import MANIFEST_PATH
-from jausml.model.inputs import open_input, read_input
+from jausml.language.model.inputs import open_input, read_input
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

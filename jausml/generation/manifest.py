@@ -12,7 +12,7 @@ from jausml import __version__
 from jausml.generation.artifact import Artifact, Kind, text_digest
 from jausml.generation.header import has_valid_header
 from jausml.generation.paths import path_problem
-from jausml.model.inputs import read_input
+from jausml.language.model.inputs import read_input
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

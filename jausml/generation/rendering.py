@@ -19,8 +19,8 @@ from jausml.generation.errors import InternalError, TooLargeError
 from jausml.generation.header import add_header
 from jausml.generation.languages.python import Modules
 from jausml.generation.tasks import FileTask, TextTask
-from jausml.model.collector import without_collector
-from jausml.semantics.memory import remembering
+from jausml.language.model.collector import without_collector
+from jausml.language.semantics.memory import remembering
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence

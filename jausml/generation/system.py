@@ -6,10 +6,10 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING
 
 from jausml.generation.errors import NoSystemError
-from jausml.metamodel.classes import bridge, system
+from jausml.language.metamodel.classes import bridge, system
 
 if TYPE_CHECKING:
-    from jausml.model.model import Model
+    from jausml.language.model.model import Model
 
 
 def system_of(model: Model) -> system.System:

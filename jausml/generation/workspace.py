@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from jausml.generation.artifact import Artifact
     from jausml.generation.target import Target
-    from jausml.model.model import Model
+    from jausml.language.model.model import Model
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import os
 from threading import Thread
 from typing import TYPE_CHECKING, Any
 
-from jausml.semantics.names import is_identifier
+from jausml.language.semantics.names import is_identifier
 
 if TYPE_CHECKING:
     from collections.abc import Callable

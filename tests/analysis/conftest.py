@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from jausml.generation.system import system_of
-from jausml.model import read_models
-from jausml.text.notation import NOTATIONS
-from jausml.validation.engine import check
+from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
+from jausml.language.validation.engine import check
 
 HEAD = """\
 import `jaus.core-1.1`

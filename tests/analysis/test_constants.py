@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.analysis.constants import runtime_constants
+from jausml.views.analysis.constants import runtime_constants
 from jausml.runtime.base.settings import MAX_FRAGMENT_SIZE, TransportSettings
 from jausml.runtime.bridge.ends.parameters import QUEUE_AGE_LIMIT
 from jausml.runtime.clients.controlled_target import RENEWALS

@@ -6,14 +6,14 @@ import functools
 
 import pytest
 
-from jausml import wire
-from jausml.analysis.cdr import ros_size
-from jausml.analysis.datagrams import on_wire, packet_count
-from jausml.analysis.sizes import jaus_size
+from jausml.language import wire
+from jausml.views.analysis.cdr import ros_size
+from jausml.views.analysis.datagrams import on_wire, packet_count
+from jausml.views.analysis.sizes import jaus_size
 from jausml.live.messages import load_catalogue
 from jausml.live.messages.samples import example, sample
-from jausml.metamodel.classes import ros
-from jausml.model import library_root, read_models
+from jausml.language.metamodel.classes import ros
+from jausml.language.model import library_root, read_models
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.transports.packets.packet import AckNak, Priority
 from jausml.runtime.transports.packets.packetizer import Packetizer

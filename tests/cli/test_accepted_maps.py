@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from jausml.generation import GenerationError, load_targets
-from jausml.model.diagnostics import Severity
-from jausml.validation.engine import validate
+from jausml.language.model.diagnostics import Severity
+from jausml.language.validation.engine import validate
 
 JAUS = {
     "scaled": '<fields xsi:type="jaus:FixedField" name="A" type="uint16">'

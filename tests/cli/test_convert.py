@@ -7,10 +7,10 @@ import stat
 
 import pytest
 
-from jausml.metamodel import load_metamodels
-from jausml.model import read_models
-from jausml.model.comparison import compare
-from jausml.text.notation import NOTATIONS
+from jausml.language.metamodel import load_metamodels
+from jausml.language.model import read_models
+from jausml.language.model.comparison import compare
+from jausml.language.text.notation import NOTATIONS
 
 
 def root(path):

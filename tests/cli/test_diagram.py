@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from jausml.diagrams.layout import graphviz
-from jausml.diagrams.writers import png
+from jausml.views.diagrams.layout import graphviz
+from jausml.views.diagrams.writers import png
 
 CAR = Path(__file__).resolve().parents[2] / "models" / "catvehicle" / "catvehicle.xmi"
 

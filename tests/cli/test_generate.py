@@ -22,7 +22,7 @@ from jausml.generation import (
     WholeLibrary,
     read_manifest,
 )
-from jausml.metamodel.classes import jaus
+from jausml.language.metamodel.classes import jaus
 
 SKELETON = '''\
 """Yours."""

@@ -11,9 +11,9 @@ from xml.sax.saxutils import escape, quoteattr
 import pytest
 
 from jausml.generation import GenerationError, load_targets
-from jausml.metamodel import ValueKind, load_metamodels
-from jausml.model import read_models
-from jausml.validation.engine import validate
+from jausml.language.metamodel import ValueKind, load_metamodels
+from jausml.language.model import read_models
+from jausml.language.validation.engine import validate
 
 MODEL = Path(__file__).parents[1] / "cases" / "hostile_strings" / "model.xmi"
 TEXT = MODEL.read_text(encoding="utf-8")

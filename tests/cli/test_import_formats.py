@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.validation.formats import RENDERERS
+from jausml.language.validation.formats import RENDERERS
 
 
 @pytest.mark.parametrize("output_format", RENDERERS)

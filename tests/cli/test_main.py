@@ -11,7 +11,7 @@ import click
 import pytest
 
 from jausml.cli import VERBS, main
-from jausml.validation import engine
+from jausml.language.validation import engine
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -48,7 +48,7 @@ def test_lists_of_what_is_known_load_no_reader_of_models(words):
         f"import sys; from jausml.cli import main\n"
         f"try: main({words})\n"
         "except SystemExit as end: assert not end.code\n"
-        "heavy = {'pyecore', 'lxml', 'jausml.metamodel', 'jausml.model', 'jausml.validation'}\n"
+        "heavy = {'pyecore', 'lxml', 'jausml.language.metamodel', 'jausml.language.model', 'jausml.language.validation'}\n"
         "assert not heavy & set(sys.modules), heavy & set(sys.modules)\n"
     )
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
@@ -69,7 +69,7 @@ def test_looking_up_messages_loads_neither_runtime_nor_text(words):
         f"import sys; from jausml.cli import main\n"
         f"try: main({words})\n"
         "except SystemExit as end: assert not end.code\n"
-        "heavy = {'jausml.runtime', 'jausml.text.reading', 'lark', 'jinja2', 'jausml_generators'}\n"
+        "heavy = {'jausml.runtime', 'jausml.language.text.reading', 'lark', 'jinja2', 'jausml_generators'}\n"
         "assert not heavy & set(sys.modules), heavy & set(sys.modules)\n"
     )
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)

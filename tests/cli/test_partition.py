@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from jausml.generation import load_targets, render
-from jausml.text.notation import NOTATIONS
-from jausml.validation.engine import validate
+from jausml.language.text.notation import NOTATIONS
+from jausml.language.validation.engine import validate
 
 ROOT = Path(__file__).resolve().parents[2]
 MODELS = [

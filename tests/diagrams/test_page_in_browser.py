@@ -6,9 +6,9 @@ import pytest
 from diagram_support import CAR, read
 from test_pictures import HOSTILE, hostile
 
-from jausml.diagrams.layout.graphviz import Graphviz
-from jausml.diagrams.views import graph_of
-from jausml.diagrams.writers import html
+from jausml.views.diagrams.layout.graphviz import Graphviz
+from jausml.views.diagrams.views import graph_of
+from jausml.views.diagrams.writers import html
 
 pytest.importorskip("pygraphviz", reason="layout needs jausml[diagram]")
 

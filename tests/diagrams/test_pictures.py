@@ -9,12 +9,12 @@ from xml.etree import ElementTree
 import pytest
 from diagram_support import CAR, MODELS, read
 
-from jausml.diagrams.bundling import bundled
-from jausml.diagrams.graph import BRIDGE_COLUMN, Edge, End, Finding, Graph, Group, Node, Port
-from jausml.diagrams.layout.graphviz import Graphviz
-from jausml.diagrams.views import graph_of
-from jausml.diagrams.writers import dot, mermaid, shapes, svg
-from jausml.diagrams.writers.text_width import cut, width
+from jausml.views.diagrams.bundling import bundled
+from jausml.views.diagrams.graph import BRIDGE_COLUMN, Edge, End, Finding, Graph, Group, Node, Port
+from jausml.views.diagrams.layout.graphviz import Graphviz
+from jausml.views.diagrams.views import graph_of
+from jausml.views.diagrams.writers import dot, mermaid, shapes, svg
+from jausml.views.diagrams.writers.text_width import cut, width
 
 pygraphviz = pytest.importorskip("pygraphviz", reason="layout needs jausml[diagram]")
 
@@ -208,7 +208,7 @@ MAPPINGS = MODELS / "library" / "mappings"
 )
 def test_the_rows_of_maps_face_each_other(monkeypatch, file, view):
     """Lines go straight across, both directions beside each other, and labels cover no other."""
-    monkeypatch.setattr("jausml.diagrams.layout.graphviz.find_spec", lambda _: None)
+    monkeypatch.setattr("jausml.views.diagrams.layout.graphviz.find_spec", lambda _: None)
     found = graph(MAPPINGS / f"{file}.ros2jaus", view)
     assert_legible(found)
     sheet = shapes.sheet_of(found, packed=False)

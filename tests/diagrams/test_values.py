@@ -12,14 +12,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from test_pictures import large
 
-from jausml.diagrams.framing import framed, is_crowded
-from jausml.diagrams.graph import Edge, End, Finding, Graph, Group, Node, Port
-from jausml.diagrams.layout.columns import Columns
-from jausml.diagrams.layout.graphviz import Graphviz
-from jausml.diagrams.layout.settling import FRAME_MARGIN
-from jausml.diagrams.layout.sheet import Places, Route
-from jausml.diagrams.views import graph_of
-from jausml.diagrams.writers import values
+from jausml.views.diagrams.framing import framed, is_crowded
+from jausml.views.diagrams.graph import Edge, End, Finding, Graph, Group, Node, Port
+from jausml.views.diagrams.layout.columns import Columns
+from jausml.views.diagrams.layout.graphviz import Graphviz
+from jausml.views.diagrams.layout.settling import FRAME_MARGIN
+from jausml.views.diagrams.layout.sheet import Places, Route
+from jausml.views.diagrams.views import graph_of
+from jausml.views.diagrams.writers import values
 
 pytest.importorskip("pygraphviz", reason="layout needs jausml[diagram]")
 

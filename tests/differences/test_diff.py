@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from jausml.cli import main
-from jausml.model import LIBRARY_URI
+from jausml.language.model import LIBRARY_URI
 
 ROOT = Path(__file__).resolve().parents[2]
 CATVEHICLE = (ROOT / "models" / "catvehicle" / "catvehicle.xmi").read_text(encoding="utf-8")

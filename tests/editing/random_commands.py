@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from jausml.editing.commands import Add, Child, Move, Remove, Rename, Set
-from jausml.metamodel import FeatureKind, ValueKind
-from jausml.metamodel.filling import contents
+from jausml.authoring.editing.commands import Add, Child, Move, Remove, Rename, Set
+from jausml.language.metamodel import FeatureKind, ValueKind
+from jausml.language.metamodel.filling import contents
 
 MATCHING = {
     "MessageCode": "0x4F00",

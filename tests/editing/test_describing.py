@@ -7,14 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from jausml.editing.commands import Create, EditError, Move
-from jausml.editing.describing import free_name
-from jausml.editing.project import Project
-from jausml.metamodel.filling import contents
-from jausml.model import read_models
-from jausml.model.comparison import Policy, compare
-from jausml.model.xmi.writer import write_model
-from jausml.text.notation import NOTATIONS
+from jausml.authoring.editing.commands import Create, EditError, Move
+from jausml.authoring.editing.describing import free_name
+from jausml.authoring.editing.project import Project
+from jausml.language.metamodel.filling import contents
+from jausml.language.model import read_models
+from jausml.language.model.comparison import Policy, compare
+from jausml.language.model.xmi.writer import write_model
+from jausml.language.text.notation import NOTATIONS
 
 EXAMPLE = Path(__file__).parents[2] / "models" / "examples" / "catvehicle"
 NAMES = Policy(ignored=frozenset({"name"}))

@@ -11,13 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_commands import Commands
 
-from jausml.editing.commands import EditError
-from jausml.editing.forest import Forest
-from jausml.editing.project import Project
-from jausml.editing.reading import NOTATIONS
-from jausml.model import read_models
-from jausml.model.uris import LIBRARY_URI
-from jausml.validation.engine import check
+from jausml.authoring.editing.commands import EditError
+from jausml.authoring.editing.forest import Forest
+from jausml.authoring.editing.project import Project
+from jausml.authoring.editing.reading import NOTATIONS
+from jausml.language.model import read_models
+from jausml.language.model.uris import LIBRARY_URI
+from jausml.language.validation.engine import check
 
 EXAMPLES = Path("models/examples")
 PROJECTS = {

@@ -6,9 +6,9 @@ import json
 
 import pytest
 
-from jausml.editing.commands import Add, Place, Remove, Rename
-from jausml.editing.layout import read_layout, write_layout
-from jausml.editing.project import Project
+from jausml.authoring.editing.commands import Add, Place, Remove, Rename
+from jausml.authoring.editing.layout import read_layout, write_layout
+from jausml.authoring.editing.project import Project
 
 MODEL = """\
 <?xml version="1.0" encoding="UTF-8"?>

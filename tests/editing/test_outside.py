@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from jausml.editing.commands import Add, Create, EditError, Place, Remove, Rename, Set
-from jausml.editing.project import Project
+from jausml.authoring.editing.commands import Add, Create, EditError, Place, Remove, Rename, Set
+from jausml.authoring.editing.project import Project
 
 MODEL = """\
 <?xml version="1.0" encoding="UTF-8"?>
@@ -240,8 +240,8 @@ def test_threads_take_turns(project):
 
 WRITER = """
 import sys
-from jausml.editing.commands import Set
-from jausml.editing.project import Project
+from jausml.authoring.editing.commands import Set
+from jausml.authoring.editing.project import Project
 project = Project(sys.argv[1])
 print("ready", flush=True)
 while True:

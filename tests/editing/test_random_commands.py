@@ -16,10 +16,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_commands import Commands
 
-from jausml.editing.commands import Add, EditError
-from jausml.editing.project import Project
-from jausml.model.uris import LIBRARY_URI
-from jausml.model.xmi.writer import to_xmi
+from jausml.authoring.editing.commands import Add, EditError
+from jausml.authoring.editing.project import Project
+from jausml.language.model.uris import LIBRARY_URI
+from jausml.language.model.xmi.writer import to_xmi
 
 MODELS = sorted(Path("models").rglob("*.xmi"))
 STEPS = 5

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.editing.commands import EditError, Set
-from jausml.editing.project import Project
+from jausml.authoring.editing.commands import EditError, Set
+from jausml.authoring.editing.project import Project
 
 MODEL = """\
 <?xml version="1.0" encoding="UTF-8"?>

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import settings
 from random_commands import Commands
 
-from jausml.editing.commands import EditError, Move, Remove, Rename
-from jausml.editing.project import Project
-from jausml.model import read_models
-from jausml.model.uris import LIBRARY_URI
-from jausml.text.notation import NOTATIONS
-from jausml.text.writing.unparsing import to_text
+from jausml.authoring.editing.commands import EditError, Move, Remove, Rename
+from jausml.authoring.editing.project import Project
+from jausml.language.model import read_models
+from jausml.language.model.uris import LIBRARY_URI
+from jausml.language.text.notation import NOTATIONS
+from jausml.language.text.writing.unparsing import to_text
 
 WINCH = Path("models/examples/winch")
 SEEDS = max(4, settings().max_examples // 10)

@@ -6,15 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from jausml.diagrams.views import graph_of
-from jausml.editing.commands import Place, Remove, Rename
-from jausml.editing.project import Project
-from jausml.metamodel.classes import jaus
-from jausml.model import read_models
-from jausml.model.uris import LIBRARY_URI
-from jausml.text.notation import NOTATIONS
-from jausml.text.writing.unparsing import to_text
-from jausml.validation.engine import check
+from jausml.views.diagrams.views import graph_of
+from jausml.authoring.editing.commands import Place, Remove, Rename
+from jausml.authoring.editing.project import Project
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import read_models
+from jausml.language.model.uris import LIBRARY_URI
+from jausml.language.text.notation import NOTATIONS
+from jausml.language.text.writing.unparsing import to_text
+from jausml.language.validation.engine import check
 
 WINCH = Path(__file__).parents[2] / "models" / "examples" / "winch" / "service.xmi"
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.editing.commands import Add, Child, Create, EditError, Move, Remove, Rename, Set
-from jausml.editing.project import Project
-from jausml.model.xmi.writer import to_xmi
+from jausml.authoring.editing.commands import Add, Child, Create, EditError, Move, Remove, Rename, Set
+from jausml.authoring.editing.project import Project
+from jausml.language.model.xmi.writer import to_xmi
 
 HEAD = (
     '<?xml version="1.0" encoding="UTF-8"?>\n'

@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from jausml.editing.commands import EditError, Set
-from jausml.editing.project import Project
+from jausml.authoring.editing.commands import EditError, Set
+from jausml.authoring.editing.project import Project
 
 FILE = "robot.ros2jaus"
 TEXT = "component arm { address: 1.1.1 }\n"

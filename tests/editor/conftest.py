@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from jausml.editor.positions import Place
-from jausml.editor.workbench import Workbench
+from jausml.authoring.editor.positions import Place
+from jausml.authoring.editor.workbench import Workbench
 
 
 @pytest.fixture(scope="session")

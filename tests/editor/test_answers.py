@@ -6,14 +6,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.editor.completion import UNITS, complete
-from jausml.editor.definition import define
-from jausml.editor.hover import hover
-from jausml.editor.outline import outline
-from jausml.editor.positions import Columns, Place
-from jausml.editor.renaming import RenameError, rename
-from jausml.languages.units import parse_unit
-from jausml.text.reading.parsing import parse
+from jausml.authoring.editor.completion import UNITS, complete
+from jausml.authoring.editor.definition import define
+from jausml.authoring.editor.hover import hover
+from jausml.authoring.editor.outline import outline
+from jausml.authoring.editor.positions import Columns, Place
+from jausml.authoring.editor.renaming import RenameError, rename
+from jausml.language.attributes.units import parse_unit
+from jausml.language.text.reading.parsing import parse
 
 MAP = """\
 velocity {{

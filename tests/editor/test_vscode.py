@@ -10,10 +10,10 @@ import pytest
 from build_grammar import GRAMMAR as GRAMMAR_FILE
 from build_grammar import grammar
 
-from jausml.editor.classes import keywords
-from jausml.semantics.conversions import CONVERSIONS
-from jausml.text.keywords import KEYWORDS
-from jausml.text.notation import SUFFIX
+from jausml.authoring.editor.classes import keywords
+from jausml.language.semantics.conversions import CONVERSIONS
+from jausml.language.text.keywords import KEYWORDS
+from jausml.language.text.notation import SUFFIX
 
 FOLDER = Path(__file__).parents[2] / "editors" / "vscode"
 GRAMMAR = json.loads((FOLDER / "syntaxes" / "ros2jaus.tmLanguage.json").read_text("utf-8"))

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from jausml.editor.completion import complete
-from jausml.editor.diagnosing import all_problems, syntax_problems
-from jausml.editor.outline import outline
-from jausml.editor.positions import Place
-from jausml.editor.workbench import Workbench, parsed_text
-from jausml.text.reading import parsing
+from jausml.authoring.editor.completion import complete
+from jausml.authoring.editor.diagnosing import all_problems, syntax_problems
+from jausml.authoring.editor.outline import outline
+from jausml.authoring.editor.positions import Place
+from jausml.authoring.editor.workbench import Workbench, parsed_text
+from jausml.language.text.reading import parsing
 
 EXAMPLES = Path(__file__).parents[2] / "models" / "examples"
 TEXTS = sorted(EXAMPLES.rglob("*.ros2jaus"))

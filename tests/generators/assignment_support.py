@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 from workspaces import packages_of, python_path
 
 from jausml.generation import render
-from jausml.text.notation import NOTATIONS
-from jausml.validation.engine import validate
+from jausml.language.text.notation import NOTATIONS
+from jausml.language.validation.engine import validate
 from jausml_generators.bridge.target import TARGET
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.runtime.target import TARGET as RUNTIME

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
-from jausml import wire
+from jausml.language import wire
 from jausml.generation import FileTask, Target
 from jausml.generation import render as render_targets
-from jausml.metamodel.classes import jaus
-from jausml.model import read_models
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import read_models
 from jausml_generators.python.codec.classes import BitFieldClass, ContainerClass
 from jausml_generators.python.codec.message_builder import build_message_map
 from jausml_generators.python.codec.messages import MessagesModule, MessageView

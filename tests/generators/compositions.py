@@ -11,10 +11,10 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jausml.metamodel.classes import bridge, ros
-from jausml.model import library_root, read_models
-from jausml.semantics.commands import is_command
-from jausml.text.notation import NOTATIONS
+from jausml.language.metamodel.classes import bridge, ros
+from jausml.language.model import library_root, read_models
+from jausml.language.semantics.commands import is_command
+from jausml.language.text.notation import NOTATIONS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from jausml.generation import render
 from jausml.generation.target import Target
 from jausml.generation.tasks import FileTask, templates_beside
-from jausml.metamodel.classes import ros
-from jausml.model import read_models
+from jausml.language.metamodel.classes import ros
+from jausml.language.model import read_models
 from jausml_generators.bridge import target as bridge_target
 from jausml_generators.bridge.light.layout import fields_of
 from jausml_generators.bridge.light.module import LightModule

@@ -12,15 +12,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 from xml.etree import ElementTree
 
-from jausml.metamodel import FeatureKind, ValueKind, load_metamodels
-from jausml.model import read_models
-from jausml.model.xmi.writer import to_xmi
-from jausml.text.notation import NOTATIONS
+from jausml.language.metamodel import FeatureKind, ValueKind, load_metamodels
+from jausml.language.model import read_models
+from jausml.language.model.xmi.writer import to_xmi
+from jausml.language.text.notation import NOTATIONS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-    from jausml.metamodel import ClassTable, FeatureTable
+    from jausml.language.metamodel import ClassTable, FeatureTable
 
     Thing = TypeVar("Thing")
     Choose = Callable[[Sequence[Thing]], Thing]

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from jausml import generation as gen
-from jausml.model import read_models
+from jausml.language.model import read_models
 from jausml_generators.bringup.target import TARGET as BRINGUP
 from jausml_generators.ros_node.target import TARGET as ROS_NODE
 from jausml_generators.runtime.target import TARGET as RUNTIME

@@ -25,9 +25,9 @@ from workspaces import packages_of, python_path
 
 from jausml.generation import GenerationError, NoSystemError, load_targets, render
 from jausml.generation.paths import find_problems
-from jausml.interfaces.parsing import PARTS, parse_definition
-from jausml.text.notation import NOTATIONS
-from jausml.validation.engine import validate
+from jausml.language.interfaces.parsing import PARTS, parse_definition
+from jausml.language.text.notation import NOTATIONS
+from jausml.language.validation.engine import validate
 from jausml_generators.deployment.target import TARGET as DEPLOYMENT
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "12"))

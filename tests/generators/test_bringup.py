@@ -9,11 +9,11 @@ import pytest
 import yaml
 
 from jausml.generation import render
-from jausml.metamodel.classes import bridge, ros
-from jausml.model import read_models
+from jausml.language.metamodel.classes import bridge, ros
+from jausml.language.model import read_models
 from jausml.runtime.base.settings import TransportSettings
-from jausml.semantics import stops
-from jausml.text.notation import NOTATIONS
+from jausml.language.semantics import stops
+from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bringup.target import TARGET as BRINGUP
 from jausml_generators.bringup.views import SETTINGS
 

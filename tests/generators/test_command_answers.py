@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from jausml.generation import render
-from jausml.model import read_models
-from jausml.text.notation import NOTATIONS
+from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET
 
 if TYPE_CHECKING:

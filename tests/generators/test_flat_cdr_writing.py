@@ -13,8 +13,8 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from jausml.metamodel.classes import ros
-from jausml.model import read_models
+from jausml.language.metamodel.classes import ros
+from jausml.language.model import read_models
 from jausml.runtime.bridge.messages.layouts import CdrLayouts
 from jausml.runtime.wire import EncodeError
 from jausml_generators.bridge.flat.cdr_writing import CdrWriting

@@ -9,7 +9,7 @@ import pytest
 from counting import calls as counted
 
 from jausml.generation import load_targets, render, select
-from jausml.validation.engine import validate
+from jausml.language.validation.engine import validate
 from jausml_generators.bringup.target import processes
 
 TARGETS = ("bridge", "jaus_component", "messages", "bringup")

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from jausml.generation import render
-from jausml.model import read_models
-from jausml.text.notation import NOTATIONS
+from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGES
 from jausml_generators.jaus_component.target import TARGET as COMPONENTS
 

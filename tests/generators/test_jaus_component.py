@@ -15,7 +15,7 @@ from workspaces import python_path
 
 from jausml.generation import render
 from jausml.generation.artifact import Artifact, Kind
-from jausml.model import read_models
+from jausml.language.model import read_models
 from jausml.runtime import JausComponent
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.jaus_component.target import TARGET

@@ -13,8 +13,8 @@ from codec_support import ROOT
 from workspaces import packages_of, python_path
 
 from jausml.generation import render
-from jausml.languages.guards import parse_guard
-from jausml.model import read_models
+from jausml.language.attributes.guards import parse_guard
+from jausml.language.model import read_models
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings

@@ -13,7 +13,7 @@ from lxml import etree
 from workspaces import python_path
 
 from jausml.generation import render
-from jausml.model import read_models
+from jausml.language.model import read_models
 from jausml_generators.bridge.target import TARGET as BRIDGES
 from jausml_generators.jaus_component.target import TARGET as COMPONENTS
 from jausml_generators.messages.target import TARGET as MESSAGES

@@ -15,8 +15,8 @@ from catkin_pkg.topological_order import topological_order
 
 from jausml.generation import generate
 from jausml.generation.target import load_targets
-from jausml.model import read_models
-from jausml.text.notation import NOTATIONS
+from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
 
 MODELS = Path(__file__).resolve().parents[2] / "models"
 EXAMPLES = [

@@ -8,8 +8,8 @@ import pytest
 from lxml import etree
 
 from jausml.generation import render
-from jausml.model import read_models
-from jausml.text.notation import NOTATIONS
+from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bringup.target import TARGET as BRINGUP
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -12,10 +12,10 @@ import pytest
 from jausml import generation
 from jausml.generation.errors import GenerationError
 from jausml.generation.header import has_valid_header
-from jausml.interfaces import parse_definition
-from jausml.interfaces.definitions import PRIMITIVES, FieldType
-from jausml.metamodel.classes import bridge, jaus
-from jausml.model import library_root, read_models
+from jausml.language.interfaces import parse_definition
+from jausml.language.interfaces.definitions import PRIMITIVES, FieldType
+from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.model import library_root, read_models
 from jausml_generators.ros_interfaces.definitions import ConstantLine, FieldLine
 from jausml_generators.ros_interfaces.jaus_types import MessagesPackage
 from jausml_generators.ros_interfaces.names import constant_name, field_name, type_name

@@ -12,7 +12,7 @@ import pytest
 
 from jausml import generation as gen
 from jausml import runtime
-from jausml.model import read_models
+from jausml.language.model import read_models
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.bringup.target import TARGET as BRINGUP
 from jausml_generators.common import runtime as public

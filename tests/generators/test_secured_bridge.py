@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from jausml.generation import render
-from jausml.model import read_models
-from jausml.text.notation import NOTATIONS
+from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.bringup.target import TARGET as BRINGUP
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from jausml.generation.system import system_of
-from jausml.model import read_models
-from jausml.text.notation import NOTATIONS
+from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.checks.module import TestModule as Tests
 from jausml_generators.bridge.translation import maps
 from jausml_generators.bridge.views import BridgeView, bridge_views

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jausml import generation as gen
-from jausml.model import read_models
+from jausml.language.model import read_models
 from jausml.runtime.messages import ReportTime, SetTime
 from jausml.runtime.wire import EncodeError, Message, StampedMessage, TimeStamp
 from jausml_generators.bridge.target import TARGET as BRIDGES

@@ -13,7 +13,7 @@ from ports import free_port
 from workspaces import python_path
 
 from jausml.generation import render
-from jausml.model import read_models
+from jausml.language.model import read_models
 from jausml_generators.bringup.target import TARGET as BRINGUP
 from jausml_generators.jaus_component.target import TARGET as COMPONENT
 from jausml_generators.messages.target import TARGET as MESSAGES

@@ -11,8 +11,8 @@ from lupa import lua52, lua54
 from jausml import generation
 from jausml.generation.errors import GenerationError
 from jausml.generation.header import has_valid_header
-from jausml.metamodel.classes import jaus
-from jausml.model import read_models
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import read_models
 from jausml_generators.wireshark.services import library_services, used_services
 from jausml_generators.wireshark.target import TARGET
 from jausml_generators.wireshark.views import message_tables

@@ -8,21 +8,21 @@ from pathlib import Path
 import pytest
 from counting import calls
 
-from jausml.diagrams.views import graph_of
-from jausml.diagrams.writers import mermaid
-from jausml.editor.completion import complete
-from jausml.editor.diagnosing import all_problems
-from jausml.editor.hover import hover
-from jausml.editor.outline import outline
-from jausml.editor.positions import Place
-from jausml.editor.workbench import Workbench
+from jausml.views.diagrams.views import graph_of
+from jausml.views.diagrams.writers import mermaid
+from jausml.authoring.editor.completion import complete
+from jausml.authoring.editor.diagnosing import all_problems
+from jausml.authoring.editor.hover import hover
+from jausml.authoring.editor.outline import outline
+from jausml.authoring.editor.positions import Place
+from jausml.authoring.editor.workbench import Workbench
 from jausml.generation import load_targets, render, select
-from jausml.model.xmi.writer import to_xmi
-from jausml.text.notation import NOTATIONS
-from jausml.text.reading.parsing import parse
-from jausml.text.writing.layout import lay_out
-from jausml.text.writing.unparsing import to_text
-from jausml.validation.engine import validate
+from jausml.language.model.xmi.writer import to_xmi
+from jausml.language.text.notation import NOTATIONS
+from jausml.language.text.reading.parsing import parse
+from jausml.language.text.writing.layout import lay_out
+from jausml.language.text.writing.unparsing import to_text
+from jausml.language.validation.engine import validate
 
 _SPEC = importlib.util.spec_from_file_location("grown", Path(__file__).with_name("grown.py"))
 grown = importlib.util.module_from_spec(_SPEC)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from jausml.importers.jsidl import Source, import_sources
+from jausml.language.importers.jsidl import Source, import_sources
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from jsidl_support import MARKER, constants, good, marked, record, run, service, type_set
 
-from jausml.model.diagnostics import Severity
+from jausml.language.model.diagnostics import Severity
 
 FIELD = '<fixed_field name="F" field_type="unsigned byte" field_units="one" optional="false"/>'
 
@@ -113,7 +113,7 @@ def test_all_findings_of_several_files_come_in_one_run():
     ],
 )
 def test_files_that_are_no_jsidl(text, rule, place):
-    from jausml.importers.jsidl import Source, import_sources
+    from jausml.language.importers.jsidl import Source, import_sources
 
     (found,) = import_sources([Source("a.xml", text)]).diagnostics
     assert (found.rule, found.location.line, found.location.column) == (rule, *place)
@@ -205,7 +205,7 @@ class TestReferences:
 
 class TestSize:
     def test_declarations_that_unfold_without_bound_are_cut(self, monkeypatch):
-        monkeypatch.setattr("jausml.importers.jsidl.building.MOST_ELEMENTS", 1000)
+        monkeypatch.setattr("jausml.language.importers.jsidl.building.MOST_ELEMENTS", 1000)
         levels = "".join(
             f'<sequence name="S{n}" optional="false">'
             + f'<declared_sequence name="A" declared_type_ref="S{n + 1}" optional="false"/>' * 10

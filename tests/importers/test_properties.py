@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from jsidl_support import WINCH
 from lxml import etree
 
-from jausml.importers.jsidl import JSIDL_RULES, Source, import_sources
-from jausml.importers.jsidl.numbers import NumberError, evaluate
-from jausml.importers.jsidl.scopes import matches, pick_version
-from jausml.model import READER_RULES
-from jausml.model.xmi.writer import to_xmi
+from jausml.language.importers.jsidl import JSIDL_RULES, Source, import_sources
+from jausml.language.importers.jsidl.numbers import NumberError, evaluate
+from jausml.language.importers.jsidl.scopes import matches, pick_version
+from jausml.language.model import READER_RULES
+from jausml.language.model.xmi.writer import to_xmi
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "40"))
 QUICK = settings(

@@ -10,13 +10,13 @@ import pytest
 from jsidl_support import ROOT, SHARED
 from needs import EMF
 
-from jausml.importers.jsidl import import_jsidl
-from jausml.importers.jsidl.library import library_model, services_by_urn
-from jausml.importers.jsidl.scopes import pick_version
-from jausml.model import read_models
-from jausml.model.comparison import ON_THE_WIRE, compare
-from jausml.model.xmi.writer import write_model
-from jausml.validation.engine import validate
+from jausml.language.importers.jsidl import import_jsidl
+from jausml.language.importers.jsidl.library import library_model, services_by_urn
+from jausml.language.importers.jsidl.scopes import pick_version
+from jausml.language.model import read_models
+from jausml.language.model.comparison import ON_THE_WIRE, compare
+from jausml.language.model.xmi.writer import write_model
+from jausml.language.validation.engine import validate
 
 JSIDL = SHARED / "jsidl"
 SETS = sorted(path.name for path in JSIDL.glob("urn.*")) if JSIDL.exists() else []

@@ -8,9 +8,9 @@ from codec_support import load, render
 from hypothesis import HealthCheck, given, settings
 from jsidl_support import constants, good, record, run, service, type_set, winch
 
-from jausml.model import read_models
-from jausml.model.comparison import compare
-from jausml.model.xmi.writer import write_model
+from jausml.language.model import read_models
+from jausml.language.model.comparison import compare
+from jausml.language.model.xmi.writer import write_model
 from jausml_generators.python.codec.message_builder import build_messages
 
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.languages.cursor import Language, LanguageError, TokenCursor
+from jausml.language.attributes.cursor import Language, LanguageError, TokenCursor
 
 LISTS = Language(
     noun="list",

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jausml.languages.expressions import (
+from jausml.language.attributes.expressions import (
     DEEPEST,
     FUNCTIONS,
     LONGEST,

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.languages.guards import (
+from jausml.language.attributes.guards import (
     LONGEST,
     AllOf,
     AnyOf,

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lxml import etree
 
-from jausml.languages.units import (
+from jausml.language.attributes.units import (
     LONGEST,
     Unit,
     UnitError,

@@ -17,8 +17,8 @@ from typing import Any
 from workspaces import packages_of
 
 from jausml.generation import render
-from jausml.model import read_models
-from jausml.text.notation import NOTATIONS
+from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.runtime.target import TARGET as RUNTIME

@@ -9,10 +9,10 @@ from ports import free_domain
 pytest.importorskip("rclpy")
 
 from jausml.cli import main
-from jausml.metamodel.classes import bridge
-from jausml.model import read_models
-from jausml.model.names import name_of
-from jausml.text.notation import NOTATIONS
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model import read_models
+from jausml.language.model.names import name_of
+from jausml.language.text.notation import NOTATIONS
 
 pytestmark = [
     pytest.mark.live,

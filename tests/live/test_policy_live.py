@@ -14,7 +14,7 @@ from workspaces import packages_of
 
 from jausml import generation
 from jausml.generation import render
-from jausml.model import read_models
+from jausml.language.model import read_models
 from jausml_generators.bringup.target import TARGET as BRINGUP
 from jausml_generators.ros_node.target import TARGET as NODES
 from jausml_generators.runtime.target import TARGET as RUNTIME

@@ -16,7 +16,7 @@ pytest.importorskip("rclpy")
 
 from mcap.reader import make_reader
 
-from jausml.api.component import Component
+from jausml.live.api.component import Component
 from jausml.live.peers.asking import NoAnswer
 
 from .bridge_support import Process, RosPeer, generate, wait_for

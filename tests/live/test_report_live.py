@@ -15,12 +15,12 @@ from ports import free_domain, free_port
 
 pytest.importorskip("rclpy")
 
-from jausml.analysis.assumptions import Assumptions
-from jausml.analysis.report import report_of
+from jausml.views.analysis.assumptions import Assumptions
+from jausml.views.analysis.report import report_of
 from jausml.generation.system import system_of
 from jausml.live.traffic.captures import Frame
 from jausml.live.traffic.frames import UdpReader
-from jausml.model import read_models
+from jausml.language.model import read_models
 from jausml.runtime.base.counters import Counters
 from jausml.runtime.transports.packets.packet import AckNak, parse_datagram
 

@@ -26,8 +26,8 @@ from network_hosts import two_hosts
 from workspaces import python_path
 
 from jausml.generation import generate
-from jausml.model import read_models
-from jausml.text.notation import NOTATIONS
+from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.bringup.target import TARGET as BRINGUP
 from jausml_generators.deployment.target import TARGET as DEPLOYMENT

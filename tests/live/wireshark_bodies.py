@@ -6,7 +6,7 @@ import math
 import struct
 from typing import TYPE_CHECKING, Any
 
-from jausml.wire import INTEGERS, REALS
+from jausml.language.wire import INTEGERS, REALS
 
 if TYPE_CHECKING:
     import random

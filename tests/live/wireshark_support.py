@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation import render
-from jausml.model import read_models
+from jausml.language.model import read_models
 from jausml_generators.wireshark.target import TARGET
 
 if TYPE_CHECKING:

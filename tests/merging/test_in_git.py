@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from jausml.model import LIBRARY_URI
+from jausml.language.model import LIBRARY_URI
 
 ROOT = Path(__file__).resolve().parents[2]
 MINIMAL = (ROOT / "models" / "minimal" / "minimal.xmi").read_text(encoding="utf-8")

@@ -12,11 +12,11 @@ from pathlib import Path
 
 import pytest
 
-from jausml.differences.finding import changes
-from jausml.editing.commands import EditError
-from jausml.editing.project import Project
-from jausml.merging.merging import UnmergeableError, merged
-from jausml.model import LIBRARY_URI, read_models
+from jausml.authoring.differences.finding import changes
+from jausml.authoring.editing.commands import EditError
+from jausml.authoring.editing.project import Project
+from jausml.authoring.merging.merging import UnmergeableError, merged
+from jausml.language.model import LIBRARY_URI, read_models
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "editing"))

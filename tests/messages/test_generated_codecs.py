@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from jausml.live.messages import CodecError
 from jausml.live.messages.catalogue import Catalogue
-from jausml.model import read_models
+from jausml.language.model import read_models
 from jausml.runtime.wire.message import DecodeError, EncodeError
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "3"))

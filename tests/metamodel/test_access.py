@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from jausml.metamodel import load_metamodels, read_metamodels
-from jausml.metamodel.filling import new_object
+from jausml.language.metamodel import load_metamodels, read_metamodels
+from jausml.language.metamodel.filling import new_object
 
 ZOO = Path(__file__).parents[1] / "model" / "emf" / "zoo.ecore"
 TABLES = [

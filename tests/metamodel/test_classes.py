@@ -13,14 +13,14 @@ from typing import Any
 
 import pytest
 
-from jausml.metamodel import ValueKind, load_jaus_metamodel, load_metamodels
-from jausml.metamodel.classes import bridge, jaus, ros
-from jausml.metamodel.classes.ecore import EObject
-from jausml.metamodel.filling import new_object
-from jausml.model import read_models
+from jausml.language.metamodel import ValueKind, load_jaus_metamodel, load_metamodels
+from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.metamodel.filling import new_object
+from jausml.language.model import read_models
 
 ROOT = Path(__file__).resolve().parents[2]
-FOLDER = ROOT / "jausml" / "metamodel" / "classes"
+FOLDER = ROOT / "jausml" / "language" / "metamodel" / "classes"
 METAMODELS = load_metamodels()
 LANGUAGES = ("jaus", "ros", "bridge", "system")
 CLASSES = sorted(METAMODELS.classes)
@@ -56,7 +56,7 @@ def stub(language: str) -> dict[str, dict[str, str]]:
 
 def python_class(qualified: str) -> Any:
     language, name = qualified.split(".")
-    return getattr(importlib.import_module(f"jausml.metamodel.classes.{language}"), name)
+    return getattr(importlib.import_module(f"jausml.language.metamodel.classes.{language}"), name)
 
 
 def test_the_stubs_are_those_that_the_tool_writes(tmp_path):
@@ -141,8 +141,8 @@ def test_an_unknown_class_is_an_attribute_error():
 
 
 SNIPPET = """
-from jausml.metamodel.classes import jaus
-from jausml.semantics.subject import Subject
+from jausml.language.metamodel.classes import jaus
+from jausml.language.semantics.subject import Subject
 
 def names(subject: Subject, field: jaus.Field) -> None:
     for message in subject.instances(jaus.MessageDef):

@@ -6,7 +6,7 @@ from importlib.resources import files
 import pytest
 from pyecore.ecore import EClass, EEnum, EObject, EProxy
 
-from jausml.metamodel import FeatureKind, documentation, load_metamodels
+from jausml.language.metamodel import FeatureKind, documentation, load_metamodels
 
 METAMODELS = load_metamodels()
 CLASSES = list(METAMODELS.classes.values())

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from jausml.metamodel import (
+from jausml.language.metamodel import (
     FeatureKind,
     MetamodelError,
     ValueKind,

@@ -7,7 +7,7 @@ import sys
 
 PROGRAM = """
 import threading
-from jausml.metamodel import load_metamodels
+from jausml.language.metamodel import load_metamodels
 
 found, together = [], threading.Barrier(4)
 

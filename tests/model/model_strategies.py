@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from hypothesis import strategies as st
 
-from jausml.metamodel import FeatureKind, ValueKind
-from jausml.metamodel.filling import holds, link, new_object, set_value, set_values
-from jausml.model.model import Model
+from jausml.language.metamodel import FeatureKind, ValueKind
+from jausml.language.metamodel.filling import holds, link, new_object, set_value, set_values
+from jausml.language.model.model import Model
 
 MATCHING = {
     "MessageCode": "0x[0-9A-Fa-f]{4}",

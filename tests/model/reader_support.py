@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from jausml.metamodel import read_metamodels
-from jausml.model import read_models
+from jausml.language.metamodel import read_metamodels
+from jausml.language.model import read_models
 
 EMF = Path(__file__).parent / "emf"
 ZOO_METAMODELS = read_metamodels([EMF / "zoo.ecore"])

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.model import read_models
-from jausml.model.comparison import EXACT, ON_THE_WIRE, compare
+from jausml.language.model import read_models
+from jausml.language.model.comparison import EXACT, ON_THE_WIRE, compare
 
 TEXT = """<?xml version="1.0" encoding="UTF-8"?>
 <jaus:ServiceSet xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"

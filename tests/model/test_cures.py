@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from jausml.model.xmi import parsing, scanning
-from jausml.text.notation import NOTATIONS
-from jausml.validation.engine import validate
+from jausml.language.model.xmi import parsing, scanning
+from jausml.language.text.notation import NOTATIONS
+from jausml.language.validation.engine import validate
 
 SYSTEM = (
     '<system:System xmlns:system="http://www.jausml.org/system/1.0" name="robot">{}</system:System>'
@@ -53,7 +53,7 @@ def test_the_places_of_many_unknown_attributes_are_found_in_one_walk(tmp_path, m
         walks.append(node)
         return whole(data, encoding, node)
 
-    monkeypatch.setattr("jausml.model.documents.attribute_positions", counted)
+    monkeypatch.setattr("jausml.language.model.documents.attribute_positions", counted)
     path = tmp_path / "model.xmi"
     unknown = " ".join(f'bogus{number}="1"' for number in range(500))
     path.write_text(SYSTEM.format(f'<components name="a" address="1.1.1" {unknown}/>'))

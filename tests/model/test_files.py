@@ -5,10 +5,10 @@ import codecs
 import pytest
 from reader_support import XMLNS, zoo
 
-from jausml.model import Location, read_models
-from jausml.model.inputs import LIMIT
-from jausml.model.xmi import parsing
-from jausml.text.notation import NOTATIONS
+from jausml.language.model import Location, read_models
+from jausml.language.model.inputs import LIMIT
+from jausml.language.model.xmi import parsing
+from jausml.language.text.notation import NOTATIONS
 
 
 def rules(result):
@@ -169,7 +169,7 @@ def test_paths_are_shown_as_given(documents, monkeypatch):
     monkeypatch.chdir(documents.folder)
     from reader_support import ZOO_METAMODELS
 
-    from jausml.model import read_models
+    from jausml.language.model import read_models
 
     result = read_models(["sub/a.xmi"], metamodels=ZOO_METAMODELS)
     assert [each.location.path for each in result.diagnostics] == ["lib.xmi", "sub/a.xmi"]

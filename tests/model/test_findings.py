@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from reader_support import XMLNS, zoo
 
-from jausml.model import READER_RULES, Severity
+from jausml.language.model import READER_RULES, Severity
 
 LION = '<animals xsi:type="zoo:Lion" name="L" legs="4"/>'
 CAGE = f'<cages id="c1">{LION}</cages>'
@@ -139,7 +139,7 @@ def test_rules_are_data():
 
 
 def test_ids_in_the_sources_are_known():
-    package = Path(__file__).parents[2] / "jausml" / "model"
+    package = Path(__file__).parents[2] / "jausml" / "language" / "model"
     used = {
         rule
         for path in package.glob("*.py")

@@ -8,23 +8,23 @@ import os
 import pytest
 from sources import ROOT, modules_below
 
-from jausml.model.inputs import LIMIT, open_input, read_input, read_text
+from jausml.language.model.inputs import LIMIT, open_input, read_input, read_text
 
 pytestmark = pytest.mark.timeout(60)
 
 OWN_DATA = {
-    "analysis/constants.py",
+    "views/analysis/constants.py",
     "cli/known/__init__.py",
     "cli/maps.py",
-    "diagrams/writers/html.py",
+    "views/diagrams/writers/html.py",
     "generators/jausml_generators/common/runtime.py",
     "generators/jausml_generators/runtime/target.py",
-    "model/names.py",
-    "projects/creating.py",
-    "projects/first_model.py",
-    "studio/asking/reading.py",
-    "text/reading/library_maps.py",
-    "text/reading/scanning.py",
+    "language/model/names.py",
+    "authoring/projects/creating.py",
+    "authoring/projects/first_model.py",
+    "authoring/studio/asking/reading.py",
+    "language/text/reading/library_maps.py",
+    "language/text/reading/scanning.py",
 }
 """Modules that read what is shipped with them."""
 
@@ -33,7 +33,7 @@ STREAMS = {
     "cli/decode.py": "lines, after is_file",
     "cli/messages.py": "lines of bounded length, by pipes too",
     "cli/recordings.py": "writes",
-    "recording/parts.py": "writes",
+    "live/recording/parts.py": "writes",
     "live/machine/network.py": "a setting of the kernel",
 }
 
@@ -83,7 +83,7 @@ def test_every_reader_comes_through_the_door():
         name = path.relative_to(ROOT).as_posix().removeprefix("jausml/")
         if (
             name.startswith("runtime/")
-            or name == "model/inputs.py"
+            or name == "language/model/inputs.py"
             or name in OWN_DATA | STREAMS.keys()
         ):
             continue

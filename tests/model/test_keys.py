@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from jausml.model import read_models
-from jausml.model.keys import Keys
-from jausml.model.refs import LIBRARY, find, ref_of
-from jausml.model.uris import LIBRARY_URI
-from jausml.text.notation import NOTATIONS
+from jausml.language.model import read_models
+from jausml.language.model.keys import Keys
+from jausml.language.model.refs import LIBRARY, find, ref_of
+from jausml.language.model.uris import LIBRARY_URI
+from jausml.language.text.notation import NOTATIONS
 
 MODELS = Path(__file__).resolve().parents[2] / "models"
 CAR = MODELS / "catvehicle" / "catvehicle.xmi"

@@ -5,11 +5,11 @@ import subprocess
 import sys
 from pathlib import Path
 
-import jausml.metamodel
-import jausml.model
+import jausml.language.metamodel
+import jausml.language.model
 
-METAMODEL = Path(jausml.metamodel.__file__).parent
-MODEL = Path(jausml.model.__file__).parent
+METAMODEL = Path(jausml.language.metamodel.__file__).parent
+MODEL = Path(jausml.language.model.__file__).parent
 
 
 def imports(path):
@@ -34,10 +34,10 @@ def test_models_are_not_read_by_pyecore_or_lxml():
 def test_layers():
     for path in METAMODEL.glob("*.py"):
         inner = [name for name in imports(path) if name.startswith("jausml.")]
-        assert all(name.startswith("jausml.metamodel") for name in inner)
+        assert all(name.startswith("jausml.language.metamodel") for name in inner)
     for path in MODEL.glob("*.py"):
         inner = [name for name in imports(path) if name.startswith("jausml.")]
-        assert all(name.startswith(("jausml.metamodel", "jausml.model")) for name in inner)
+        assert all(name.startswith(("jausml.language.metamodel", "jausml.language.model")) for name in inner)
 
 
 def test_modules_are_small():
@@ -49,7 +49,7 @@ def test_metamodels_are_not_loaded_at_import():
     code = (
         "import sys; opened = []; "
         "sys.addaudithook(lambda event, given: event == 'open' and opened.append(str(given[0]))); "
-        "import jausml.model, jausml.metamodel as m; print('system.ecore' in ' '.join(opened)); "
+        "import jausml.language.model, jausml.language.metamodel as m; print('system.ecore' in ' '.join(opened)); "
         "m.load_metamodels(); print('system.ecore' in ' '.join(opened))"
     )
     done = subprocess.run(
@@ -59,6 +59,6 @@ def test_metamodels_are_not_loaded_at_import():
 
 
 def test_public_names_are_listed():
-    for package in (jausml.metamodel, jausml.model):
+    for package in (jausml.language.metamodel, jausml.language.model):
         assert sorted(package.__all__) == list(dict.fromkeys(sorted(package.__all__)))
         assert all(hasattr(package, name) for name in package.__all__)

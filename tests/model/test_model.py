@@ -3,8 +3,8 @@
 import pytest
 from reader_support import ZOO_METAMODELS, zoo
 
-from jausml.metamodel.classes import jaus
-from jausml.model import Diagnostic, Location, Model, Severity
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import Diagnostic, Location, Model, Severity
 
 BODY = """  <cages id="c1"
       corners="1 2">

@@ -11,8 +11,8 @@ from urllib.parse import unquote
 import pytest
 from reader_support import EMF, ZOO_METAMODELS
 
-from jausml.metamodel import FeatureKind
-from jausml.model import read_models
+from jausml.language.metamodel import FeatureKind
+from jausml.language.model import read_models
 
 VERDICTS = json.loads((EMF / "verdicts.json").read_text(encoding="utf-8"))
 

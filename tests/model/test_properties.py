@@ -10,11 +10,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from reader_support import EMF, ZOO_METAMODELS, Files, zoo
 
-from jausml.metamodel import FeatureKind, ValueKind, load_metamodels
-from jausml.model import READER_RULES
-from jausml.model.values import convert
-from jausml.model.xmi import scanning
-from jausml.model.xmi.parsing import parse
+from jausml.language.metamodel import FeatureKind, ValueKind, load_metamodels
+from jausml.language.model import READER_RULES
+from jausml.language.model.values import convert
+from jausml.language.model.xmi import scanning
+from jausml.language.model.xmi.parsing import parse
 
 SHIPPED = load_metamodels()
 PREFIXES = " ".join(

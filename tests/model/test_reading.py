@@ -6,8 +6,8 @@ from unittest.mock import Mock
 import pytest
 from reader_support import XMLNS, ZOO_METAMODELS, zoo
 
-from jausml.model import Severity
-from jausml.model.reading import references
+from jausml.language.model import Severity
+from jausml.language.model.reading import references
 
 LION = '<animals xsi:type="zoo:Lion" name="L" legs="4"/>'
 CAGE = f'<cages id="c1">{LION}</cages>'

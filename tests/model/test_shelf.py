@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from jausml.metamodel.classes import jaus
-from jausml.model import library_root, read_models, uris
-from jausml.model.comparison import compare
-from jausml.model.reading.shelf import Shelf
-from jausml.model.uris import LIBRARY_URI
-from jausml.text.notation import Ros2Jaus
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import library_root, read_models, uris
+from jausml.language.model.comparison import compare
+from jausml.language.model.reading.shelf import Shelf
+from jausml.language.model.uris import LIBRARY_URI
+from jausml.language.text.notation import Ros2Jaus
 
 NOTATIONS = (Ros2Jaus(),)
 MODELS = sorted(

@@ -8,8 +8,8 @@ from threading import Barrier
 
 import pytest
 
-from jausml.metamodel.classes import jaus
-from jausml.model import library_root, read_models
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import library_root, read_models
 
 THREADS = 4
 

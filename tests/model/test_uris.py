@@ -7,8 +7,8 @@ import socket
 import pytest
 from reader_support import ZOO_METAMODELS, zoo
 
-from jausml.metamodel.classes import jaus
-from jausml.model import LIBRARY_URI, find_project_root, library_root, read_models
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import LIBRARY_URI, find_project_root, library_root, read_models
 
 LIBRARY_MODEL = f"""<jaus:Component xmlns:jaus="http://www.jausml.org/jaus/1.0" name="c"
     address="1.1.1"><provides href="{LIBRARY_URI}jaus/core-1.1.xmi#//@services.0"/></jaus:Component>

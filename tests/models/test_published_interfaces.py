@@ -15,8 +15,8 @@ from pathlib import Path
 
 import pytest
 
-from jausml.metamodel.classes import ros
-from jausml.model import library_root, read_models
+from jausml.language.metamodel.classes import ros
+from jausml.language.model import library_root, read_models
 
 HERE = Path(__file__).parent
 PUBLISHED = json.loads((HERE / "published_interfaces.json").read_text(encoding="utf-8"))

@@ -14,7 +14,7 @@ import yaml
 from click.testing import CliRunner
 
 from jausml.cli import main
-from jausml.model import LIBRARY_URI
+from jausml.language.model import LIBRARY_URI
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "integrations"

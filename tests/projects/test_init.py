@@ -15,9 +15,9 @@ from lxml import etree
 from needs import EMF
 
 from jausml.cli import main
-from jausml.editing.project import Project
-from jausml.metamodel.classes import jaus
-from jausml.model import read_models
+from jausml.authoring.editing.project import Project
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import read_models
 
 
 def run(*arguments):

@@ -13,10 +13,10 @@ import emf_check
 import pytest
 from needs import EMF
 
-from jausml.metamodel.classes import bridge
-from jausml.model import read_models
-from jausml.model.names import name_of
-from jausml.text.notation import NOTATIONS
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model import read_models
+from jausml.language.model.names import name_of
+from jausml.language.text.notation import NOTATIONS
 
 NOTATION = pytest.mark.parametrize("notation", ["xmi", "text"])
 DRIVE, ODOM = "cmd_vel:geometry_msgs/Twist", "odom:nav_msgs/Odometry"

@@ -10,10 +10,10 @@ import pytest
 from needs import EMF
 from terminal import at_terminal
 
-from jausml.metamodel.classes import bridge
-from jausml.model import read_models
-from jausml.model.names import name_of
-from jausml.text.notation import NOTATIONS
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model import read_models
+from jausml.language.model.names import name_of
+from jausml.language.text.notation import NOTATIONS
 
 NOTATION = pytest.mark.parametrize("notation", ["xmi", "text"])
 STATE = ("ReportVelocityState", "nav_msgs/Odometry")

@@ -8,13 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from needs import EMF
 
-from jausml.metamodel.classes import jaus
-from jausml.model import read_models
-from jausml.model.names import name_of
-from jausml.proposals.elements import AnswerError
-from jausml.proposals.message_words import KINDS, message_of_words
-from jausml.semantics.services import code, lineage
-from jausml.text.notation import NOTATIONS
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import read_models
+from jausml.language.model.names import name_of
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.proposals.message_words import KINDS, message_of_words
+from jausml.language.semantics.services import code, lineage
+from jausml.language.text.notation import NOTATIONS
 
 NOTATION = pytest.mark.parametrize("notation", ["xmi", "text"])
 DEPTH = "ReportDepth: Depth m 0..100, State off|on|auto, Count 0..10, Note? text, T TimeStamp"

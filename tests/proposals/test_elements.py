@@ -6,8 +6,8 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from threading import Event
 
-from jausml.proposals import elements
-from jausml.proposals.fresh import free_name
+from jausml.authoring.proposals import elements
+from jausml.authoring.proposals.fresh import free_name
 
 
 def test_all_threads_get_the_same_library(monkeypatch):

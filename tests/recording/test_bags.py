@@ -10,8 +10,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from mcap.writer import Writer
 
-from jausml.recording.bags import Bag
-from jausml.recording.errors import RecordingError
+from jausml.live.recording.bags import Bag
+from jausml.live.recording.errors import RecordingError
 
 
 def recording():

@@ -9,17 +9,17 @@ import pytest
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from jausml.interfaces import Installation
+from jausml.language.interfaces import Installation
 from jausml.live.messages import Catalogue
-from jausml.model import read_models
-from jausml.recording.copying import copied
-from jausml.recording.definitions import installed_definition
-from jausml.recording.mcap_reading import McapRecording
-from jausml.recording.parts import Limits, Parts
-from jausml.recording.recorder import Recorder, topics_of
-from jausml.recording.ros_topics import RosTopics
-from jausml.recording.selection import Selection
-from jausml.text.notation import NOTATIONS
+from jausml.language.model import read_models
+from jausml.live.recording.copying import copied
+from jausml.live.recording.definitions import installed_definition
+from jausml.live.recording.mcap_reading import McapRecording
+from jausml.live.recording.parts import Limits, Parts
+from jausml.live.recording.recorder import Recorder, topics_of
+from jausml.live.recording.ros_topics import RosTopics
+from jausml.live.recording.selection import Selection
+from jausml.language.text.notation import NOTATIONS
 
 PATIENCE = 60.0
 FLEET = Path(__file__).resolve().parents[2] / "models" / "examples" / "fleet" / "fleet.ros2jaus"

@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from recordings import by_mcap, by_rosbags
 
 from jausml.cli import main
-from jausml.recording.bags import Bag
-from jausml.recording.errors import RecordingError
-from jausml.recording.mcap_reading import McapRecording
-from jausml.recording.mcap_writing import COMPRESSIONS, McapFile
-from jausml.recording.spans import Span
+from jausml.live.recording.bags import Bag
+from jausml.live.recording.errors import RecordingError
+from jausml.live.recording.mcap_reading import McapRecording
+from jausml.live.recording.mcap_writing import COMPRESSIONS, McapFile
+from jausml.live.recording.spans import Span
 
 EACH, FLUSHES = 3, 4
 SECOND = 10**9

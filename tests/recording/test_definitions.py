@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 from rosbags.typesys import get_types_from_msg
 
-from jausml.interfaces import Installation
-from jausml.metamodel.classes import ros
-from jausml.model import library_root, read_models
-from jausml.recording.definitions import full_name, installed_definition, modelled_definition
+from jausml.language.interfaces import Installation
+from jausml.language.metamodel.classes import ros
+from jausml.language.model import library_root, read_models
+from jausml.live.recording.definitions import full_name, installed_definition, modelled_definition
 
 
 @pytest.fixture(scope="module")

@@ -16,9 +16,9 @@ from recordings import by_mcap, by_rosbags, frame, nano_pcap, velocity
 from terminal import at_terminal
 
 from jausml.cli import main
-from jausml.recording.bags import Bag, RosMessage
-from jausml.recording.pace import Pace
-from jausml.recording.spans import Span
+from jausml.live.recording.bags import Bag, RosMessage
+from jausml.live.recording.pace import Pace
+from jausml.live.recording.spans import Span
 
 ROOT = Path(__file__).resolve().parents[2]
 FLEET = str(ROOT / "models" / "examples" / "fleet" / "fleet.ros2jaus")

@@ -7,8 +7,8 @@ from click.testing import CliRunner
 from recordings import by_mcap
 
 from jausml.cli import main
-from jausml.recording.parts import Limits, Parts
-from jausml.recording.selection import Selection
+from jausml.live.recording.parts import Limits, Parts
+from jausml.live.recording.selection import Selection
 
 
 def fill(parts, number):

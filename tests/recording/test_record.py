@@ -18,7 +18,7 @@ from recordings import by_mcap, datagram, event, pose, velocity
 
 from jausml.live.traffic.captures import read_frames
 from jausml.live.traffic.frames import UdpReader
-from jausml.recording.mcap_reading import McapRecording
+from jausml.live.recording.mcap_reading import McapRecording
 
 pytestmark = [pytest.mark.live, pytest.mark.ports]
 PATIENCE = 60.0

@@ -14,7 +14,7 @@ from click.testing import CliRunner
 from mcap.writer import Writer
 from ports import free_port
 
-from jausml.api.component import Component
+from jausml.live.api.component import Component
 from jausml.cli import main
 from jausml.live.peers.asking import NoAnswer
 

@@ -13,10 +13,10 @@ from ports import free_domain
 from recordings import by_mcap
 
 from jausml.cli.messages import open_catalogue
-from jausml.recording.parts import Limits, Parts
-from jausml.recording.recorder import Recorder
-from jausml.recording.ros_topics import RosTopics
-from jausml.recording.selection import Selection
+from jausml.live.recording.parts import Limits, Parts
+from jausml.live.recording.recorder import Recorder
+from jausml.live.recording.ros_topics import RosTopics
+from jausml.live.recording.selection import Selection
 
 pytestmark = [
     pytest.mark.live,

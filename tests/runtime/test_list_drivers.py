@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from jausml.runtime.services.list_manager import ELEMENTS_OF_DRIVERS
-from jausml.semantics.list_drivers import ELEMENTS
+from jausml.language.semantics.list_drivers import ELEMENTS
 
 
 def test_both_know_the_same_elements() -> None:

@@ -13,11 +13,11 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from sources import ROOT, modules_below
 
-from jausml.languages.expressions import parse_expression
-from jausml.metamodel import documentation, load_metamodels
+from jausml.language.attributes.expressions import parse_expression
+from jausml.language.metamodel import documentation, load_metamodels
 from jausml.runtime import conversions as runtime
-from jausml.semantics.conversions import CONVERSIONS, ArgumentKind, NoValueError
-from jausml.semantics.conversions.authored import Formula
+from jausml.language.semantics.conversions import CONVERSIONS, ArgumentKind, NoValueError
+from jausml.language.semantics.conversions.authored import Formula
 
 LITERALS = load_metamodels().package_named("bridge").enumerations["ConversionKind"].literals
 CALLED = [each for each in CONVERSIONS.values() if not each.is_in_place]

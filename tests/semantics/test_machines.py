@@ -7,9 +7,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from jausml.metamodel.classes import jaus
-from jausml.model import read_models
-from jausml.semantics.inherited_machines import (
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import read_models
+from jausml.language.semantics.inherited_machines import (
     CORE_LEAVES,
     CORE_STATES,
     DEEPEST,

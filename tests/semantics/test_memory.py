@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from jausml.semantics.memory import remembered, remembering
+from jausml.language.semantics.memory import remembered, remembering
 
 
 class Counting:

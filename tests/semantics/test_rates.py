@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from jausml.metamodel.classes import bridge
-from jausml.model import read_models
-from jausml.semantics.rates import fills_rates_alone
-from jausml.text.notation import NOTATIONS
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model import read_models
+from jausml.language.semantics.rates import fills_rates_alone
+from jausml.language.text.notation import NOTATIONS
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.metamodel.classes import jaus, system
-from jausml.model import read_models
-from jausml.text.notation import NOTATIONS
-from jausml.validation.engine import validate
+from jausml.language.metamodel.classes import jaus, system
+from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
+from jausml.language.validation.engine import validate
 from jausml_generators.common.components import component_settings, service_identities
 
 CORE_1_1 = {"Transport", "Events", "Discovery", "Liveness", "AccessControl", "Management"}

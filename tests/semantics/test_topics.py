@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.metamodel.classes import system
-from jausml.model import read_models
-from jausml.semantics.topics import endpoints
-from jausml.text.notation import NOTATIONS
-from jausml.validation.engine import check
+from jausml.language.metamodel.classes import system
+from jausml.language.model import read_models
+from jausml.language.semantics.topics import endpoints
+from jausml.language.text.notation import NOTATIONS
+from jausml.language.validation.engine import check
 
 MODEL = """
 import mappings.global_pose_sensor

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from jausml.diagrams.views import graph_of
+from jausml.views.diagrams.views import graph_of
 from jausml.live.systems.declared import components_of, declarations_of
 from jausml.live.systems.diagnostics import Status
 from jausml.live.systems.folding import (
@@ -21,9 +21,9 @@ from jausml.live.systems.folding import (
     fold_time,
 )
 from jausml.live.systems.state import SystemState
-from jausml.model import read_models
-from jausml.studio.live_values import HISTORY, Places, live_values, places_of
-from jausml.text.notation import NOTATIONS
+from jausml.language.model import read_models
+from jausml.authoring.studio.live_values import HISTORY, Places, live_values, places_of
+from jausml.language.text.notation import NOTATIONS
 
 ROOT = Path(__file__).resolve().parents[2]
 MODEL = ROOT / "tests" / "cases" / "bridge_loop" / "model.xmi"

@@ -5,11 +5,11 @@ from __future__ import annotations
 from functools import cache
 from pathlib import Path
 
-from jausml.model import read_models
-from jausml.model.names import qualified_name
-from jausml.proposals.elements import Scope
-from jausml.text.notation import NOTATIONS
-from jausml.validation.engine import check
+from jausml.language.model import read_models
+from jausml.language.model.names import qualified_name
+from jausml.authoring.proposals.elements import Scope
+from jausml.language.text.notation import NOTATIONS
+from jausml.language.validation.engine import check
 
 MODELS = Path(__file__).resolve().parents[2] / "models"
 CAR = "catvehicle/catvehicle.xmi"

@@ -15,7 +15,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "studio"
-PAGE = ROOT / "jausml" / "studio" / "page" / "index.html"
+PAGE = ROOT / "jausml" / "authoring" / "studio" / "page" / "index.html"
 BUILD = ROOT / "tools" / "build_studio.py"
 INSTALLED = SOURCES / "node_modules" / ".package-lock.json"
 """npm writes it when all is installed."""

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from jausml.cli import main
-from jausml.studio import serving
+from jausml.authoring.studio import serving
 
 if __name__ == "__main__":
     serving.PAGE = Path(sys.argv[1])

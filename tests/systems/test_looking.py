@@ -9,9 +9,9 @@ import pytest
 from jausml.live.systems.declared import components_of, declarations_of
 from jausml.live.systems.looking import Looking, reporters_of, topic_of
 from jausml.live.systems.state import ConnectionState
-from jausml.metamodel.classes.bridge import Bridge
-from jausml.model import read_models
-from jausml.text.notation import NOTATIONS
+from jausml.language.metamodel.classes.bridge import Bridge
+from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
 
 ROOT = Path(__file__).resolve().parents[2]
 MODEL = """\

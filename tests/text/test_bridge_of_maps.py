@@ -7,11 +7,11 @@ from click.testing import CliRunner
 from test_figure_5 import FIGURE_5
 
 from jausml.cli import main
-from jausml.metamodel.classes import bridge
-from jausml.model import read_models
-from jausml.text.bridge_options import BridgeOfMaps
-from jausml.text.notation import Ros2Jaus
-from jausml.validation.engine import check
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model import read_models
+from jausml.language.text.bridge_options import BridgeOfMaps
+from jausml.language.text.notation import Ros2Jaus
+from jausml.language.validation.engine import check
 
 LIBRARY = """\
 speed {

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from jausml.metamodel.classes import bridge, ros
-from jausml.model import read_models
-from jausml.model.comparison import compare
+from jausml.language.metamodel.classes import bridge, ros
+from jausml.language.model import read_models
+from jausml.language.model.comparison import compare
 
 MINIMAL = Path(__file__).parents[2] / "models" / "minimal" / "minimal.xmi"
 MAP = """\

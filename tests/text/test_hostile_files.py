@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.model import read_models
-from jausml.text.notation import NOTATIONS
-from jausml.validation.engine import validate
+from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
+from jausml.language.validation.engine import validate
 
 
 def rules(folder, data, name="robot.ros2jaus"):

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jausml.text.reading.parsing import parse
-from jausml.text.reading.scanning import scan
-from jausml.text.tree import (
+from jausml.language.text.reading.parsing import parse
+from jausml.language.text.reading.scanning import scan
+from jausml.language.text.tree import (
     NOWHERE,
     Assignment,
     Call,
@@ -33,8 +33,8 @@ from jausml.text.tree import (
     Vector,
     VectorEntry,
 )
-from jausml.text.writing.layout import WIDTH, lay_out
-from jausml.text.writing.spelling import can_document
+from jausml.language.text.writing.layout import WIDTH, lay_out
+from jausml.language.text.writing.spelling import can_document
 
 
 def without_spans(value):

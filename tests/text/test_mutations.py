@@ -8,9 +8,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from jausml.model import read_models
-from jausml.text.notation import NOTATIONS
-from jausml.validation.engine import check
+from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
+from jausml.language.validation.engine import check
 
 ROOT = Path(__file__).resolve().parents[2]
 DECLARING = """\

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.metamodel.classes import bridge, jaus, ros
-from jausml.model.uris import library_root
-from jausml.text.reading.library_maps import library_maps
+from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.model.uris import library_root
+from jausml.language.text.reading.library_maps import library_maps
 
 LIBRARY = "http://www.jausml.org/library/jaus/"
 

@@ -12,10 +12,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jausml.text.bounds import DEEPEST, LONGEST
-from jausml.text.keywords import KEYWORDS
-from jausml.text.reading.parsing import MOST_FAULTS, parse
-from jausml.text.tree import (
+from jausml.language.text.bounds import DEEPEST, LONGEST
+from jausml.language.text.keywords import KEYWORDS
+from jausml.language.text.reading.parsing import MOST_FAULTS, parse
+from jausml.language.text.tree import (
     Assignment,
     Clock,
     Direction,
@@ -29,7 +29,7 @@ from jausml.text.tree import (
     Span,
     Text,
 )
-from jausml.text.writing.layout import lay_out
+from jausml.language.text.writing.layout import lay_out
 
 # Figure 5 of the paper, as it stands.
 FIGURE_5 = """\

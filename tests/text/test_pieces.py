@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.text.reading.parsing import parse
-from jausml.text.reading.pieces import joined, parse_piece, pieces_of
+from jausml.language.text.reading.parsing import parse
+from jausml.language.text.reading.pieces import joined, parse_piece, pieces_of
 
 MODELS = Path(__file__).parents[2] / "models"
 TEXTS = [each.read_text(encoding="utf-8") for each in sorted(MODELS.rglob("*.ros2jaus"))]

@@ -13,15 +13,15 @@ from hypothesis import strategies as st
 from model_strategies import TEXT, models
 from needs import EMF
 
-from jausml.metamodel import load_metamodels
-from jausml.model import LIBRARY_URI, library_root, read_models
-from jausml.model.comparison import compare
-from jausml.model.identifiers import name_identifiers
-from jausml.model.xmi.writer import to_xmi, write_model
-from jausml.text.notation import NOTATIONS
-from jausml.text.reading.parsing import parse
-from jausml.text.writing.layout import lay_out
-from jausml.text.writing.unparsing import to_text
+from jausml.language.metamodel import load_metamodels
+from jausml.language.model import LIBRARY_URI, library_root, read_models
+from jausml.language.model.comparison import compare
+from jausml.language.model.identifiers import name_identifiers
+from jausml.language.model.xmi.writer import to_xmi, write_model
+from jausml.language.text.notation import NOTATIONS
+from jausml.language.text.reading.parsing import parse
+from jausml.language.text.writing.layout import lay_out
+from jausml.language.text.writing.unparsing import to_text
 
 ROOT = Path(__file__).resolve().parents[2]
 SHIPPED = load_metamodels()

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from jausml.text.rules import TEXT_RULES
+from jausml.language.text.rules import TEXT_RULES
 
 HERE = Path(__file__).parent
-SOURCES = HERE.parents[1] / "jausml" / "text"
+SOURCES = HERE.parents[1] / "jausml" / "language" / "text"
 
 
 @pytest.mark.parametrize("rule", TEXT_RULES)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.metamodel import load_metamodels
-from jausml.model import read_models
-from jausml.model.values import convert
-from jausml.model.xmi.writer import UnwritableError
-from jausml.text.notation import NOTATIONS
-from jausml.text.writing import literals
-from jausml.text.writing.unparsing import to_text
+from jausml.language.metamodel import load_metamodels
+from jausml.language.model import read_models
+from jausml.language.model.values import convert
+from jausml.language.model.xmi.writer import UnwritableError
+from jausml.language.text.notation import NOTATIONS
+from jausml.language.text.writing import literals
+from jausml.language.text.writing.unparsing import to_text
 
 REAL = load_metamodels().classes["ros.Node"].features["frequency"].data_type
 HEAD = """<?xml version="1.0" encoding="UTF-8"?>

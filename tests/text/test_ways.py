@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.metamodel.classes import bridge
-from jausml.model import read_models
-from jausml.model.xmi.writer import to_xmi
-from jausml.text.notation import NOTATIONS
-from jausml.text.writing.unparsing import to_text
-from jausml.validation.engine import check
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model import read_models
+from jausml.language.model.xmi.writer import to_xmi
+from jausml.language.text.notation import NOTATIONS
+from jausml.language.text.writing.unparsing import to_text
+from jausml.language.validation.engine import check
 
 FRAME = """\
 import mappings.velocity_state_sensor

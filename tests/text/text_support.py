@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 from reader_support import strip
 
-from jausml.model import read_models
-from jausml.model.comparison import compare
-from jausml.text.notation import NOTATIONS
-from jausml.validation.engine import check
+from jausml.language.model import read_models
+from jausml.language.model.comparison import compare
+from jausml.language.text.notation import NOTATIONS
+from jausml.language.validation.engine import check
 
 if TYPE_CHECKING:
     from pathlib import Path

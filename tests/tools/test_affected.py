@@ -121,5 +121,5 @@ def test_changed_files_are_those_since_the_branch_left(checkout):
 
 
 def test_a_change_of_units_runs_the_tests_of_units():
-    first, *_ = affected(ROOT, ["jausml/languages/units.py"])
+    first, *_ = affected(ROOT, ["jausml/language/attributes/units.py"])
     assert first.name == "test_units.py"

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from jausml.metamodel.classes import jaus
-from jausml.model import read_models
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import read_models
 
 if TYPE_CHECKING:
     from types import ModuleType

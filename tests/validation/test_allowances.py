@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from jausml.model import read_models
-from jausml.text.notation import NOTATIONS
-from jausml.validation.allowances import ALLOWANCE_RULES, settled
-from jausml.validation.engine import check
-from jausml.validation.formats import sarif, text
-from jausml.validation.report import Ground
+from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
+from jausml.language.validation.allowances import ALLOWANCE_RULES, settled
+from jausml.language.validation.engine import check
+from jausml.language.validation.formats import sarif, text
+from jausml.language.validation.report import Ground
 
 MINIMAL = Path(__file__).parents[2] / "models" / "minimal" / "minimal.xmi"
 DOUBTFUL = (

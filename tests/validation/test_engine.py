@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from jausml.metamodel.classes import jaus
-from jausml.model import Severity, library_root, read_models
-from jausml.semantics.machines import behaviours
-from jausml.semantics.subject import Subject
-from jausml.validation.engine import RuleError, check, validate
-from jausml.validation.rule import Finding, rule
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import Severity, library_root, read_models
+from jausml.language.semantics.machines import behaviours
+from jausml.language.semantics.subject import Subject
+from jausml.language.validation.engine import RuleError, check, validate
+from jausml.language.validation.rule import Finding, rule
 
 MODELS = Path(__file__).parents[2] / "models"
 MINIMAL = (MODELS / "minimal" / "minimal.xmi").read_text(encoding="utf-8")

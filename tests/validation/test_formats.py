@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 
-from jausml.model import Diagnostic, Location, Related, Severity
-from jausml.validation.formats import json as json_format
-from jausml.validation.formats import text
-from jausml.validation.report import Report
+from jausml.language.model import Diagnostic, Location, Related, Severity
+from jausml.language.validation.formats import json as json_format
+from jausml.language.validation.formats import text
+from jausml.language.validation.report import Report
 
 FINDING = Diagnostic(
     rule="JML302",

@@ -11,11 +11,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.model import Diagnostic, Location, Related, Severity
-from jausml.text.rules import TEXT_RULES
-from jausml.validation.catalogue import catalogue
-from jausml.validation.formats import github, junit, sarif
-from jausml.validation.report import Report
+from jausml.language.model import Diagnostic, Location, Related, Severity
+from jausml.language.text.rules import TEXT_RULES
+from jausml.language.validation.catalogue import catalogue
+from jausml.language.validation.formats import github, junit, sarif
+from jausml.language.validation.report import Report
 
 ERROR = Diagnostic(
     rule="JML302",

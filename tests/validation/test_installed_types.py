@@ -6,11 +6,11 @@ import sys
 
 import pytest
 
-from jausml.interfaces import Installation
-from jausml.metamodel.classes import ros
-from jausml.model.uris import library_root
-from jausml.semantics.installed import InstalledTypes
-from jausml.validation.engine import validate
+from jausml.language.interfaces import Installation
+from jausml.language.metamodel.classes import ros
+from jausml.language.model.uris import library_root
+from jausml.language.semantics.installed import InstalledTypes
+from jausml.language.validation.engine import validate
 
 MODEL = """<?xml version="1.0" encoding="UTF-8"?>
 <ros:Node xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"

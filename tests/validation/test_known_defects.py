@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.model import read_models
-from jausml.semantics.units import unit_step
-from jausml.validation.engine import validate
+from jausml.language.model import read_models
+from jausml.language.semantics.units import unit_step
+from jausml.language.validation.engine import validate
 
 JAUS = "http://www.jausml.org/library/jaus/"
 ROS = "http://www.jausml.org/library/ros/"

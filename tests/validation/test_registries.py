@@ -8,9 +8,9 @@ from importlib import import_module
 import pytest
 
 from jausml.live.peers.conformance import formats as conformance_formats
-from jausml.validation import formats
-from jausml.validation.rule import Rule
-from jausml.validation.rules import MODULES, all_rules, bridge, jaus, ros
+from jausml.language.validation import formats
+from jausml.language.validation.rule import Rule
+from jausml.language.validation.rules import MODULES, all_rules, bridge, jaus, ros
 
 
 def modules_in(package):

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from jausml.model.diagnostics import Severity
-from jausml.validation.engine import validate
-from jausml.validation.formats import text
-from jausml.validation.rules import all_rules
+from jausml.language.model.diagnostics import Severity
+from jausml.language.validation.engine import validate
+from jausml.language.validation.formats import text
+from jausml.language.validation.rules import all_rules
 
 INSTALLED = "prefix"
 """A case may have installed ROS packages of its own below this folder."""

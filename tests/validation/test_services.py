@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from jausml.validation.engine import validate
+from jausml.language.validation.engine import validate
 
 SERVICE = """  <services name="S{n}" urn="urn:example:S{n}" version="1.0"{inherits}>
     <inputs name="Set{n}" code="0x{code:04X}"/>

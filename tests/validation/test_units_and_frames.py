@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.text.notation import NOTATIONS
-from jausml.validation.engine import validate
+from jausml.language.text.notation import NOTATIONS
+from jausml.language.validation.engine import validate
 
 
 def findings(folder, text):

@@ -1,4 +1,4 @@
-"""Tests of jausml.wire: every kind of field of the metamodel has a layout, free of the model."""
+"""Tests of jausml.language.wire: every kind of field of the metamodel has a layout, free of the model."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, get_args
 
 import pytest
 
-from jausml import wire
-from jausml.metamodel import load_metamodels
-from jausml.metamodel.classes import jaus
-from jausml.metamodel.classes.ecore import EObject
-from jausml.model import library_root, read_models
+from jausml.language import wire
+from jausml.language.metamodel import load_metamodels
+from jausml.language.metamodel.classes import jaus
+from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.model import library_root, read_models
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

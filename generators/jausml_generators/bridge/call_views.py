@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal, python_string
-from jausml.semantics import calls
-from jausml.semantics.commands import is_command
-from jausml.semantics.requests import requested_in
+from jausml.language.semantics import calls
+from jausml.language.semantics.commands import is_command
+from jausml.language.semantics.requests import requested_in
 from jausml_generators.bridge.connections import ConnectionView
 from jausml_generators.bridge.jaus_ends import guard_of, peers_of, priority_of, query_call
 from jausml_generators.common.ros import ros_type
@@ -20,7 +20,7 @@ from jausml_generators.python.statements import call
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from jausml.metamodel.classes import bridge, jaus
+    from jausml.language.metamodel.classes import bridge, jaus
     from jausml_generators.bridge.translation import TranslatedCall
     from jausml_generators.python.codec.messages import MessageView
 

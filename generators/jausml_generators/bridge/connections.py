@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal, python_string
-from jausml.metamodel.classes import bridge
-from jausml.semantics import stops
-from jausml.semantics.answers import chosen_fields
-from jausml.semantics.freshness import freshness_of
-from jausml.semantics.report_joins import joined_reports
-from jausml.semantics.unanswered import told_command
+from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics import stops
+from jausml.language.semantics.answers import chosen_fields
+from jausml.language.semantics.freshness import freshness_of
+from jausml.language.semantics.report_joins import joined_reports
+from jausml.language.semantics.unanswered import told_command
 from jausml_generators.bridge.jaus_ends import (
     guard_of,
     peers_of,
@@ -29,8 +29,8 @@ from jausml_generators.python.statements import call, tuple_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from jausml.metamodel.classes import jaus
-    from jausml.semantics.report_joins import JoinedReport
+    from jausml.language.metamodel.classes import jaus
+    from jausml.language.semantics.report_joins import JoinedReport
     from jausml_generators.bridge.translation import Translated
     from jausml_generators.python.codec.messages import MessageView
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
-from jausml.semantics.commands import needs_control, needs_ready
-from jausml.semantics.services import provided_services, searched_services
-from jausml.semantics.standard_services import standard_services
+from jausml.language.semantics.commands import needs_control, needs_ready
+from jausml.language.semantics.services import provided_services, searched_services
+from jausml.language.semantics.standard_services import standard_services
 from jausml_generators.bridge.topics import list_of
 from jausml_generators.common.components import (
     address_call,
@@ -20,9 +20,9 @@ from jausml_generators.python.statements import call
 if TYPE_CHECKING:
     from collections.abc import Container, Iterable
 
-    from jausml.metamodel.classes import bridge, jaus
+    from jausml.language.metamodel.classes import bridge, jaus
     from jausml_generators.python.codec.messages import MessageView
-from jausml.semantics.answers import PRESENCE_VECTOR
+from jausml.language.semantics.answers import PRESENCE_VECTOR
 
 
 def query_call(query: MessageView, report: MessageView | None, fields: Container[str]) -> str:

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import printable
-from jausml.semantics.freshness import freshness_of
-from jausml.semantics.topics import reliability, resolve_topic
+from jausml.language.semantics.freshness import freshness_of
+from jausml.language.semantics.topics import reliability, resolve_topic
 from jausml_generators.bridge.actions import ActionView
 from jausml_generators.bridge.topics import JoinView
 from jausml_generators.bridge.translation import AssignmentError
@@ -20,7 +20,7 @@ from jausml_generators.bridge.translation.ros_fields import PathError
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.metamodel.classes import bridge
+    from jausml.language.metamodel.classes import bridge
     from jausml_generators.bridge.call_views import CallView
     from jausml_generators.bridge.connections import ConnectionView
     from jausml_generators.bridge.views import BridgeView

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import python_literal, python_string
-from jausml.metamodel.classes import jaus
-from jausml.semantics.report_joins import joined_reports
+from jausml.language.metamodel.classes import jaus
+from jausml.language.semantics.report_joins import joined_reports
 from jausml_generators.common.components import address_call, query_for, with_inherited
 from jausml_generators.python.statements import call
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.metamodel.classes import bridge
-    from jausml.semantics.report_joins import JoinedReport
+    from jausml.language.metamodel.classes import bridge
+    from jausml.language.semantics.report_joins import JoinedReport
     from jausml_generators.python.codec.messages import MessageView
 
 

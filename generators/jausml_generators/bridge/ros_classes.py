@@ -9,7 +9,7 @@ from jausml_generators.common.ros import RosType, ros_type
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from jausml.metamodel.classes import ros
+    from jausml.language.metamodel.classes import ros
 
 
 class RosClasses:

@@ -19,7 +19,7 @@ from jausml_generators.python.package import (
 )
 
 if TYPE_CHECKING:
-    from jausml.model.model import Model
+    from jausml.language.model.model import Model
 
 
 def tasks(model: Model) -> list[Task]:

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal, python_string
-from jausml.semantics.topics import reliability
+from jausml.language.semantics.topics import reliability
 from jausml_generators.python.names import snake_case
 from jausml_generators.python.statements import call
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from jausml.metamodel.classes import bridge, ros
+    from jausml.language.metamodel.classes import bridge, ros
 
 _QOS = {
     "reliability": "reliable",

@@ -11,11 +11,11 @@ from jausml.generation.artifact import MethodContract, SkeletonContract
 from jausml.generation.languages.python import Imports, offered
 from jausml.generation.literals import python_literal, python_string
 from jausml.generation.system import source_of, system_of
-from jausml.semantics import calls
-from jausml.semantics.installed import package_of
-from jausml.semantics.requests import requested_fields
-from jausml.semantics.unanswered import told_command
-from jausml.semantics.used_maps import used_maps
+from jausml.language.semantics import calls
+from jausml.language.semantics.installed import package_of
+from jausml.language.semantics.requests import requested_fields
+from jausml.language.semantics.unanswered import told_command
+from jausml.language.semantics.used_maps import used_maps
 from jausml_generators.bridge.actions import (
     ActionView,
     answers_of_driver,
@@ -48,10 +48,10 @@ from jausml_generators.python.statements import long_string
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from jausml.metamodel.classes import bridge, jaus, ros
-    from jausml.metamodel.classes.bridge import Bridge, Connection
-    from jausml.metamodel.classes.system import System
-    from jausml.model.model import Model
+    from jausml.language.metamodel.classes import bridge, jaus, ros
+    from jausml.language.metamodel.classes.bridge import Bridge, Connection
+    from jausml.language.metamodel.classes.system import System
+    from jausml.language.model.model import Model
     from jausml_generators.python.codec.messages import MessageView
 
 

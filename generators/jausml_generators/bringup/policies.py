@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.metamodel.classes import ros
-from jausml.semantics.topics import endpoints, resolve_topic
+from jausml.language.metamodel.classes import ros
+from jausml.language.semantics.topics import endpoints, resolve_topic
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from typing import TypeAlias
 
-    from jausml.metamodel.classes.bridge import Bridge
+    from jausml.language.metamodel.classes.bridge import Bridge
 
     _Use: TypeAlias = tuple[str, str]
 

@@ -14,7 +14,7 @@ from jausml_generators.python.package import PACKAGE_TEMPLATES, package_tasks, p
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from jausml.model.model import Model
+    from jausml.language.model.model import Model
 
 
 def tasks(model: Model) -> list[Task]:

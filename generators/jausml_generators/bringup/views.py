@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.languages.python import Imports, offered
 from jausml.generation.literals import printable, python_string, yaml_string
-from jausml.metamodel.classes import jaus, ros
-from jausml.semantics.hosts import host_of
+from jausml.language.metamodel.classes import jaus, ros
+from jausml.language.semantics.hosts import host_of
 from jausml_generators.bridge.parameters import ParameterLine, parameter_lines
 from jausml_generators.bringup.policies import PolicyView
 from jausml_generators.common.components import (
@@ -23,8 +23,8 @@ from jausml_generators.python.statements import call
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from jausml.metamodel.classes.bridge import Bridge
-    from jausml.metamodel.classes.system import Host, System
+    from jausml.language.metamodel.classes.bridge import Bridge
+    from jausml.language.metamodel.classes.system import Host, System
     from jausml_generators.bridge.views import BridgeView
 
 LAUNCH_IMPORTS = Imports(

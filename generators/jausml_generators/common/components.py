@@ -5,17 +5,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_string
-from jausml.metamodel.classes import bridge, jaus
-from jausml.semantics.core_services import CORE
-from jausml.semantics.hosts import endpoint_of, host_of
-from jausml.semantics.services import inputs_by_name, outputs_by_name, query_name
-from jausml.semantics.standard_services import answers_for_subsystem, with_standard
+from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.semantics.core_services import CORE
+from jausml.language.semantics.hosts import endpoint_of, host_of
+from jausml.language.semantics.services import inputs_by_name, outputs_by_name, query_name
+from jausml.language.semantics.standard_services import answers_for_subsystem, with_standard
 from jausml_generators.python.statements import call
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from jausml.metamodel.classes.system import Host, System
+    from jausml.language.metamodel.classes.system import Host, System
 
 SUBSYSTEM_TYPES = {
     "vehicle": 10001,

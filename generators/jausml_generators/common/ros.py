@@ -6,13 +6,13 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.semantics.installed import kind_of, package_of
+from jausml.language.semantics.installed import kind_of, package_of
 from jausml_generators.python.names import Scope, class_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from jausml.metamodel.classes import ros
+    from jausml.language.metamodel.classes import ros
 
 _POLICIES = {
     "reliability": ("ReliabilityPolicy", "reliable"),

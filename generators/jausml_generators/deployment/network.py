@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
 from jausml.generation.system import system_of
-from jausml.semantics.hosts import endpoint_of, host_of, is_ipv4
+from jausml.language.semantics.hosts import endpoint_of, host_of, is_ipv4
 from jausml_generators.deployment.ports import jaus_ports
 from jausml_generators.deployment.questions import bridges_on, questions
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from jausml.metamodel.classes import jaus
-    from jausml.metamodel.classes.system import Host, System
-    from jausml.model.model import Model
+    from jausml.language.metamodel.classes import jaus
+    from jausml.language.metamodel.classes.system import Host, System
+    from jausml.language.model.model import Model
     from jausml_generators.bringup.views import ProcessView
 
 

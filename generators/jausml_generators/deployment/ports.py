@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from jausml.metamodel.classes.system import Host
+    from jausml.language.metamodel.classes.system import Host
 
 NEIGHBOURS_OFFSET = 50_000
 """How far above the port of a host those of processes are that do not own it."""

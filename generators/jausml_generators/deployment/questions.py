@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.semantics.hosts import endpoint_of, host_of, is_ipv4
+from jausml.language.semantics.hosts import endpoint_of, host_of, is_ipv4
 from jausml_generators.deployment.ports import HIGHEST_SHARED_PORT
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from jausml.metamodel.classes.bridge import (
+    from jausml.language.metamodel.classes.bridge import (
         Bridge,
         Connection,
         RosActionConnection,
         RosServiceConnection,
     )
-    from jausml.metamodel.classes.system import Host, System
+    from jausml.language.metamodel.classes.system import Host, System
     from jausml_generators.bringup.views import ProcessView
 
 _UNKNOWN_MAINTAINER = "maintainer@example.com"

@@ -14,7 +14,7 @@ from jausml_generators.deployment.views import DeploymentView
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from jausml.model.model import Model
+    from jausml.language.model.model import Model
     from jausml_generators.deployment.views import HostView, UnitView
 
 

@@ -6,12 +6,12 @@ import ipaddress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.semantics.topics import resolve_topic
+from jausml.language.semantics.topics import resolve_topic
 from jausml_generators.deployment.ports import dds_ports
 from jausml_generators.python.names import package_name
 
 if TYPE_CHECKING:
-    from jausml.metamodel.classes.system import System
+    from jausml.language.metamodel.classes.system import System
     from jausml_generators.bringup.views import ProcessView
     from jausml_generators.deployment.network import Deployed
 

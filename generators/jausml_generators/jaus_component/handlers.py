@@ -13,7 +13,7 @@ from jausml_generators.python.package import laid_out
 from jausml_generators.python.statements import call
 
 if TYPE_CHECKING:
-    from jausml.metamodel.classes import jaus
+    from jausml.language.metamodel.classes import jaus
     from jausml_generators.python.codec.messages import MessageView
 
 GUARD_TEXTS = {

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.docstrings import clean, sentence
 from jausml.generation.literals import python_string
-from jausml.languages.guards import (
+from jausml.language.attributes.guards import (
     AllOf,
     AnyOf,
     Condition,
@@ -16,9 +16,9 @@ from jausml.languages.guards import (
     conditions,
     parse_guard,
 )
-from jausml.semantics.commands import guard_of
-from jausml.semantics.core_services import SERVED_BY_RUNTIME
-from jausml.semantics.inherited_machines import CORE_STATES, Machine, Node, event_name, machines_of
+from jausml.language.semantics.commands import guard_of
+from jausml.language.semantics.core_services import SERVED_BY_RUNTIME
+from jausml.language.semantics.inherited_machines import CORE_STATES, Machine, Node, event_name, machines_of
 from jausml_generators.common import components
 from jausml_generators.jaus_component.handlers import Method, documented
 from jausml_generators.jaus_component.machine_views import EventView, MachineMethod, MachineView
@@ -30,7 +30,7 @@ from jausml_generators.python.statements import call, tuple_of
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from jausml.metamodel.classes import jaus
+    from jausml.language.metamodel.classes import jaus
     from jausml_generators.python.codec.messages import MessageView
 
 STANDARD_GUARDS = {

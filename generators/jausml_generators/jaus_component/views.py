@@ -12,9 +12,9 @@ from jausml.generation.docstrings import clean, docstring, sentence
 from jausml.generation.errors import GenerationError
 from jausml.generation.languages.python import Imports, Origin, offered
 from jausml.generation.literals import LINE_WIDTH, python_string
-from jausml.semantics.commands import guard_of
-from jausml.semantics.core_services import SERVED_BY_RUNTIME, is_core_message
-from jausml.semantics.services import provided_services
+from jausml.language.semantics.commands import guard_of
+from jausml.language.semantics.core_services import SERVED_BY_RUNTIME, is_core_message
+from jausml.language.semantics.services import provided_services
 from jausml_generators.common import components, runtime
 from jausml_generators.jaus_component import machines
 from jausml_generators.jaus_component.handlers import (
@@ -36,8 +36,8 @@ from jausml_generators.python.statements import long_string
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.metamodel.classes import jaus
-    from jausml.metamodel.classes.system import System
+    from jausml.language.metamodel.classes import jaus
+    from jausml.language.metamodel.classes.system import System
     from jausml_generators.jaus_component.machine_views import EventView, MachineView
     from jausml_generators.python.codec.messages import MessageView
 

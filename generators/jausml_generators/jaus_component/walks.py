@@ -6,8 +6,8 @@ from collections import deque
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.languages.guards import parse_guard
-from jausml.semantics.inherited_machines import (
+from jausml.language.attributes.guards import parse_guard
+from jausml.language.semantics.inherited_machines import (
     CORE_LEAVES,
     CORE_STATES,
     Machine,
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from typing import TypeAlias
 
-    from jausml.metamodel.classes import jaus
+    from jausml.language.metamodel.classes import jaus
 
     Listed: TypeAlias = Mapping[str, tuple[Sequence[jaus.Transition], Sequence[jaus.Transition]]]
 

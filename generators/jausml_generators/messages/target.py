@@ -12,7 +12,7 @@ from jausml_generators.messages.views import SystemMessages
 from jausml_generators.python.package import PACKAGE_TEMPLATES, package_tasks, package_view
 
 if TYPE_CHECKING:
-    from jausml.model.model import Model
+    from jausml.language.model.model import Model
 
 
 def tasks(model: Model) -> list[Task]:

@@ -19,8 +19,8 @@ from jausml_generators.python.names import Scope, package_name, snake_case
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from jausml.metamodel.classes import jaus
-    from jausml.metamodel.classes.system import System
+    from jausml.language.metamodel.classes import jaus
+    from jausml.language.metamodel.classes.system import System
     from jausml_generators.python.codec.messages import MessageView
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal
-from jausml.languages.expressions import (
+from jausml.language.attributes.expressions import (
     COMPARISONS,
     Call,
     Conditional,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from jausml.metamodel.classes import jaus
+    from jausml.language.metamodel.classes import jaus
 
 _VELOCITY_DRIVER = "urn:jaus:jss:mobility:VelocityStateDriver"
 

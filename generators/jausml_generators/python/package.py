@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Sequence
 
     from jausml.generation.artifact import SkeletonContract
-    from jausml.metamodel.classes import jaus, ros
-    from jausml.metamodel.classes.system import System
+    from jausml.language.metamodel.classes import jaus, ros
+    from jausml.language.metamodel.classes.system import System
 
 PACKAGE_TEMPLATES = templates_beside(__file__)
 """Folder of the shared templates, for the `template_folders` of a target."""

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml import wire
+from jausml.language import wire
 from jausml.generation.errors import GenerationError
-from jausml.interfaces.definitions import BOUNDED, FIXED, SINGLE, UNBOUNDED, FieldType
+from jausml.language.interfaces.definitions import BOUNDED, FIXED, SINGLE, UNBOUNDED, FieldType
 from jausml_generators.python import names as common_names
 from jausml_generators.ros_interfaces.definitions import (
     ConstantLine,
@@ -25,7 +25,7 @@ from jausml_generators.ros_interfaces.ros_types import described
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from jausml.metamodel.classes import jaus
+    from jausml.language.metamodel.classes import jaus
 
 _LONGEST_SEQUENCE = 2**16 - 1
 """A sequence that may be longer is not bounded: nobody would reserve the memory."""

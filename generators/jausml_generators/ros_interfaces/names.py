@@ -5,7 +5,7 @@ from __future__ import annotations
 import keyword
 import re
 
-from jausml.model import words
+from jausml.language.model import words
 from jausml_generators.python import names
 
 # Words of C and C++ that a struct's member cannot have; those of Python come from `keyword`.

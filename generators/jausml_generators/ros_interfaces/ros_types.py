@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.interfaces.definitions import FieldType
-from jausml.metamodel.classes import ros
-from jausml.semantics.installed import kind_of, package_of, parts_of
+from jausml.language.interfaces.definitions import FieldType
+from jausml.language.metamodel.classes import ros
+from jausml.language.semantics.installed import kind_of, package_of, parts_of
 from jausml_generators.ros_interfaces.definitions import (
     ConstantLine,
     DefinitionFile,
@@ -17,7 +17,7 @@ from jausml_generators.ros_interfaces.definitions import (
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.semantics.installed import InterfaceType
+    from jausml.language.semantics.installed import InterfaceType
 
 
 def package_files(package: ros.InterfacePackage, source: str) -> Iterator[DefinitionFile]:

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.metamodel.classes import bridge, jaus, ros
-from jausml.semantics import calls
-from jausml.semantics.core_services import CORE
+from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.semantics import calls
+from jausml.language.semantics.core_services import CORE
 from jausml_generators.common.components import with_inherited
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from jausml.model.model import Model
+    from jausml.language.model.model import Model
 
 
 def declared_packages(model: Model) -> list[ros.InterfacePackage]:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 from jausml.generation.system import source_of, system_of
 from jausml.generation.target import Target, WholeLibrary
 from jausml.generation.tasks import FileTask, Task, templates_beside
-from jausml.metamodel.classes import jaus, ros
-from jausml.metamodel.classes import system as system_language
-from jausml.metamodel.filling import new_object
+from jausml.language.metamodel.classes import jaus, ros
+from jausml.language.metamodel.classes import system as system_language
+from jausml.language.metamodel.filling import new_object
 from jausml_generators.python.names import package_name
 from jausml_generators.ros_interfaces.jaus_types import MessagesPackage
 from jausml_generators.ros_interfaces.ros_types import package_files
@@ -24,7 +24,7 @@ from jausml_generators.ros_interfaces.views import InterfacesView
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from jausml.model.model import Model
+    from jausml.language.model.model import Model
 
 
 def declared_tasks(model: Model) -> list[Task]:

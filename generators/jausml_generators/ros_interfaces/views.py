@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.metamodel.classes.system import System
+    from jausml.language.metamodel.classes.system import System
     from jausml_generators.ros_interfaces.definitions import DefinitionFile
 
 

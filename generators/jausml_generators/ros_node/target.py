@@ -16,7 +16,7 @@ from jausml_generators.python.package import (
 from jausml_generators.ros_node.views import NodeView
 
 if TYPE_CHECKING:
-    from jausml.model.model import Model
+    from jausml.language.model.model import Model
 
 
 def tasks(model: Model) -> list[Task]:

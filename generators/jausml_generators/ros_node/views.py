@@ -27,7 +27,7 @@ from jausml_generators.python.statements import long_string
 if TYPE_CHECKING:
     from typing import TypeAlias
 
-    from jausml.metamodel.classes import ros
+    from jausml.language.metamodel.classes import ros
 
     Endpoint: TypeAlias = ros.TopicEndpoint | ros.ServiceEndpoint
 

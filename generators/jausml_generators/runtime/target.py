@@ -12,7 +12,7 @@ from jausml.generation.tasks import Task, TextFile, TextTask
 from jausml_generators.python.package import PACKAGE_TEMPLATES, package_tasks, package_view
 
 if TYPE_CHECKING:
-    from jausml.model.model import Model
+    from jausml.language.model.model import Model
 
 NAME = "jausml_runtime"
 DEPENDENCIES = ("action_msgs", "diagnostic_msgs", "rcl_interfaces", "rclpy", "rosgraph_msgs")

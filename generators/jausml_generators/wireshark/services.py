@@ -5,17 +5,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generation.system import system_of
-from jausml.metamodel.classes import jaus
-from jausml.model import library_root, read_models
-from jausml.semantics import calls
-from jausml.semantics.core_services import CORE
-from jausml.semantics.standard_services import NEWEST_SET
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import library_root, read_models
+from jausml.language.semantics import calls
+from jausml.language.semantics.core_services import CORE
+from jausml.language.semantics.standard_services import NEWEST_SET
 from jausml_generators.common.components import with_inherited
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.model.model import Model
+    from jausml.language.model.model import Model
 
 
 def used_services(model: Model) -> list[jaus.Service]:

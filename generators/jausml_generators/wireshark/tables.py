@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from jausml import wire
+from jausml.language import wire
 from jausml.generation.literals import printable
-from jausml.model import words
+from jausml.language.model import words
 from jausml_generators.python.names import Scope
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from jausml_generators.wireshark.views import DissectorView
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.metamodel.classes import jaus
-    from jausml.model.model import Model
+    from jausml.language.metamodel.classes import jaus
+    from jausml.language.model.model import Model
 
 
 def tasks(model: Model) -> list[Task]:

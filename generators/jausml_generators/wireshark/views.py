@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from jausml import wire
+from jausml.language import wire
 from jausml.generation.errors import GenerationError
 from jausml_generators.python import names
 from jausml_generators.wireshark.tables import TableBuilder, label
@@ -13,8 +13,8 @@ from jausml_generators.wireshark.tables import TableBuilder, label
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from jausml.metamodel.classes import jaus
-    from jausml.metamodel.classes.system import System
+    from jausml.language.metamodel.classes import jaus
+    from jausml.language.metamodel.classes.system import System
     from jausml_generators.wireshark.tables import Table
 
 JAUS_PORT = 3794

@@ -25,7 +25,7 @@ _EXTRAS = (
     ("top", "textual", "the view of `jausml top`"),
     ("record", "mcap", "`jausml record`"),
 )
-_PAGE = Path(jausml.__file__).parent / "studio" / "page" / "index.html"
+_PAGE = Path(jausml.__file__).parent / "authoring" / "studio" / "page" / "index.html"
 """What the studio shows; it is built, and a wheel may have been made without."""
 
 

@@ -26,18 +26,18 @@ from jausml.live.messages.errors import (
     similar,
 )
 from jausml.live.messages.scalars import check_names
-from jausml.metamodel import load_jaus_metamodel
-from jausml.metamodel.classes import jaus
-from jausml.model import library_root, read_models
-from jausml.model.diagnostics import Severity
+from jausml.language.metamodel import load_jaus_metamodel
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import library_root, read_models
+from jausml.language.model.diagnostics import Severity
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterable, Mapping, Sequence
     from pathlib import Path
 
-    from jausml.model import Model, ReadResult
-    from jausml.model.notation import Notation
+    from jausml.language.model import Model, ReadResult
+    from jausml.language.model.notation import Notation
 
 _KEYS = ("message", "code", "service", "service_version", "fields")
 _CODE = re.compile(r"(?:0[xX])?[0-9A-Fa-f]{4}")

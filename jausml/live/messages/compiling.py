@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml import wire
+from jausml.language import wire
 from jausml.live.messages.blobs import Counted, FormattedOctets, Octets, Text, VariableNumber
 from jausml.live.messages.containers import PRESENCE, TAG, Array, List, Member, Record, Variant
 from jausml.live.messages.errors import DefinitionError
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from jausml.live.messages.blobs import EncodeMessage
     from jausml.live.messages.codec import Codec, Scalar
-    from jausml.metamodel.classes import jaus
+    from jausml.language.metamodel.classes import jaus
 
 
 def compile_message(definition: jaus.MessageDef, encode_message: EncodeMessage) -> Record:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml import wire
+from jausml.language import wire
 from jausml.live.messages.errors import DefinitionError
 from jausml.live.messages.legal import integers_in_words
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from jausml.live.messages.entries import MessageEntry
-    from jausml.metamodel.classes import jaus
+    from jausml.language.metamodel.classes import jaus
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import struct
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from jausml import wire
+from jausml.language import wire
 from jausml.live.messages.compiling import compile_message
 from jausml.live.messages.containers import PRESENCE
 from jausml.live.messages.errors import DecodeError, EncodeError
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from jausml.live.messages.blobs import EncodeMessage
     from jausml.live.messages.containers import Record
-    from jausml.metamodel.classes import jaus
+    from jausml.language.metamodel.classes import jaus
 
 _CODE = struct.Struct("<H")
 # Two definitions that differ in these alone decode and encode the same.

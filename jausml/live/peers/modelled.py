@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.metamodel.classes import bridge
+from jausml.language.metamodel.classes import bridge
 from jausml.runtime.base.address import JausAddress
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.model.model import Model
+    from jausml.language.model.model import Model
 
 
 def reports_of(model: Model) -> list[tuple[JausAddress, str]]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.live.messages.containers import Record
 from jausml.live.messages.samples import sample
-from jausml.semantics.answers import PRESENCE_VECTOR
+from jausml.language.semantics.answers import PRESENCE_VECTOR
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

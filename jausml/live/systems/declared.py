@@ -5,15 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.live.systems.state import Declaration, TopicName
-from jausml.metamodel.classes import bridge, jaus, ros
-from jausml.semantics import calls
-from jausml.semantics.installed import package_of
-from jausml.semantics.topics import endpoints, resolve_topic
+from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.semantics import calls
+from jausml.language.semantics.installed import package_of
+from jausml.language.semantics.topics import endpoints, resolve_topic
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.model import Model
+    from jausml.language.model import Model
 
 
 def declarations_of(model: Model) -> Iterator[Declaration]:

@@ -7,14 +7,14 @@ import random
 import re
 from typing import TYPE_CHECKING
 
-from jausml.editing.commands import Add, Child, Move, Remove, Rename, Set
-from jausml.editing.project import Project
-from jausml.editing.reading import NOTATIONS
-from jausml.metamodel import FeatureKind, ValueKind
-from jausml.metamodel.filling import contents
-from jausml.model import read_models, refs
-from jausml.model.comparison import Policy, compare
-from jausml.model.values import convert
+from jausml.authoring.editing.commands import Add, Child, Move, Remove, Rename, Set
+from jausml.authoring.editing.project import Project
+from jausml.authoring.editing.reading import NOTATIONS
+from jausml.language.metamodel import FeatureKind, ValueKind
+from jausml.language.metamodel.filling import contents
+from jausml.language.model import read_models, refs
+from jausml.language.model.comparison import Policy, compare
+from jausml.language.model.values import convert
 
 if TYPE_CHECKING:
     from pathlib import Path

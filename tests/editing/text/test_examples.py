@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from editing_support import Edited
 
-from jausml.editing.commands import Add, Child, EditError, Move, Remove, Rename, Set
+from jausml.authoring.editing.commands import Add, Child, EditError, Move, Remove, Rename, Set
 
 MODEL = """\
 // A robot, as we like it.

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from editing_support import Commands, Edited, dense, loosened
 
-from jausml.editing.commands import EditError
+from jausml.authoring.editing.commands import EditError
 
 ROOT = Path(__file__).parents[3]
 FILES = sorted((ROOT / "models").rglob("*.ros2jaus"))

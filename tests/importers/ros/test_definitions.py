@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.interfaces import parse_definition
-from jausml.interfaces.definitions import FieldType
+from jausml.language.interfaces import parse_definition
+from jausml.language.interfaces.definitions import FieldType
 
 
 def message(text):

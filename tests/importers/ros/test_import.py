@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.importers.ros import PackageSource, Source, import_packages, package_sources, placed
-from jausml.interfaces import Installation
-from jausml.model.xmi.writer import to_xmi
+from jausml.language.importers.ros import PackageSource, Source, import_packages, package_sources, placed
+from jausml.language.interfaces import Installation
+from jausml.language.model.xmi.writer import to_xmi
 
 
 def package(name, **texts):

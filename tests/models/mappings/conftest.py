@@ -16,7 +16,7 @@ from mapping_support import Translator, generate, read, system_text
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from jausml.model.reading.reader import ReadResult
+    from jausml.language.model.reading.reader import ReadResult
 
 
 @pytest.fixture(scope="session")

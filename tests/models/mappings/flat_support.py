@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-from jausml.metamodel.classes import ros
+from jausml.language.metamodel.classes import ros
 
 if TYPE_CHECKING:
     from random import Random

@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING, Any
 from workspaces import packages_of
 
 from jausml.generation import render
-from jausml.metamodel.classes import bridge, ros
-from jausml.model import read_models
-from jausml.text.notation import NOTATIONS
-from jausml.validation.engine import check
+from jausml.language.metamodel.classes import bridge, ros
+from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
+from jausml.language.validation.engine import check
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.runtime.target import TARGET as RUNTIME
 
 if TYPE_CHECKING:
-    from jausml.model.reading.reader import ReadResult
+    from jausml.language.model.reading.reader import ReadResult
 
 ROOT = Path(__file__).resolve().parents[3]
 MAPPINGS = ROOT / "models" / "library" / "mappings"

@@ -28,7 +28,7 @@ from mapping_support import (
     ready_maps,
 )
 
-from jausml.metamodel.classes import bridge as bridge_classes
+from jausml.language.metamodel.classes import bridge as bridge_classes
 from jausml_generators.bridge.views import BridgeView
 from jausml_generators.python.codec.message_builder import build_message_map
 

@@ -21,13 +21,13 @@ from mapping_support import (
 )
 from workspaces import packages_of
 
-from jausml.metamodel.classes import bridge
+from jausml.language.metamodel.classes import bridge
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from jausml.model.reading.reader import ReadResult
+    from jausml.language.model.reading.reader import ReadResult
 
 MAPS = [(stem, each) for stem, maps in ready_maps().items() for each in maps]
 

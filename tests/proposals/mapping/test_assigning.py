@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 from answers_support import CAR, SHIPPED, scope_of
 
-from jausml.editing.commands import Add, Remove
-from jausml.metamodel.classes import bridge
-from jausml.proposals.elements import AnswerError
-from jausml.proposals.mapping.assigning import assign, partners
-from jausml.proposals.mapping.members import member
-from jausml.proposals.mapping.sourceless import clock, constant, ignore
-from jausml.semantics.conversions import CONVERSIONS
+from jausml.authoring.editing.commands import Add, Remove
+from jausml.language.metamodel.classes import bridge
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.proposals.mapping.assigning import assign, partners
+from jausml.authoring.proposals.mapping.members import member
+from jausml.authoring.proposals.mapping.sourceless import clock, constant, ignore
+from jausml.language.semantics.conversions import CONVERSIONS
 
 CHANGES_VALUES = {"deadband", "clamp", "limit"}
 

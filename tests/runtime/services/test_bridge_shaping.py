@@ -23,7 +23,7 @@ from jausml.runtime.bridge.ends.topics import Qos, Topic
 from jausml.runtime.bridge.reports.diagnostics import Statistics
 from jausml.runtime.conversions import Time, time_to_timestamp
 from jausml.runtime.messages import QueryEventTimeout, ReportEventTimeout, SetTime
-from jausml.validation.rules.bridge import shaping as rules
+from jausml.language.validation.rules.bridge import shaping as rules
 
 from .bridge_support import (
     OWN,

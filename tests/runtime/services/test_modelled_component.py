@@ -22,7 +22,7 @@ from jausml.runtime.messages import (
     SetTime,
     Standby,
 )
-from jausml.semantics.inherited_machines import CORE_LEAVES
+from jausml.language.semantics.inherited_machines import CORE_LEAVES
 
 WORK = "Receiving.Ready.Controlled.Available.Ready"
 SENT = ReportTime()

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from jausml.editing.project import Project
-from jausml.proposals.elements import Scope
-from jausml.studio.answers.cures import CURES, cures
-from jausml.validation.engine import check
+from jausml.authoring.editing.project import Project
+from jausml.authoring.proposals.elements import Scope
+from jausml.authoring.studio.answers.cures import CURES, cures
+from jausml.language.validation.engine import check
 
 RULES = Path(__file__).resolve().parents[2] / "cases" / "rules"
 CASES = sorted(each for each in RULES.iterdir() if each.name[:6] in CURES)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.editing.project import Project
-from jausml.metamodel.classes import jaus, ros, system
-from jausml.proposals.elements import AnswerError, Scope
-from jausml.semantics.hosts import host_of
-from jausml.studio.answers.hosting import hosted
+from jausml.authoring.editing.project import Project
+from jausml.language.metamodel.classes import jaus, ros, system
+from jausml.authoring.proposals.elements import AnswerError, Scope
+from jausml.language.semantics.hosts import host_of
+from jausml.authoring.studio.answers.hosting import hosted
 
 TEXT = """\
 system robot {

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from answers_support import CAR, SHIPPED, named, scope_of
 
-from jausml.editing.commands import Add, Set
-from jausml.metamodel.classes import bridge, jaus, ros
-from jausml.studio.answers.palette import palette
+from jausml.authoring.editing.commands import Add, Set
+from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.authoring.studio.answers.palette import palette
 
 
 def labels(found, group=None):

@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 from answers_support import CAR, SHIPPED, named, scope_of
 
-from jausml.metamodel.classes import bridge, jaus
-from jausml.model import read_models
-from jausml.proposals.elements import Scope
-from jausml.studio.answers.sources import source
-from jausml.text.notation import NOTATIONS
+from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.model import read_models
+from jausml.authoring.proposals.elements import Scope
+from jausml.authoring.studio.answers.sources import source
+from jausml.language.text.notation import NOTATIONS
 
 
 def piece(found):

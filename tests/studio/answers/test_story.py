@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.editing.commands import Create
-from jausml.editing.project import Project
-from jausml.metamodel.classes import bridge, jaus, ros
-from jausml.proposals.elements import Scope
-from jausml.studio.answers.connecting import connect
-from jausml.studio.answers.palette import palette
-from jausml.studio.answers.planning import plan
-from jausml.studio.answers.spots import Spot
-from jausml.validation.engine import check
+from jausml.authoring.editing.commands import Create
+from jausml.authoring.editing.project import Project
+from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.authoring.proposals.elements import Scope
+from jausml.authoring.studio.answers.connecting import connect
+from jausml.authoring.studio.answers.palette import palette
+from jausml.authoring.studio.answers.planning import plan
+from jausml.authoring.studio.answers.spots import Spot
+from jausml.language.validation.engine import check
 
 
 class Desk:

@@ -6,9 +6,9 @@ import asyncio
 import threading
 from typing import TYPE_CHECKING
 
-from jausml.editing.project import Project
-from jausml.studio.desk import Desk
-from jausml.studio.session import Session
+from jausml.authoring.editing.project import Project
+from jausml.authoring.studio.desk import Desk
+from jausml.authoring.studio.session import Session
 
 if TYPE_CHECKING:
     from pathlib import Path

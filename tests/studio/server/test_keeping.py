@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from studio_client import RefusedError, serving
 
-from jausml.editing.project import Project
-from jausml.studio.asking import showing
-from jausml.studio.desk import Desk
+from jausml.authoring.editing.project import Project
+from jausml.authoring.studio.asking import showing
+from jausml.authoring.studio.desk import Desk
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -17,16 +17,16 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from jausml.editing.commands import EditError
-from jausml.editing.project import Project
-from jausml.editing.reading import can_be_parsed
-from jausml.metamodel.classes import jaus
-from jausml.model import read_models
-from jausml.proposals.elements import AnswerError
-from jausml.studio.asking import editing, generating, showing
-from jausml.studio.desk import Desk
-from jausml.studio.typed import typed
-from jausml.text.notation import NOTATIONS
+from jausml.authoring.editing.commands import EditError
+from jausml.authoring.editing.project import Project
+from jausml.authoring.editing.reading import can_be_parsed
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import read_models
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.studio.asking import editing, generating, showing
+from jausml.authoring.studio.desk import Desk
+from jausml.authoring.studio.typed import typed
+from jausml.language.text.notation import NOTATIONS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.metamodel.classes import bridge
+from jausml.language.metamodel.classes import bridge
 from jausml_generators.bridge.checks.assertions import has_value
 from jausml_generators.bridge.checks.check import Check, equals, holds, tidy
 from jausml_generators.bridge.translation.ros_fields import PathError

@@ -6,15 +6,15 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from jausml.languages.expressions import source_names
-from jausml.semantics.attributes import NUMBER
-from jausml.semantics.conversions import NoValueError
-from jausml.semantics.steps import Step, step_of
+from jausml.language.attributes.expressions import source_names
+from jausml.language.semantics.attributes import NUMBER
+from jausml.language.semantics.conversions import NoValueError
+from jausml.language.semantics.steps import Step, step_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from jausml.metamodel.classes import bridge
+    from jausml.language.metamodel.classes import bridge
 
 _VALUE = "."
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 from jausml.generation.literals import python_literal
-from jausml.semantics.jaus_paths import JausPlace, message_place
+from jausml.language.semantics.jaus_paths import JausPlace, message_place
 from jausml_generators.bridge.checks.check import store
 from jausml_generators.bridge.translation.body import conditions
 from jausml_generators.bridge.translation.expressions import BOOLEAN, INTEGER, REAL, TEXT
@@ -26,7 +26,7 @@ from jausml_generators.python.statements import call
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from jausml.metamodel.classes import jaus, ros
+    from jausml.language.metamodel.classes import jaus, ros
     from jausml_generators.bridge.translation import places
     from jausml_generators.bridge.translation.expressions import Expression
     from jausml_generators.bridge.translation.ros_fields import RosField

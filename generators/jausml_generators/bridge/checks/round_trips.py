@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal
-from jausml.semantics.conversions.conversion import QUATERNION
+from jausml.language.semantics.conversions.conversion import QUATERNION
 from jausml_generators.bridge.checks.assertions import is_there
 from jausml_generators.bridge.checks.check import Check, store, tidy
 from jausml_generators.bridge.checks.filling import Code, JausMessage, short_name
@@ -21,7 +21,7 @@ from jausml_generators.python.statements import call
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from jausml.metamodel.classes import bridge
+    from jausml.language.metamodel.classes import bridge
     from jausml_generators.bridge.checks.ends import Ends
     from jausml_generators.bridge.checks.figures import Chain
     from jausml_generators.bridge.checks.filling import Place

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.metamodel.classes import bridge
-from jausml.semantics.paths import target_paths
-from jausml.semantics.stops import stop_assignments
+from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics.paths import target_paths
+from jausml.language.semantics.stops import stop_assignments
 from jausml_generators.bridge.checks.check import Check, equals, store
 from jausml_generators.bridge.checks.filling import Code, ValueTextError
 

@@ -14,7 +14,7 @@ from jausml_generators.python.names import snake_case
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.metamodel.classes import bridge
+    from jausml.language.metamodel.classes import bridge
     from jausml_generators.bridge.checks.ends import Ends
     from jausml_generators.bridge.checks.filling import Message
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
-from jausml.metamodel.classes import ros
+from jausml.language.metamodel.classes import ros
 from jausml_generators.bridge.flat.errors import NotFlatError
 
 if TYPE_CHECKING:

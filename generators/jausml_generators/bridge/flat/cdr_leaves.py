@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.generation.literals import python_literal
-from jausml.metamodel.classes import ros
+from jausml.language.metamodel.classes import ros
 from jausml_generators.bridge.flat.cdr_layout import LETTERS
 from jausml_generators.bridge.flat.errors import NotFlatError
 

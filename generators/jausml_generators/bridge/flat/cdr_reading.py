@@ -30,7 +30,7 @@ from jausml_generators.python.statements import call, tuple_of
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from jausml.metamodel.classes import ros
+    from jausml.language.metamodel.classes import ros
     from jausml_generators.bridge.flat.constants import Constants
     from jausml_generators.python.names import Scope
 

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_string
-from jausml.metamodel.classes import ros
+from jausml.language.metamodel.classes import ros
 from jausml_generators.bridge.flat.cdr_chunks import SIZES
 from jausml_generators.bridge.flat.cdr_leaves import (
     ManyLeaf,

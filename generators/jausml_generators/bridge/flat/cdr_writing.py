@@ -32,7 +32,7 @@ from jausml_generators.bridge.translation.ros_fields import full_name
 from jausml_generators.python.names import snake_case
 
 if TYPE_CHECKING:
-    from jausml.metamodel.classes import ros
+    from jausml.language.metamodel.classes import ros
     from jausml_generators.bridge.flat.constants import Constants
     from jausml_generators.python.names import Scope
 

@@ -21,7 +21,7 @@ from jausml_generators.python.names import Scope, names_in
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from jausml.metamodel.classes import bridge, jaus
+    from jausml.language.metamodel.classes import bridge, jaus
     from jausml_generators.bridge.flat.constants import Constants
     from jausml_generators.bridge.flat.expressions import SourceValues
     from jausml_generators.bridge.flat.protocols import Reading, Writing

@@ -10,7 +10,7 @@ from jausml_generators.bridge.flat.errors import NotFlatError
 from jausml_generators.bridge.translation.ros_fields import PathError, RosStart, ros_field
 
 if TYPE_CHECKING:
-    from jausml.metamodel.classes import ros
+    from jausml.language.metamodel.classes import ros
     from jausml_generators.bridge.flat.jaus_reading import PartReading
     from jausml_generators.bridge.flat.protocols import Reading, SequenceReading
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.errors import GenerationError
-from jausml.metamodel.classes import ros
+from jausml.language.metamodel.classes import ros
 from jausml_generators.bridge.translation.ros_fields import full_name
 
 if TYPE_CHECKING:

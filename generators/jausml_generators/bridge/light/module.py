@@ -16,7 +16,7 @@ from jausml_generators.python.names import snake_case
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from jausml.metamodel.classes import ros
+    from jausml.language.metamodel.classes import ros
     from jausml_generators.bridge.ros_classes import RosClasses
 
 _TAKEN = ("ClassVar", "Layout", "LightMessage")

@@ -10,7 +10,7 @@ from jausml_generators.python.statements import call
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from jausml.metamodel.classes import ros
+    from jausml.language.metamodel.classes import ros
     from jausml_generators.bridge.light.layout import FieldLayout, Sizes
     from jausml_generators.bridge.light.runs import Runs
 

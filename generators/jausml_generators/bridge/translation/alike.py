@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.metamodel.classes import ecore
+from jausml.language.metamodel.classes import ecore
 
 if TYPE_CHECKING:
     from collections.abc import Hashable
 
-    from jausml.metamodel.classes import bridge
-    from jausml.metamodel.classes.ecore import EClass, EObject
+    from jausml.language.metamodel.classes import bridge
+    from jausml.language.metamodel.classes.ecore import EClass, EObject
 
 _SAYS_NOTHING = frozenset({"name", "documentation"})
 """Features of a map that are in no translation."""

@@ -15,7 +15,7 @@ from jausml_generators.python.names import snake_case
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from jausml.metamodel.classes import bridge
+    from jausml.language.metamodel.classes import bridge
     from jausml_generators.bridge.translation.expressions import Expression
     from jausml_generators.bridge.translation.places import Way
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from jausml.languages.expressions import occurrences, parse_expression, source_names
-from jausml.semantics.conversions import authored, conversion_of, numbers
-from jausml.semantics.conversions.conversion import MAXIMUM
+from jausml.language.attributes.expressions import occurrences, parse_expression, source_names
+from jausml.language.semantics.conversions import authored, conversion_of, numbers
+from jausml.language.semantics.conversions.conversion import MAXIMUM
 from jausml_generators.bridge.translation import expressions
 from jausml_generators.bridge.translation.expressions import (
     BITS,

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
-    from jausml.languages import expressions as authored
+    from jausml.language.attributes import expressions as authored
     from jausml_generators.bridge.translation.places import Condition, Place
 
 REAL, INTEGER, BOOLEAN, TEXT, OCTETS = "real", "integer", "boolean", "text", "octets"

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.literals import python_string
-from jausml.semantics.conversions import conversion_of
-from jausml.semantics.conversions.authored import User
+from jausml.language.semantics.conversions import conversion_of
+from jausml.language.semantics.conversions.authored import User
 from jausml_generators.bridge.translation.expressions import (
     INTEGER,
     LIST,
@@ -25,7 +25,7 @@ from jausml_generators.bridge.translation.steps import Each, Require, Write, giv
 from jausml_generators.bridge.translation.values import NO_POLICY, AssignmentError
 
 if TYPE_CHECKING:
-    from jausml.metamodel.classes import bridge
+    from jausml.language.metamodel.classes import bridge
     from jausml_generators.bridge.translation.expressions import Expression
     from jausml_generators.bridge.translation.places import Way
     from jausml_generators.bridge.translation.sources import Many

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import printable
-from jausml.metamodel.classes import bridge, ros
-from jausml.semantics.stops import stop_assignments
+from jausml.language.metamodel.classes import bridge, ros
+from jausml.language.semantics.stops import stop_assignments
 from jausml_generators.bridge.translation.body import Body
 from jausml_generators.bridge.translation.expressions import New
 from jausml_generators.bridge.translation.lists import add_list

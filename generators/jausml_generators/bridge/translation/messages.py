@@ -17,7 +17,7 @@ from jausml_generators.bridge.translation.steps import Require
 from jausml_generators.bridge.translation.values import NO_POLICY
 
 if TYPE_CHECKING:
-    from jausml.metamodel.classes import bridge
+    from jausml.language.metamodel.classes import bridge
     from jausml_generators.bridge.translation.translation import Translation
     from jausml_generators.bridge.translation.values import Value
 

@@ -9,7 +9,7 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal, python_string
-from jausml.languages.expressions import occurrences
+from jausml.language.attributes.expressions import occurrences
 from jausml_generators.bridge.translation import expressions as values
 from jausml_generators.bridge.translation import places
 from jausml_generators.bridge.translation.expressions import Constant, Expression, Limit, New

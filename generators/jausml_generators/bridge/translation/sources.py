@@ -27,7 +27,7 @@ from jausml_generators.python.codec.jaus_fields import JausStart, jaus_field
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from jausml.metamodel.classes import ros
+    from jausml.language.metamodel.classes import ros
     from jausml_generators.bridge.translation.places import Local, Way
     from jausml_generators.python.codec.jaus_fields import JausField
     from jausml_generators.python.codec.messages import MessageView

@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from jausml.semantics.quantities import value_of
-from jausml.semantics.units import unit_step
+from jausml.language.semantics.quantities import value_of
+from jausml.language.semantics.units import unit_step
 from jausml_generators.bridge.translation.values import AssignmentError
 from jausml_generators.python.names import Scope, constant_name, snake_case
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-    from jausml.metamodel.classes import bridge, jaus, ros
+    from jausml.language.metamodel.classes import bridge, jaus, ros
     from jausml_generators.python.codec.messages import MessageView
 
 

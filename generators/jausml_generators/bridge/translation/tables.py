@@ -17,7 +17,7 @@ from jausml_generators.bridge.translation.values import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.metamodel.classes import bridge
+    from jausml.language.metamodel.classes import bridge
     from jausml_generators.bridge.translation.values import Value
 
 

@@ -44,7 +44,7 @@ from jausml_generators.python.codec.jaus_fields import JausStart, default_of, ja
 from jausml_generators.python.codec.scalars import Bits, Blob, Fixed
 
 if TYPE_CHECKING:
-    from jausml.metamodel.classes import ros
+    from jausml.language.metamodel.classes import ros
     from jausml_generators.bridge.translation.body import Body
     from jausml_generators.bridge.translation.ros_fields import RosField
     from jausml_generators.python.codec.jaus_fields import JausField

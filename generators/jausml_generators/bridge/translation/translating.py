@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.metamodel.classes import bridge
-from jausml.semantics import calls
-from jausml.semantics.stops import has_stop
-from jausml.semantics.used_maps import used_maps
+from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics import calls
+from jausml.language.semantics.stops import has_stop
+from jausml.language.semantics.used_maps import used_maps
 from jausml_generators.bridge.ros_classes import RosClasses
 from jausml_generators.bridge.translation.alike import AlikeMaps
 from jausml_generators.bridge.translation.maps import stop, to_jaus, to_ros
@@ -20,7 +20,7 @@ from jausml_generators.python.names import Scope, names_in, snake_case
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 
-    from jausml.metamodel.classes import jaus
+    from jausml.language.metamodel.classes import jaus
     from jausml_generators.python.codec.messages import MessageView
 
 # Attributes that the base class has anyway.

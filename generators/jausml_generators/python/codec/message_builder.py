@@ -6,7 +6,7 @@ import struct
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from jausml import wire
+from jausml.language import wire
 from jausml.generation import docstrings as docs
 from jausml.generation.errors import GenerationError
 from jausml_generators.python import names
@@ -25,7 +25,7 @@ from jausml_generators.python.codec.messages import MessageView
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from jausml.metamodel.classes import jaus
+    from jausml.language.metamodel.classes import jaus
 
 Element = scalars.Fixed | scalars.Blob | PartValue | VariantValue
 Value = Element | ListValue | ArrayValue

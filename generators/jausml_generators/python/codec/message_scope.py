@@ -13,7 +13,7 @@ from jausml_generators.python.codec.classes import BitFieldClass, Enumeration, S
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from jausml import wire
+    from jausml.language import wire
     from jausml_generators.python.codec.classes import NestedClass
 
 

@@ -20,7 +20,7 @@ from jausml_generators.python.codec.members import Member
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml import wire
+    from jausml.language import wire
     from jausml_generators.python.codec.classes import NestedClass, SubField
 
 __all__ = ["BitFieldClass", "ContainerClass", "Member", "MessageView", "MessagesModule"]

@@ -11,7 +11,7 @@ import struct
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from jausml import wire
+from jausml.language import wire
 from jausml.generation.literals import python_literal
 
 _SCALED = {"round": "scaled", "floor": "scaled_down", "ceiling": "scaled_up"}

@@ -13,7 +13,7 @@ from jausml.live.messages.containers import PRESENCE
 from jausml.live.peers.conformance.check import Check
 from jausml.live.peers.conformance.verdicts import CheckFailed
 from jausml.live.peers.samples import optional_bits, plain_query, presence_holder
-from jausml.semantics.answers import PRESENCE_VECTOR
+from jausml.language.semantics.answers import PRESENCE_VECTOR
 
 if TYPE_CHECKING:
     from jausml.live.messages import MessageEntry, ServiceEntry

@@ -1,0 +1,1 @@
+"""How models are made and changed: editing, comparing, merging, the editors."""

@@ -1,0 +1,248 @@
+"""Diagrams of what changed: the graph of the new state, with what the old one had besides.
+
+Each part that came, went or changed has a state for its colour, and a sign before its text: who
+sees no colours sees the same.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, TypeVar
+
+from jausml.views.diagrams.graph import ADDED, CHANGED, REMOVED, Edge, End, Graph, Group, Node, Port
+from jausml.authoring.differences.change import Kind
+from jausml.language.model import refs
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+    from pathlib import Path
+
+    from jausml.authoring.differences.change import Change
+    from jausml.authoring.differences.matching import Matching
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.model import Model
+    from jausml.language.model.refs import Ref
+
+PartT = TypeVar("PartT", Node, Port, Group)
+
+_SIGNS = {ADDED: "+", REMOVED: "\N{MINUS SIGN}", CHANGED: "~"}
+_OLD = "old!"
+"""Before the ids of parts that the new state has no more."""
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A state and its graph.
+
+    Attributes:
+        graph: The graph.
+        model: The model.
+        root: What the references of the graph are relative to.
+    """
+
+    graph: Graph
+    model: Model
+    root: Path
+
+
+def compared(old: Drawn, new: Drawn, matching: Matching, found: Sequence[Change]) -> Graph:
+    """Returns the graph of the new state with what was added, removed and changed.
+
+    Args:
+        old: The old state.
+        new: The new state, in the same view.
+        matching: Which elements of both are the same one.
+        found: What changed.
+    """
+    same: dict[Ref, Ref] = {}
+    for before, after in matching.news.items():
+        same[refs.ref_of(before, old.model, old.root)] = refs.ref_of(after, new.model, new.root)
+    return _Comparison(old.graph, new.graph, same, _texts(old, new, same, found)).graph()
+
+
+def _texts(
+    old: Drawn, new: Drawn, same: Mapping[Ref, Ref], found: Iterable[Change]
+) -> dict[Ref, list[str]]:
+    """Returns what changed in words, by the references of the parts of the new state."""
+    shown = {each.element for each in _parts(new.graph) if each.element}
+    texts: dict[Ref, list[str]] = defaultdict(list)
+    for change in found:
+        obj: EObject | None = change.new_element
+        side = new
+        if change.kind is Kind.REMOVED:
+            obj, side = change.old_element, old
+        text = f"{change.element} {change.path}: {change.text}"
+        while obj is not None:
+            ref = refs.ref_of(obj, side.model, side.root)
+            ref = ref if side is new else same.get(ref, "")
+            if ref in shown:
+                texts[ref].append(text)
+                break
+            obj = obj.eContainer()
+    return texts
+
+
+def _parts(graph: Graph) -> Iterable[Node | Port | Group | Edge]:
+    yield from graph.groups
+    yield from graph.edges
+    for node in graph.nodes:
+        yield node
+        yield from node.ports
+
+
+class _Comparison:
+    """Works out the union of two graphs, from frames inwards to rows, and then the lines."""
+
+    def __init__(
+        self,
+        old: Graph,
+        new: Graph,
+        same: Mapping[Ref, Ref],
+        texts: Mapping[Ref, Sequence[str]],
+    ) -> None:
+        self._old, self._new = old, new
+        self._same, self._texts = same, texts
+        self._groups: dict[str, str] = {"": ""}
+        self._ends: dict[End, End] = {}
+
+    def graph(self) -> Graph:
+        groups = self._united_groups()
+        nodes = self._united_nodes()
+        edges = self._united_edges()
+        return replace(
+            self._new,
+            title=f"{self._new.title or self._old.title}: what changed",
+            downwards=self._new.downwards or self._old.downwards,
+            groups=tuple(groups),
+            nodes=tuple(nodes),
+            edges=tuple(edges),
+        )
+
+    def _pairs(self, old: Sequence[PartT], new: Sequence[PartT]) -> dict[str, PartT]:
+        """Returns the new parts by the ids of the old ones that are the same."""
+        by_element: dict[tuple[str, Ref], list[PartT]] = defaultdict(list)
+        by_key: dict[str, PartT] = {}
+        for each in new:
+            if each.element:
+                by_element[getattr(each, "kind", ""), each.element].append(each)
+            else:
+                by_key[each.key or each.id] = each
+        found: dict[str, PartT] = {}
+        for part in old:
+            if part.element:
+                ref = self._same.get(part.element, part.element)
+                waiting = by_element.get((getattr(part, "kind", ""), ref))
+                if waiting:
+                    found[part.id] = waiting.pop(0)
+            elif (part.key or part.id) in by_key:
+                found[part.id] = by_key.pop(part.key or part.id)
+        return found
+
+    def _state(self, part: PartT | Edge, known: set[str]) -> str:
+        if part.id not in known:
+            return ADDED
+        return CHANGED if part.element in self._texts else ""
+
+    def _united_groups(self) -> list[Group]:
+        pairs = self._pairs(self._old.groups, self._new.groups)
+        known = {each.id for each in pairs.values()}
+        found = [_signed_group(each, self._state(each, known)) for each in self._new.groups]
+        for each in self._old.groups:
+            new = pairs.get(each.id)
+            self._groups[each.id] = new.id if new is not None else f"{_OLD}{each.id}"
+            if new is None:
+                parent = self._groups[each.parent]
+                gone = replace(each, id=f"{_OLD}{each.id}", parent=parent)
+                found.append(_signed_group(gone, REMOVED))
+        return found
+
+    def _united_nodes(self) -> list[Node]:
+        pairs = self._pairs(self._old.nodes, self._new.nodes)
+        olds = {new.id: self._old.by_id[old] for old, new in pairs.items()}
+        found = [self._node(olds.get(each.id), each, set(olds)) for each in self._new.nodes]
+        for each in self._old.nodes:
+            if each.id not in pairs:
+                gone = replace(each, id=f"{_OLD}{each.id}", group=self._groups[each.group])
+                for port in ("", *(port.id for port in each.ports)):
+                    self._ends[End(each.id, port)] = End(gone.id, port)
+                found.append(_signed_node(gone, REMOVED, ()))
+        return found
+
+    def _node(self, old: Node | None, new: Node, known: set[str]) -> Node:
+        state = self._state(new, known)
+        if old is None:
+            return _signed_node(new, state, ())
+        pairs = self._pairs(old.ports, new.ports)
+        staying = {each.id for each in pairs.values()}
+        rows = [self._row(each, self._state(each, staying)) for each in new.ports]
+        self._ends[End(old.id)] = End(new.id)
+        at = 0
+        for each in old.ports:
+            same = pairs.get(each.id)
+            if same is None:
+                gone = replace(each, id=f"{_OLD}{each.id}")
+                rows.insert(at, self._row(gone, REMOVED))
+            identity = f"{_OLD}{each.id}" if same is None else same.id
+            self._ends[End(old.id, each.id)] = End(new.id, identity)
+            at = next(n for n, row in enumerate(rows) if row.id == identity) + 1
+        return _signed_node(replace(new, ports=tuple(rows)), state, self._told(new))
+
+    def _row(self, port: Port, state: str) -> Port:
+        if not state:
+            return port
+        label = f"{_SIGNS[state]} {port.label}"
+        details = (*port.details, *self._told(port))
+        return replace(port, label=label, state=state, details=details)
+
+    def _told(self, part: Node | Port | Edge) -> tuple[tuple[str, str], ...]:
+        return tuple(("what changed", each) for each in self._texts.get(part.element, ()))
+
+    def _united_edges(self) -> list[Edge]:
+        left: dict[tuple[object, ...], list[Edge]] = defaultdict(list)
+        for each in self._old.edges:
+            moved = replace(
+                each,
+                id=f"{_OLD}{each.id}",
+                source=self._ends[each.source],
+                target=self._ends[each.target],
+            )
+            element = self._same.get(each.element, each.element)
+            left[_signature(moved, element)].append(moved)
+        found = []
+        for each in self._new.edges:
+            waiting = left.get(_signature(each, each.element))
+            if waiting:
+                waiting.pop(0)
+            state = self._state(each, {each.id} if waiting is not None else set())
+            found.append(_signed_edge(each, state, self._told(each)))
+            if waiting == []:
+                del left[_signature(each, each.element)]
+        gone = (each for rest in left.values() for each in rest)
+        return [*found, *(_signed_edge(each, REMOVED, ()) for each in gone)]
+
+
+def _signature(edge: Edge, element: Ref) -> tuple[object, ...]:
+    """Returns what an edge of one state has in common with that of the other."""
+    return edge.kind, edge.source, edge.target, element or edge.title
+
+
+def _signed_group(group: Group, state: str) -> Group:
+    title = f"{_SIGNS[state]} {group.title}" if state else group.title
+    return replace(group, title=title, state=state)
+
+
+def _signed_node(node: Node, state: str, told: tuple[tuple[str, str], ...]) -> Node:
+    title = f"{_SIGNS[state]} {node.title}" if state else node.title
+    return replace(node, title=title, state=state, details=(*node.details, *told))
+
+
+def _signed_edge(edge: Edge, state: str, told: tuple[tuple[str, str], ...]) -> Edge:
+    if not state:
+        return edge
+    sign = _SIGNS[state]
+    first, *others = edge.labels or ("",)
+    labels = (f"{sign} {first}".rstrip(), *others)
+    title = f"{sign} {edge.title}".rstrip()
+    details = (*edge.details, *told)
+    return replace(edge, title=title, labels=labels, state=state, details=details)

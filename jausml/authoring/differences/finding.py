@@ -1,0 +1,268 @@
+"""Finder of what changed from one state of a model to another."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.authoring.differences.breaking import breaks
+from jausml.authoring.differences.change import Change, Kind
+from jausml.authoring.differences.matching import Matching, address, owned, values
+from jausml.authoring.differences.telling import (
+    element_words,
+    is_sign_change,
+    statement,
+    value_text,
+    with_unit,
+    words,
+)
+from jausml.language.metamodel import FeatureKind
+from jausml.language.metamodel.classes import bridge, jaus
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+    from typing import Any
+
+    from jausml.language.metamodel import ClassTable, FeatureTable
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.model import Model
+    from jausml.language.model.reading.reader import LostReference
+
+_ORDERED = {"jaus.Record.fields", "jaus.Sequence.fields", "jaus.Variant.options"}
+"""Owned parts whose order is that on the wire."""
+_DOCUMENTATION = "documentation"
+_PHRASES = {
+    each: (f"no longer {each}", f"now {each}")
+    for each in ("provides", "uses", "controls", "inherits")
+}
+
+
+def is_ordered(table: ClassTable, feature: FeatureTable) -> bool:
+    """Tells whether the order of the parts of an element means something.
+
+    Args:
+        table: The class of the element.
+        feature: The feature that holds the parts.
+    """
+    return any(f"{each.qualified_name}.{feature.name}" in _ORDERED for each in table.supertypes)
+
+
+@dataclass(frozen=True)
+class _Missing:
+    """What a reference names that leads to no element."""
+
+    fragment: str
+
+    @property
+    def name(self) -> str:
+        return f"{self.fragment} (not found)"
+
+
+def changes(
+    old: Model,
+    new: Model,
+    roots: Sequence[tuple[EObject | None, EObject | None]],
+    lost: Iterable[LostReference] = (),
+) -> list[Change]:
+    """Returns what changed, in the order of the new state; what was removed comes at its owner.
+
+    Documentation, layout, ids and the order of parts that means nothing do not count.
+
+    Args:
+        old: The old state.
+        new: The new state.
+        roots: Root elements that belong together; None for one that the other state lacks.
+        lost: The references of both states that lead to no element. They are compared by what they
+            name.
+    """
+    return list(_Finding(old, new, roots, lost).run())
+
+
+class _Finding:
+    def __init__(
+        self,
+        old: Model,
+        new: Model,
+        roots: Sequence[tuple[EObject | None, EObject | None]],
+        lost: Iterable[LostReference],
+    ) -> None:
+        self._old, self._new = old, new
+        self._lost: dict[tuple[EObject, str], list[_Missing]] = defaultdict(list)
+        for each in lost:
+            self._lost[each.owner, each.feature.name].append(_Missing(each.fragment))
+        self._roots = roots
+        both = [(one, other) for one, other in roots if one is not None and other is not None]
+        self._matching = Matching(old, new, both)
+        self._class_of = old.metamodels.class_of
+
+    def run(self) -> Iterator[Change]:
+        for one, other in self._roots:
+            if one is not None and other is not None and one in self._matching.news:
+                yield from self._pair(one, other)
+            else:
+                if one is not None:
+                    yield self._whole(Kind.REMOVED, one)
+                if other is not None:
+                    yield self._whole(Kind.ADDED, other)
+
+    def _pair(self, one: EObject, other: EObject) -> Iterator[Change]:
+        if isinstance(one, bridge.Assignment):
+            yield from self._assignment(one, other)
+            return
+        table = self._class_of(other)
+        for feature in table.features.values():
+            if feature.kind is FeatureKind.CONTAINMENT:
+                yield from self._parts(one, other, feature)
+            elif feature.kind is not FeatureKind.CONTAINER and feature.name != _DOCUMENTATION:
+                yield from self._values(one, other, feature)
+
+    def _parts(self, one: EObject, other: EObject, feature: FeatureTable) -> Iterator[Change]:
+        ours, theirs = owned(one, feature), owned(other, feature)
+        for each in ours:
+            if each not in self._matching.news:
+                yield self._whole(Kind.REMOVED, each)
+        for each in theirs:
+            before = self._matching.olds.get(each)
+            if before is None:
+                yield self._whole(Kind.ADDED, each)
+            else:
+                yield from self._pair(before, each)
+        if is_ordered(self._class_of(other), feature):
+            yield from self._order(one, other, ours, feature)
+
+    def _order(
+        self, one: EObject, other: EObject, ours: list[EObject], feature: FeatureTable
+    ) -> Iterator[Change]:
+        kept = [self._matching.news[each] for each in ours if each in self._matching.news]
+        now = [each for each in owned(other, feature) if each in self._matching.olds]
+        if any(each is not another for each, another in zip(kept, now, strict=True)):
+            before, after = (", ".join(map(value_text, each)) for each in (kept, now))
+            text = f"{words(feature.name)} in another order: {after}"
+            yield self._change(
+                Kind.ORDERED, one, other, feature.name, (before, after), text, is_lost=False
+            )
+
+    def _values(self, one: EObject, other: EObject, feature: FeatureTable) -> Iterator[Change]:
+        ours, theirs = values(one, feature), values(other, feature)
+        missing = [self._lost.get((each, feature.name), []) for each in (one, other)]
+        ours = [*ours, *(_found(each, theirs, self._new) for each in missing[0])]
+        theirs = [*theirs, *(_found(each, ours, self._old) for each in missing[1])]
+        known = [self._matching.news.get(each, each) if address(each) else each for each in ours]
+        lost = [a for a, b in zip(ours, known, strict=True) if not _holds(theirs, b)]
+        added = [each for each in theirs if not _holds(known, each)]
+        if not lost and not added and len(ours) == len(theirs):
+            return
+        old, new = (" ".join(map(value_text, each)) for each in (ours, theirs))
+        kind = Kind.RENAMED if feature.name == "name" else Kind.CHANGED
+        text = with_unit(feature.name, old, new)
+        if kind is Kind.RENAMED:
+            text = f"renamed from {old or 'nothing'}"
+        elif feature.many and feature.is_reference:
+            text = self._listed(one, feature.name, lost, added)
+        else:
+            text = f"{words(feature.name)} {text}"
+        yield self._change(kind, one, other, feature.name, (old, new), text, is_lost=bool(lost))
+
+    def _listed(self, one: EObject, feature: str, lost: list[Any], added: list[Any]) -> str:
+        parts = []
+        before, now = _PHRASES.get(feature, (f"{words(feature)} without", f"{words(feature)} with"))
+        if lost:
+            names = ", ".join(map(value_text, lost))
+            users = self._users(one, lost) if feature == "provides" else []
+            used = f", which {' and '.join(users)} use{'s' if len(users) == 1 else ''}"
+            parts.append(f"{before} {names}{used if users else ''}")
+        if added:
+            parts.append(f"{now} {', '.join(map(value_text, added))}")
+        return "; ".join(parts)
+
+    def _users(self, provider: EObject, services: list[Any]) -> list[str]:
+        """Returns who in the old state uses services of a provider."""
+        lost = {address(each) for each in services}
+        found = []
+        for each in self._old.instances(jaus.Component, library=False):
+            connected = any(
+                line.provider is provider and address(line.message.eContainer()) in lost
+                for line in each.connections
+                if line.message is not None
+            )
+            if each is not provider and (connected or any(address(u) in lost for u in each.uses)):
+                found.append(str(each.name))
+        return found
+
+    def _assignment(self, one: EObject, other: EObject) -> Iterator[Change]:
+        if self._matching.facts(one) == self._matching.facts(other):
+            return
+        old, new = statement(one), statement(other)
+        if isinstance(one, bridge.ListAssignment) and old == new:
+            inner = list(self._parts(one, other, self._class_of(one).features["assignments"]))
+            if inner:
+                yield from inner
+                return
+        if is_sign_change(one, other):
+            text = f"sign of {getattr(other, 'target', '')} changed: {old} => {new}"
+        elif old == new:
+            text = f"{new}: other options"
+        else:
+            text = f"{old} => {new}"
+        is_lost = _methods(one) - _methods(other) != set()
+        feature = "method" if is_lost else "conversions"
+        yield self._change(Kind.CHANGED, one, other, feature, (old, new), text, is_lost=is_lost)
+
+    def _whole(self, kind: Kind, obj: EObject) -> Change:
+        is_new = kind is Kind.ADDED
+        shown = statement(obj) if isinstance(obj, bridge.Assignment) else ""
+        text = f"{kind.value}: {shown}" if shown else kind.value
+        old, new = (None, obj) if is_new else (obj, None)
+        texts = ("", shown) if is_new else (shown, "")
+        return self._change(kind, old, new, "", texts, text, is_lost=not is_new)
+
+    def _change(
+        self,
+        kind: Kind,
+        one: EObject | None,
+        other: EObject | None,
+        feature: str,
+        texts: tuple[str, str],
+        text: str,
+        *,
+        is_lost: bool,
+    ) -> Change:
+        shown, model = (other, self._new) if other is not None else (one, self._old)
+        assert shown is not None  # noqa: S101 - one of both is given
+        table = self._class_of(shown)
+        place = feature if feature in table.features else None
+        return Change(
+            kind,
+            element_words(table),
+            model.element_path(shown),
+            feature,
+            *texts,
+            text,
+            breaks(kind, table, feature, is_lost=is_lost),
+            self._old.location(one, place) if one is not None else None,
+            self._new.location(other, place) if other is not None else None,
+            one,
+            other,
+        )
+
+
+def _holds(found: list[Any], value: Any) -> bool:
+    """Tells whether a value, or an element at the same names, is among others."""
+    where = address(value)
+    return any(
+        value is each or (address(each) == where if where else each == value) for each in found
+    )
+
+
+def _found(missing: _Missing, others: list[Any], model: Model) -> Any:
+    """Returns the element that the other state finds by the same fragment, else what is missing."""
+    for each in others:
+        if address(each) and missing.fragment in (model.identifier(each), model.path_of(each)):
+            return each
+    return missing
+
+
+def _methods(obj: EObject) -> set[str]:
+    steps = getattr(obj, "conversions", None) or ()
+    return {str(each.method) for each in steps if each.method}

@@ -1,0 +1,170 @@
+"""Which elements of two states of a model are the same one."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from typing import TYPE_CHECKING, Any
+
+from jausml.language.metamodel import FeatureKind
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Hashable, Iterator, Sequence
+
+    from jausml.language.metamodel import FeatureTable
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.model import Model
+
+_KEYS = ("target", "path", "jaus", "value", "index")
+"""Attributes that tell elements without a name apart, the first that a class has."""
+_MOST = 60
+"""Elements of one list that are compared with each other to find renamed ones."""
+_ALIKE = 0.5
+"""Share of what two elements say that must be the same for one to be the other, renamed."""
+
+
+class Matching:
+    """The pairs of elements of two states.
+
+    Identity is looked for in this order: the id in the file, the class and name, the class and
+    what tells unnamed elements apart, the same content, and at last much the same content, which
+    is what an element has that was renamed.
+
+    Args:
+        old: The old state.
+        new: The new state.
+        roots: The pairs of root elements.
+    """
+
+    def __init__(self, old: Model, new: Model, roots: Sequence[tuple[EObject, EObject]]) -> None:
+        self._old = old
+        self._new = new
+        self._class_of = old.metamodels.class_of
+        self._facts: dict[EObject, Counter[Hashable]] = {}
+        self.news: dict[EObject, EObject] = {}
+        """The new element of each old one."""
+        self.olds: dict[EObject, EObject] = {}
+        """The old element of each new one."""
+        pending = [pair for pair in roots if pair[0].eClass is pair[1].eClass]
+        while pending:
+            one, other = pending.pop()
+            self.news[one], self.olds[other] = other, one
+            for feature in self._class_of(one).contained:
+                pending += self._pairs(owned(one, feature), owned(other, feature), feature)
+
+    def _pairs(
+        self, ours: list[EObject], theirs: list[EObject], feature: FeatureTable
+    ) -> Iterator[tuple[EObject, EObject]]:
+        if not feature.many:
+            yield from (pair for pair in zip(ours, theirs, strict=False) if _same_class(*pair))
+            return
+        for key in (self._identifier, self._name, self._key, self._content):
+            found = list(_by_key(ours, theirs, key))
+            yield from found
+            ours = [each for each in ours if not any(each is one for one, _ in found)]
+            theirs = [each for each in theirs if not any(each is one for _, one in found)]
+        if len(ours) <= _MOST and len(theirs) <= _MOST:
+            yield from self._renamed(ours, theirs)
+
+    def _identifier(self, obj: EObject) -> Hashable:
+        return self._old.identifier(obj) or self._new.identifier(obj)
+
+    def _name(self, obj: EObject) -> Hashable:
+        name = getattr(obj, "name", None)
+        return (obj.eClass.name, name) if name else None
+
+    def _key(self, obj: EObject) -> Hashable:
+        table = self._class_of(obj)
+        for each in _KEYS:
+            if each in table.features and "name" not in table.features:
+                return each, str(getattr(obj, each))
+        return None
+
+    def _content(self, obj: EObject) -> Hashable:
+        return frozenset(self.facts(obj).items())
+
+    def _renamed(
+        self, ours: list[EObject], theirs: list[EObject]
+    ) -> Iterator[tuple[EObject, EObject]]:
+        likeness = [
+            (-self._likeness(one, other), i, j)
+            for i, one in enumerate(ours)
+            for j, other in enumerate(theirs)
+            if _same_class(one, other)
+        ]
+        taken: tuple[set[int], set[int]] = set(), set()
+        for share, i, j in sorted(likeness):
+            if -share > _ALIKE and i not in taken[0] and j not in taken[1]:
+                taken[0].add(i)
+                taken[1].add(j)
+                yield ours[i], theirs[j]
+
+    def _likeness(self, one: EObject, other: EObject) -> float:
+        ours, theirs = self.facts(one), self.facts(other)
+        both = (ours | theirs).total()
+        return (ours & theirs).total() / both if both else 0.0
+
+    def facts(self, obj: EObject) -> Counter[Hashable]:
+        """Returns what an element and what it owns say, but for its own name and documentation."""
+        known = self._facts.get(obj)
+        if known is None:
+            known = self._facts[obj] = Counter()
+            for feature in self._class_of(obj).features.values():
+                if feature.name in ("name", "documentation"):
+                    continue
+                if feature.kind is FeatureKind.CONTAINMENT:
+                    for each in owned(obj, feature):
+                        inner = getattr(each, "name", None)
+                        known[feature.name, each.eClass.name, inner] += 1
+                        known += Counter(
+                            {(feature.name, inner, fact): n for fact, n in self.facts(each).items()}
+                        )
+                elif feature.kind is not FeatureKind.CONTAINER:
+                    for value in values(obj, feature):
+                        known[feature.name, address(value) or str(value)] += 1
+            self._facts[obj] = known
+        return known
+
+
+def owned(obj: EObject, feature: FeatureTable) -> list[EObject]:
+    """Returns the elements that an element owns by a feature."""
+    return values(obj, feature)
+
+
+def values(obj: EObject, feature: FeatureTable) -> list[Any]:
+    """Returns the values of a feature, none for one that is not set."""
+    value = getattr(obj, feature.name)
+    return list(value) if feature.many else [] if value is None else [value]
+
+
+def address(value: Any) -> str:
+    """Returns the names along the way to an element; empty for what is no element."""
+    if not hasattr(value, "eContainer"):
+        return ""
+    steps: list[str] = []
+    obj: EObject | None = value
+    while obj is not None:
+        urn = getattr(obj, "urn", None)
+        if urn:
+            steps.append(f"{urn} {getattr(obj, 'version', '')}")
+            break
+        steps.append(str(getattr(obj, "name", None) or obj.eClass.name))
+        obj = obj.eContainer()
+    return "/".join(reversed(steps))
+
+
+def _same_class(one: EObject, other: EObject) -> bool:
+    return one.eClass is other.eClass
+
+
+def _by_key(
+    ours: list[EObject], theirs: list[EObject], key: Callable[[EObject], Hashable]
+) -> Iterator[tuple[EObject, EObject]]:
+    """Yields pairs of elements of one class with the same key, the first ones of several."""
+    waiting: dict[Hashable, list[EObject]] = defaultdict(list)
+    for each in theirs:
+        waiting[key(each)].append(each)
+    for one in ours:
+        found = key(one)
+        rest = waiting.get(found) if found is not None else None
+        if rest and _same_class(one, rest[0]):
+            yield one, rest.pop(0)

@@ -1,0 +1,147 @@
+"""Commands: what a user wants changed, in the terms of the metamodels."""
+
+from __future__ import annotations
+
+# The types of commands are asked for at run time, where commands come as JSON.
+from collections.abc import Mapping  # noqa: TC003
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from jausml.language.model.refs import Ref  # noqa: TC001
+
+LayoutKey: TypeAlias = str
+"""Name of a box of a view that survives shifts of positions, such as `bridge:main/velocity`."""
+
+Values: TypeAlias = "tuple[str, ...]"
+"""Values of a feature: attributes as XMI writes them, references as refs; none unset it."""
+
+NEW = "new:"
+"""`new:0` is a ref to what the first `Add` or `Create` of a batch of commands made, and so on.
+
+`new:0/@maps.1` is a ref to what that owns.
+"""
+
+
+IDENTIFIER = "xmi:id"
+"""Among the values of a new element: the id that it shall have. Without one it gets none."""
+
+
+class EditError(Exception):
+    """Why a command is not carried out, for people. Nothing was changed.
+
+    Attributes:
+        conflict: Whether the reason is that a file has changed since the command was thought of.
+    """
+
+    def __init__(self, message: str, *, conflict: bool = False) -> None:
+        super().__init__(message)
+        self.conflict = conflict
+
+
+@dataclass(frozen=True, slots=True)
+class Set:
+    """Gives a feature of an element its values; without any, the feature is no longer set."""
+
+    element: Ref
+    feature: str
+    values: Values = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Child:
+    """An element that a new element owns.
+
+    Attributes:
+        feature: The feature that owns it.
+        kind: Its class with the package, such as `bridge.PeriodicConnection`.
+        values: Its values by feature.
+        children: What it owns.
+    """
+
+    feature: str
+    kind: str
+    values: Mapping[str, Values] = field(default_factory=dict)
+    children: tuple[Child, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Add:
+    """Adds an element with what it owns.
+
+    Attributes:
+        owner: The element that shall own it.
+        feature: The feature of the owner.
+        kind: Its class with the package, such as `bridge.PeriodicConnection`.
+        values: Its values by feature.
+        children: What it owns.
+        position: Its position among the values of the feature, None for the end.
+    """
+
+    owner: Ref
+    feature: str
+    kind: str
+    values: Mapping[str, Values] = field(default_factory=dict)
+    children: tuple[Child, ...] = ()
+    position: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Remove:
+    """Removes an element, what it owns, and what refers to either.
+
+    References to it lose this value; what cannot be without a reference goes too.
+    """
+
+    element: Ref
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """Gives an element another owner, or another position; what refers to it follows."""
+
+    element: Ref
+    owner: Ref
+    feature: str
+    position: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Rename:
+    """Gives an element another name; what refers to it by name follows."""
+
+    element: Ref
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Create:
+    """Makes a model file with one root element.
+
+    Attributes:
+        file: The file, relative to the root with forward slashes.
+        kind: Class of the root element with the package, such as `system.System`.
+        values: Its values by feature.
+    """
+
+    file: str
+    kind: str
+    values: Mapping[str, Values] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Places boxes of a view by hand.
+
+    Attributes:
+        file: The model file whose view it is.
+        view: Name of the view.
+        positions: Upper left corners in pixels by the key of the box; None leaves a box to the
+            layout engine again.
+    """
+
+    file: str
+    view: str
+    positions: Mapping[LayoutKey, tuple[int, int] | None]
+
+
+Command: TypeAlias = "Set | Add | Remove | Move | Rename | Create | Place"

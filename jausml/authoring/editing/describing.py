@@ -1,0 +1,281 @@
+"""Descriptions of elements: commands that would add the same once more, in any notation."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+
+from jausml.authoring.editing.commands import NEW, Add, Child, EditError, Set
+from jausml.authoring.editing.forest import attribute_values
+from jausml.language.metamodel import FeatureKind
+from jausml.language.metamodel.filling import contents
+from jausml.language.model.names import name_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from jausml.authoring.editing.commands import Values
+    from jausml.language.metamodel import FeatureTable
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.model import Model
+    from jausml.language.model.refs import Ref
+
+_NAME = "name"
+_NUMBERED = re.compile(r"(.*?)_?(\d+)")
+
+
+def described(
+    elements: Sequence[tuple[EObject, Model]], ref_of: Callable[[EObject, Model], Ref]
+) -> tuple[Add | Set, ...]:
+    """Returns commands that would add elements with all that they own.
+
+    The owner of each is empty, its feature the one that owns it now. What they refer to within
+    what is copied becomes a ref to the copy, such as `new:0/@maps.1`: a copy of a bridge has its
+    connections use its own maps. What refers so is added after what it refers to.
+
+    Args:
+        elements: The elements, each with a model that has it.
+        ref_of: Returns the ref of an element of a model.
+    """
+    return _Describing(elements, ref_of).commands()
+
+
+class _Describing:
+    """Descriptions of some elements, part by part."""
+
+    def __init__(
+        self,
+        elements: Sequence[tuple[EObject, Model]],
+        ref_of: Callable[[EObject, Model], Ref],
+    ) -> None:
+        self._ref_of = ref_of
+        self._elements: dict[_Path, tuple[EObject, Model]] = {}
+        self._paths: dict[Ref, _Path] = {}
+        for number, (obj, model) in enumerate(elements):
+            self._note((_Step(str(number)),), obj, model)
+        roots = [path for path in self._elements if len(path) == 1]
+        parts = {
+            part
+            for path in self._elements
+            for target in self._inner_targets(path)
+            if (part := _part(path, target))
+        }
+        self._waiting = dict.fromkeys([*roots, *(path for path in self._elements if path in parts)])
+        self._numbers: dict[_Path, int] = {}
+        self._made: list[Add | Set] = []
+        self._later: list[tuple[_Path, FeatureTable]] = []
+
+    def commands(self) -> tuple[Add | Set, ...]:
+        """Returns the commands; to be called once."""
+        while self._waiting:
+            self._add(self._next())
+        for path, feature in self._later:
+            values = tuple(self._value(path, each) for each in self._targets(path, feature))
+            self._made.append(Set(self._address(path), feature.name, values))
+        return tuple(self._made)
+
+    def _note(self, path: _Path, obj: EObject, model: Model) -> None:
+        self._elements[path] = obj, model
+        self._paths[self._ref_of(obj, model)] = path
+        for feature in model.metamodels.class_of(obj).contained:
+            if feature.settable:
+                for index, each in enumerate(contents(obj, feature)):
+                    step = _Step(feature.name, index, is_many=feature.many)
+                    self._note((*path, step), each, model)
+
+    def _targets(self, path: _Path, feature: FeatureTable) -> Sequence[EObject]:
+        return contents(self._elements[path][0], feature)
+
+    def _inner_targets(self, path: _Path) -> Iterator[_Path]:
+        """Yields what an element refers to among all that is copied."""
+        obj, model = self._elements[path]
+        for feature in model.metamodels.class_of(obj).features.values():
+            if feature.settable and feature.kind is FeatureKind.CROSS_REFERENCE:
+                for each in contents(obj, feature):
+                    target = self._paths.get(self._ref_of(each, model))
+                    if target is not None:
+                        yield target
+
+    def _next(self) -> _Path:
+        """Returns the next part: one that needs no other, if there is one."""
+        ready = [each for each in self._waiting if self._is_there(each[:-1])]
+        for part in ready:
+            inner = (each for each in self._elements if each[: len(part)] == part)
+            targets = (each for path in inner for each in self._inner_targets(path))
+            if len(part) == 1 or all(e[: len(part)] == part or self._is_there(e) for e in targets):
+                return part
+        return ready[0]
+
+    def _is_there(self, path: _Path) -> bool:
+        return not any(path[:length] in self._waiting for length in range(1, len(path) + 1))
+
+    def _add(self, part: _Path) -> None:
+        del self._waiting[part]
+        obj, _ = self._elements[part]
+        made = self._child(part, part)
+        owner, feature, position = "", obj.eContainmentFeature(), None
+        if len(part) > 1:
+            owner, position = self._address(part[:-1]), self._position(part)
+        name = feature.name if feature is not None else ""
+        self._numbers[part] = len(self._numbers)
+        self._made.append(Add(owner, name, made.kind, made.values, made.children, position))
+
+    def _child(self, path: _Path, part: _Path) -> Child:
+        """Returns an element of a part without what is added later."""
+        obj, model = self._elements[path]
+        table = model.metamodels.class_of(obj)
+        values: dict[str, Values] = {}
+        children: list[Child] = []
+        for each in table.features.values():
+            if not each.settable:
+                continue
+            if each.kind is FeatureKind.ATTRIBUTE:
+                texts = tuple(text for text in attribute_values(obj, each) if text is not None)
+            elif each.kind is FeatureKind.CROSS_REFERENCE:
+                texts = self._references(path, each, part)
+            else:
+                if each.kind is FeatureKind.CONTAINMENT:
+                    children += self._owned(path, each, part)
+                continue
+            if texts:
+                values[each.name] = texts
+        return Child(path[-1].feature, table.qualified_name, values, tuple(children))
+
+    def _owned(self, path: _Path, feature: FeatureTable, part: _Path) -> Iterator[Child]:
+        for index in range(len(self._targets(path, feature))):
+            inner = (*path, _Step(feature.name, index, is_many=feature.many))
+            if inner not in self._waiting:
+                yield self._child(inner, part)
+
+    def _references(self, path: _Path, feature: FeatureTable, part: _Path) -> Values:
+        """Returns the refs of a reference; none where one leads to what is not there before it."""
+        targets = self._targets(path, feature)
+        model = self._elements[path][1]
+        inner = [self._paths.get(self._ref_of(each, model)) for each in targets]
+        if any(e is not None and (e[: len(part)] == part or not self._is_there(e)) for e in inner):
+            self._later.append((path, feature))
+            return ()
+        return tuple(self._value(path, each) for each in targets)
+
+    def _value(self, path: _Path, target: EObject) -> Ref:
+        ref = self._ref_of(target, self._elements[path][1])
+        inner = self._paths.get(ref)
+        return ref if inner is None else self._address(inner)
+
+    def _address(self, path: _Path) -> Ref:
+        """Returns the ref of a copy that is there, by the part that it was added with."""
+        length = next(n for n in range(len(path), 0, -1) if path[:n] in self._numbers)
+        found = f"{NEW}{self._numbers[path[:length]]}"
+        for end in range(length + 1, len(path) + 1):
+            step = path[end - 1]
+            found += (
+                f"/@{step.feature}.{self._index(path[:end])}"
+                if step.is_many
+                else f"/@{step.feature}"
+            )
+        return found
+
+    def _index(self, path: _Path) -> int:
+        """Returns which of its siblings a copy is among those that are there."""
+        step = path[-1]
+        return step.at - sum(
+            each[:-1] == path[:-1] and each[-1].feature == step.feature and each[-1].at < step.at
+            for each in self._waiting
+        )
+
+    def _position(self, path: _Path) -> int | None:
+        """Returns the position of what is added, None for behind all that are there."""
+        feature = path[-1].feature
+        behind = (each for each in self._elements if each[:-1] == path[:-1])
+        last = max(
+            each[-1].at for each in behind if each[-1].feature == feature and self._is_there(each)
+        )
+        return self._index(path) if path[-1].at < last else None
+
+
+class _Step(NamedTuple):
+    """A step from an owner to what it owns, or the number of an element that is copied."""
+
+    feature: str
+    at: int = 0
+    is_many: bool = True
+
+
+_Path: TypeAlias = "tuple[_Step, ...]"
+
+
+def _part(path: _Path, target: _Path) -> _Path | None:
+    """Returns the part around an element that can be added when what it refers to is there.
+
+    There is none where an element refers to what it owns, or is one of those that are copied.
+    """
+    common = 0
+    while common < min(len(path), len(target)) and path[common] == target[common]:
+        common += 1
+    end = max(common, 1) + 1
+    return path[:end] if end <= len(path) else None
+
+
+def pasted(
+    commands: Sequence[Add | Set],
+    chosen: EObject,
+    model: Model,
+    ref_of: Callable[[EObject, Model], Ref],
+) -> tuple[Add | Set, ...]:
+    """Returns descriptions as commands that add to an owner, with names that are free there.
+
+    Args:
+        commands: The descriptions.
+        chosen: The owner, or what stands in it.
+        model: The model of it.
+        ref_of: Returns the ref of an element of a model.
+
+    Raises:
+        EditError: Neither the element nor one around it can own what is described.
+    """
+    taken: dict[EObject, set[str]] = {}
+    found: list[Add | Set] = []
+    for each in commands:
+        if isinstance(each, Set) or each.owner.startswith(NEW):
+            found.append(each)
+            continue
+        owner, feature = _place(each, chosen, model)
+        if owner not in taken:
+            taken[owner] = {name_of(one) for one in model.owned(owner)}
+        values = dict(each.values)
+        if values.get(_NAME):
+            name = free_name(values[_NAME][0], taken[owner])
+            values[_NAME] = (name,)
+            taken[owner].add(name)
+        ref = ref_of(owner, model)
+        found.append(replace(each, owner=ref, feature=feature, values=values, position=None))
+    return tuple(found)
+
+
+def _place(command: Add, chosen: EObject, model: Model) -> tuple[EObject, str]:
+    """Returns the nearest owner that can own what is described, and the feature."""
+    table = model.metamodels.classes.get(command.kind)
+    owner: EObject | None = chosen
+    while owner is not None and table is not None:
+        names = [
+            each.name
+            for each in model.metamodels.class_of(owner).contained
+            if each.target in table.supertypes and (each.many or not contents(owner, each))
+        ]
+        if names:
+            return owner, command.feature if command.feature in names else names[0]
+        owner = owner.eContainer()
+    what = table.name if table is not None else command.kind
+    raise EditError(f"a {what} has no place in {name_of(chosen) or chosen.eClass.name}")
+
+
+def free_name(name: str, taken: set[str]) -> str:
+    """Returns a name that is not taken: itself, else with the next number behind it."""
+    match = _NUMBERED.fullmatch(name)
+    stem, number = (match[1], int(match[2])) if match and len(match[2]) < 9 else (name, 1)
+    found = name
+    while found in taken:
+        number += 1
+        found = f"{stem}_{number}"
+    return found

@@ -1,0 +1,174 @@
+"""Drafts: the files of a project while commands are planned, before anything is written."""
+
+from __future__ import annotations
+
+import posixpath
+from typing import TYPE_CHECKING
+from urllib.parse import quote
+
+from jausml.authoring.editing.commands import EditError
+from jausml.authoring.editing.layout import is_layout
+from jausml.authoring.editing.reading import can_be_parsed, digest, is_library, is_text, stored
+from jausml.authoring.editing.records import FileChange, Stored
+from jausml.authoring.editing.splices import applied, difference, merged
+from jausml.language.model import refs
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from pathlib import Path
+
+    from jausml.authoring.editing.reading import Reader
+    from jausml.authoring.editing.splices import Splice
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.model import Model
+    from jausml.language.model.reading.reader import ReadResult
+    from jausml.language.model.refs import Ref
+
+
+class Draft:
+    """The files of a project with changes that nobody else sees yet.
+
+    Args:
+        root: The opened folder, symbolic links followed.
+        files: The files as they are.
+        reader: Reads models.
+        revision: The revision that the changes would lead to.
+    """
+
+    def __init__(
+        self, root: Path, files: Mapping[str, Stored], reader: Reader, revision: int
+    ) -> None:
+        self.root = root
+        self.files = dict(files)
+        self._before = files
+        self._reader = reader
+        self._revision = revision
+        self._steps: dict[str, list[tuple[Splice, ...]]] = {}
+
+    @property
+    def models(self) -> list[str]:
+        """The model files."""
+        return [each for each in self.files if not is_layout(each)]
+
+    def read(self, file: str) -> ReadResult:
+        """Returns the model of a file and all that it refers to, with the changes."""
+        return self._reader.read(file, self.files)
+
+    def referring(self, file: str) -> list[str]:
+        """Returns a file and those whose models have elements of it, itself first."""
+        others = [f for f in self.models if f != file and _mentions(self.files[f].good, file)]
+        return [file, *(each for each in others if file in self.documents(each))]
+
+    def documents(self, file: str) -> list[str]:
+        """Returns the files of the project that the model of a file has elements of."""
+        return self._reader.documents(file, self.files)
+
+    def editable(self, ref: Ref) -> str:
+        """Returns the file of a ref.
+
+        Raises:
+            EditError: It must not be changed, or cannot be as it is.
+        """
+        file, _ = refs.split(ref)
+        if is_library(file):
+            raise EditError(f"{ref} is part of the library, which cannot be changed")
+        if file not in self.models:
+            raise EditError(f"{file or ref!r} is no model file of the opened folder")
+        if self.files[file].is_stale:
+            raise EditError(f"{file} cannot be parsed as it is: fix it first", conflict=True)
+        return file
+
+    def element(self, ref: Ref) -> tuple[EObject, Model]:
+        """Returns an element, and the model of its own file.
+
+        Raises:
+            EditError: There is no such element, or it must not be changed.
+        """
+        model = self.read(self.editable(ref)).model
+        found = refs.find(ref, model, self.root)
+        if found is None:
+            raise EditError(f"there is no element {ref} any more", conflict=True)
+        return found, model
+
+    def locate(self, ref: Ref) -> tuple[EObject, Model]:
+        """Returns an element, be it one of the library, and a model that has it.
+
+        Raises:
+            EditError: There is no such element.
+        """
+        file, _ = refs.split(ref)
+        if is_library(file):
+            model = self._reader.library(file).model
+        elif file in self.files:
+            model = self.read(file).model
+        else:
+            raise EditError(f"{file or ref!r} is no model file of the opened folder")
+        found = refs.find(ref, model, self.root)
+        if found is None:
+            raise EditError(f"there is no element {ref}", conflict=not is_library(file))
+        return found, model
+
+    def apply(self, file: str, splices: Sequence[Splice]) -> None:
+        """Changes a file by splices of its present bytes, none over another."""
+        step = tuple(merged(splices))
+        if step:
+            data = applied(self.files[file].data, step)
+            # Whether it can be parsed shows when it is read: see `check`.
+            self.files[file] = Stored(
+                file, data, digest(data), self._revision, data, self._revision
+            )
+            self._steps.setdefault(file, []).append(step)
+
+    def put(self, file: str, data: bytes | None) -> None:
+        """Gives a file other bytes, or makes it; None deletes it."""
+        known = self.files.get(file)
+        if (known.data if known is not None else None) == data:
+            return
+        step = difference(file, known.data if known is not None else b"", data or b"")
+        self._steps.setdefault(file, []).append(tuple(step))
+        if data is None:
+            del self.files[file]
+        else:
+            before = self._before.get(file)
+            self.files[file] = stored(file, data, self._revision, before)
+
+    def check(self, file: str) -> None:
+        """Sees to it that a file that was changed can be parsed.
+
+        Raises:
+            EditError: It cannot.
+        """
+        held = self.files[file]
+        if held == self._before.get(file):
+            return
+        is_good = can_be_parsed(file, held.data) if is_text(file) else self._is_readable(file)
+        if held.is_stale or not is_good:
+            raise EditError(f"the edit would leave {file} in a state that cannot be read")
+
+    def _is_readable(self, file: str) -> bool:
+        return self.read(file).model.documents[0].readable
+
+    def changes(self) -> tuple[FileChange, ...]:
+        """Returns what was changed so far, in the order of the files."""
+        return tuple(
+            FileChange(
+                file,
+                tuple(steps),
+                self._before[file].digest if file in self._before else "",
+                self.files[file].digest if file in self.files else "",
+            )
+            for file, steps in sorted(self._steps.items())
+            if self._before.get(file) != self.files.get(file)
+        )
+
+
+def _mentions(data: bytes, file: str) -> bool:
+    """Tells whether a file may refer to another one, without reading what it says.
+
+    It does so by its name at the end of a path or URI.
+    """
+    name = posixpath.basename(file)
+    if quote(name) != name:
+        return True  # written in one of several ways
+    # Every other byte of UTF-16 is nought.
+    return name.encode("ascii") in data.replace(b"\0", b"")

@@ -1,0 +1,126 @@
+"""The layout file: where boxes stand that a user has moved, beside the model and never in it.
+
+It is written to be read in differences: keys in order, whole numbers, one box a line.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import PurePosixPath
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from jausml.language.text.notation import SUFFIX as TEXT_SUFFIX
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from jausml.authoring.editing.commands import LayoutKey
+
+SUFFIX = ".layout.json"
+
+Positions: TypeAlias = "dict[LayoutKey, tuple[int, int]]"
+"""Upper left corners of boxes, in pixels."""
+
+Layout: TypeAlias = "dict[str, Positions]"
+"""Positions by the name of the view."""
+
+_FARTHEST = 1_000_000
+_LONGEST = 16 * 1024 * 1024
+_VIEWS = "views"
+_HOW = re.compile("(?:with|also) ")
+
+
+def layout_file(file: str) -> str:
+    """Returns the layout file of a model file: `robot.layout.json` beside `robot.xmi`."""
+    suffix = TEXT_SUFFIX if file.endswith(TEXT_SUFFIX) else PurePosixPath(file).suffix
+    return file.removesuffix(suffix) + SUFFIX
+
+
+def is_layout(file: str) -> bool:
+    """Tells whether a file holds positions."""
+    return file.endswith(SUFFIX)
+
+
+def read_layout(data: bytes) -> Layout:
+    """Returns the positions of a layout file; what is none is passed over, whatever it is."""
+    try:
+        content = json.loads(data) if len(data) <= _LONGEST else None
+    except (ValueError, RecursionError):
+        content = None
+    views = content.get(_VIEWS) if isinstance(content, dict) else None
+    if not isinstance(views, dict):
+        return {}
+    read = {view: _positions(boxes) for view, boxes in views.items() if isinstance(boxes, dict)}
+    return {view: boxes for view, boxes in read.items() if boxes}
+
+
+def write_layout(layout: Mapping[str, Mapping[LayoutKey, tuple[int, int]]]) -> bytes:
+    """Returns a layout file; empty when it need not be there."""
+    views = []
+    for view, boxes in sorted(layout.items()):
+        lines = [f"      {_text(key)}: [{x}, {y}]" for key, (x, y) in sorted(boxes.items())]
+        if lines:
+            views.append(f"    {_text(view)}: {{\n" + ",\n".join(lines) + "\n    }")
+    if not views:
+        return b""
+    text = f'{{\n  "{_VIEWS}": {{\n' + ",\n".join(views) + "\n  }\n}\n"
+    return text.encode("utf-8", "backslashreplace")
+
+
+def placed(
+    layout: Layout, view: str, positions: Mapping[LayoutKey, tuple[int, int] | None]
+) -> Layout:
+    """Returns a layout with some boxes placed, or left to the layout engine again."""
+    boxes = {**layout.get(view, {}), **positions}
+    kept = {key: each for key, each in boxes.items() if each is not None}
+    return {**layout, view: {key: _within(each) for key, each in kept.items()}}
+
+
+def renamed(layout: Layout, new_name: Callable[[LayoutKey], LayoutKey | None]) -> Layout:
+    """Returns a layout whose boxes have other keys.
+
+    Args:
+        layout: The layout.
+        new_name: Returns the new key of an element, None for one that is gone.
+    """
+    return {view: _renamed(boxes, new_name) for view, boxes in layout.items()}
+
+
+def _renamed(boxes: Positions, new_name: Callable[[LayoutKey], LayoutKey | None]) -> Positions:
+    found: Positions = {}
+    for key, position in boxes.items():
+        # A box may be named by several elements, or by one and what it shows of it.
+        parts = [_renamed_part(each, new_name) for each in key.split("!")]
+        if None not in parts:
+            found["!".join(map(str, parts))] = position
+    return found
+
+
+def _renamed_part(part: str, new_name: Callable[[LayoutKey], LayoutKey | None]) -> LayoutKey | None:
+    """Follows the key of an element, before which may stand how a box shows it."""
+    how = _HOW.match(part)
+    before = how.group() if how is not None else ""
+    name = new_name(part.removeprefix(before))
+    return None if name is None else before + name
+
+
+def _positions(boxes: Mapping[str, Any]) -> Positions:
+    return {key: (each[0], each[1]) for key, each in boxes.items() if _is_position(each)}
+
+
+def _is_position(value: Any) -> bool:
+    return (
+        isinstance(value, list)
+        and len(value) == 2
+        and all(type(each) is int and abs(each) <= _FARTHEST for each in value)
+    )
+
+
+def _within(position: tuple[int, int]) -> tuple[int, int]:
+    x, y = (max(-_FARTHEST, min(_FARTHEST, each)) for each in position)
+    return x, y
+
+
+def _text(key: str) -> str:
+    return json.dumps(key, ensure_ascii=False)

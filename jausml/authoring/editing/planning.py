@@ -1,0 +1,79 @@
+"""What planners of notations are told, and what they give."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+from jausml.language.model import refs
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+    from pathlib import Path
+
+    from jausml.authoring.editing.commands import Command
+    from jausml.authoring.editing.forest import Forest, Thing
+    from jausml.authoring.editing.splices import Splice
+    from jausml.language.metamodel import ClassTable
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.documents import Document
+    from jausml.language.model.model import Model
+    from jausml.language.model.refs import Ref
+
+
+@dataclass(frozen=True)
+class Context:
+    """The file for which is planned, and the model that was read of it and all it refers to.
+
+    Attributes:
+        file: The file, relative to the root with forward slashes.
+        root: The opened folder, symbolic links followed.
+        model: The model.
+        forest: The elements of all files concerned, as the commands will have them.
+        paths: The paths of things of the forest before the commands.
+        locate: Returns the element of a ref, and a model that has it.
+    """
+
+    file: str
+    root: Path
+    model: Model
+    forest: Forest
+    paths: Mapping[Thing, str]
+    locate: Callable[[Ref], tuple[EObject, Model]]
+
+    @property
+    def document(self) -> Document:
+        """The document of the file."""
+        return self.model.documents[0]
+
+    def find(self, ref: Ref) -> EObject | None:
+        """Returns the element of a ref, None when neither the file nor what it refers to has it."""
+        return refs.find(ref, self.model, self.root)
+
+    def find_class(self, ref: Ref) -> ClassTable:
+        """Returns the class of the element of a ref."""
+        obj, model = self.locate(ref)
+        return model.metamodels.class_of(obj)
+
+    def is_own(self, obj: EObject | None) -> bool:
+        """Tells whether an element stands in the file."""
+        return self.model.document_of(obj) is self.document
+
+
+class Planner(Protocol):
+    """Plans changes of files of one notation."""
+
+    def plan(self, commands: Sequence[Command], context: Context) -> list[Splice]:
+        """Returns what is to change in one file so that commands hold.
+
+        In the file that has an element of a command this is the change itself; in a file that
+        refers to it, what that file says of it. What goes with an element that is removed was
+        worked out before: it stands among the commands, as `Set` and `Remove` of their own.
+
+        Args:
+            commands: The commands, all of the same state of the files.
+            context: The file and its model as they are.
+
+        Raises:
+            EditError: The notation cannot say what is wanted.
+        """

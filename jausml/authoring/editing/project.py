@@ -1,0 +1,519 @@
+"""Projects: the model files of a folder, with a log of what was done to them."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import threading
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING
+
+from jausml.authoring.editing.carrying import carry_out, referrers
+from jausml.authoring.editing.commands import EditError
+from jausml.authoring.editing.conflicts import takes_back
+from jausml.authoring.editing.describing import described, pasted
+from jausml.authoring.editing.disk import Disk
+from jausml.authoring.editing.drafts import Draft
+from jausml.authoring.editing.forest import Forest
+from jausml.authoring.editing.layout import is_layout, layout_file, read_layout
+from jausml.authoring.editing.log import Log
+from jausml.authoring.editing.outside import Outside
+from jausml.authoring.editing.reading import Reader, is_library, is_model_file, model_files, stored
+from jausml.authoring.editing.rebasing import Rebasing
+from jausml.authoring.editing.records import Change, Entry, FileChange, FileInfo, Freshness, Preview, Referrer
+from jausml.authoring.editing.splices import applied, difference, inverted
+from jausml.authoring.editing.typing import typed
+from jausml.language.model import refs
+from jausml.language.model.inputs import read_input
+from jausml.language.text.notation import SUFFIX
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from jausml.authoring.editing.commands import Add, Command, LayoutKey, Set
+    from jausml.authoring.editing.records import Stored
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.model import Model
+    from jausml.language.model.reading.reader import ReadResult
+    from jausml.language.model.refs import Ref
+
+
+_ATTEMPTS = 3
+"""How often commands are planned again when files change beneath them."""
+
+
+class ChangedBeneathError(EditError):
+    """A file is not as the project knew it: it was taken over, and nothing was written."""
+
+
+class Project:
+    """The model files below one folder.
+
+    Every change is written at once and logged. All methods may be called from any thread.
+
+    Args:
+        opened: The folder; or a model file, whose folder is meant.
+
+    Attributes:
+        root: The folder, symbolic links followed.
+        opened: The model file that was named, relative to the root; else empty.
+        typing_pause: Seconds without typing after which what is typed is another entry of the log.
+
+    Raises:
+        OSError: The folder or file is not there.
+    """
+
+    def __init__(self, opened: str | os.PathLike[str]) -> None:
+        path = Path(os.path.realpath(opened))
+        self.root = path if path.is_dir() else path.parent
+        self.opened = "" if path.is_dir() else path.name
+        self._lock = threading.RLock()
+        self._revision = 0
+        self._reader = Reader(self.root)
+        self._disk = Disk(self.root)
+        self._log = Log()
+        self._rebasing = Rebasing()
+        self._typed = (0, 0.0)
+        self.typing_pause = 2.0
+        self._forest: Forest | None = None
+        self._untold: list[Change] = []
+        self._files: dict[str, Stored] = {}
+        names = list(model_files(self.root))
+        if self.opened and self.opened not in names:
+            names.append(self.opened)
+        for file in names:
+            data = self._disk.readable(file)
+            if data is not None:
+                self._files[file] = stored(file, data, 0)
+        if self.opened and self.opened not in self._files:
+            read_input(self.root / self.opened)
+
+    @property
+    def files(self) -> tuple[FileInfo, ...]:
+        """The model files, in order of their names."""
+        with self._lock:
+            models = (each for each in self._files.values() if not is_layout(each.file))
+            return tuple(map(self._info, sorted(models, key=lambda each: each.file)))
+
+    @property
+    def revision(self) -> int:
+        """A number that every change raises."""
+        return self._revision
+
+    @property
+    def log(self) -> tuple[Entry, ...]:
+        """What was done and not undone, in order."""
+        with self._lock:
+            return self._log.done
+
+    @property
+    def undone(self) -> tuple[Entry, ...]:
+        """What can be done again, the next first."""
+        with self._lock:
+            return self._log.undone
+
+    def model(self, file: str) -> ReadResult:
+        """Returns the model of a file and all that it refers to.
+
+        It is that of the last revision in which the file could be parsed. It stays as it is when
+        the file changes: later calls return another one.
+
+        Args:
+            file: The file, relative to the root with forward slashes.
+
+        Raises:
+            EditError: The project has no such file.
+        """
+        with self._lock:
+            self._known(file)
+            return self._reader.read(file, self._files)
+
+    def read(self, file: str) -> tuple[ReadResult, Freshness]:
+        """Returns the model of a file as `model` does, and what it is worth at this moment.
+
+        Raises:
+            EditError: The project has no such file.
+        """
+        with self._lock:
+            return self.model(file), self._reader.freshness(file, self._files, self._revision)
+
+    def text(self, file: str) -> bytes:
+        """Returns the bytes of a file.
+
+        Raises:
+            EditError: The project has no such file.
+        """
+        with self._lock:
+            return self._known(file).data
+
+    def ref(self, obj: EObject | None, model: Model) -> Ref:
+        """Returns the ref of an element of a model that this project gave; empty for none."""
+        return refs.ref_of(obj, model, self.root)
+
+    def find(self, ref: Ref) -> tuple[EObject, Model]:
+        """Returns the element of a ref, and the model of its file.
+
+        Elements of the library are looked for in the models of all files.
+
+        Raises:
+            EditError: There is none.
+        """
+        file, _ = refs.split(ref)
+        with self._lock:
+            models = [each for each in self._files if not is_layout(each)]
+            for each in models if is_library(file) else [self._known(file).file]:
+                model = self._reader.read(each, self._files).model
+                found = refs.find(ref, model, self.root)
+                if found is not None:
+                    return found, model
+        raise EditError(f"there is no element {ref}", conflict=True)
+
+    def preview(self, commands: Sequence[Command], base: int | None = None) -> Preview:
+        """Returns what commands would do; nothing is written.
+
+        Args:
+            commands: The commands.
+            base: The revision of which their refs are; None for the present one.
+
+        Raises:
+            EditError: They cannot be carried out.
+        """
+        with self._lock:
+            commands = self._rebased(commands, base)
+            draft = self._draft()
+            outcome = carry_out(commands, draft)
+            changes = draft.changes()
+            new = {each.file: draft.files.get(each.file) for each in changes}
+            diff = "".join(self._diff(f, each.data if each else b"") for f, each in new.items())
+            return Preview(changes, outcome.created, outcome.referrers, diff)
+
+    def do(
+        self,
+        commands: Sequence[Command],
+        label: str,
+        base: int | None = None,
+        *,
+        is_first: bool = True,
+    ) -> Entry:
+        """Carries out commands, all or none, writes the files and logs it.
+
+        Where another program has just changed a file, they are planned again with what it says.
+
+        Args:
+            commands: The commands, each of which finds what those before it did.
+            label: What they do, for people.
+            base: The revision of which their refs are; None for the present one. Refs are
+                followed through what was done since.
+            is_first: Whether they give way where others have changed the same since; else they
+                win.
+
+        Returns:
+            The entry of the log. One without changes was not logged: nothing was to be done.
+
+        Raises:
+            EditError: They cannot be carried out, or what they change was changed meanwhile.
+                Nothing was written.
+        """
+        with self._lock:
+            base = self._revision if base is None else base
+            with suppress(ChangedBeneathError):
+                return self._done(self._rebased(commands, base, is_first=is_first), label)
+            # Others that write as often must not keep it from being done.
+            with self._disk.alone():
+                for _ in range(_ATTEMPTS):
+                    with suppress(ChangedBeneathError):
+                        return self._done(self._rebased(commands, base, is_first=is_first), label)
+                return self._done(self._rebased(commands, base, is_first=is_first), label)
+
+    def _rebased(
+        self, commands: Sequence[Command], base: int | None, *, is_first: bool = True
+    ) -> Sequence[Command]:
+        now = self._revision
+        if base is None or base >= now:
+            return commands
+        rebased = self._rebasing.rebased
+        return [rebased(each, base, now, is_first=is_first) for each in commands]
+
+    def _done(self, commands: Sequence[Command], label: str) -> Entry:
+        draft = self._draft()
+        forest, self._forest = self._forest, None
+        outcome = carry_out(commands, draft, forest)
+        changes = draft.changes()
+        if not changes:
+            # Nothing is to be done only if the files say so, not what is known of them.
+            self._check_unchanged(outcome.forest.models)
+            self._forest = outcome.forest
+            return Entry(0, label, ())
+        self._write({each.file: draft.files.get(each.file) for each in changes})
+        # Only now: a forest of what was not written would be one of nothing.
+        self._forest = outcome.forest
+        entry = self._log.add(label, changes, outcome.created)
+        self._rebasing.note(self._revision, entry, outcome.shifts)
+        return entry
+
+    def write_text(self, file: str, text: str, base: int) -> Entry:
+        """Writes what somebody typed; what cannot be parsed is written too, and its model stays.
+
+        Args:
+            file: A text file.
+            text: All of its text.
+            base: The revision of which the text was changed.
+
+        Raises:
+            EditError: It was changed by others since.
+        """
+        with self._lock:
+            known = self._known(file)
+            if not file.endswith(SUFFIX):
+                raise EditError(f"{file} is no text: edit it by its diagram and its forms")
+            if known.revision > base:
+                message = f"{file} has changed since: look at it again, and repeat what you typed"
+                raise EditError(message, conflict=True)
+            draft = self._draft()
+            draft.put(file, typed(text, known.data))
+            changes = draft.changes()
+            if not changes:
+                return Entry(0, f"Type in {file}", ())
+            before = dict(self._files)
+            self._write({file: draft.files[file]})
+            self._note_outside(file, before)
+            return self._log_typing(file, changes)
+
+    def _log_typing(self, file: str, changes: tuple[FileChange, ...]) -> Entry:
+        """Logs what was typed: as one entry while nobody pauses or does anything else."""
+        last, number, at = self._log.last, self._typed[0], self._typed[1]
+        now = monotonic()
+        label = f"Type in {file}"
+        if (
+            last is None
+            or last.number != number
+            or last.files != (file,)
+            or self._log.next is not None
+            or now - at > self.typing_pause
+        ):
+            entry = self._log.add(label, changes)
+        else:
+            [old], [new] = last.changes, changes
+            change = replace(new, steps=(*old.steps, *new.steps), before=old.before)
+            entry = self._log.extend(last, (change,))
+        self._typed = (entry.number, now)
+        return entry
+
+    def undo(self) -> Entry | None:
+        """Takes the last entry back; returns it, None when there is none.
+
+        Raises:
+            EditError: A file is no longer as the entry left it. Nothing was written.
+        """
+        with self._lock:
+            entry = self._log.last
+            if entry is not None:
+                self._replay(entry, [_inverted(each) for each in entry.changes], back=True)
+                self._log.step_back()
+            return entry
+
+    def redo(self) -> Entry | None:
+        """Does again what was undone last; returns it, None when there is nothing.
+
+        Raises:
+            EditError: A file is no longer as the entry left it. Nothing was written.
+        """
+        with self._lock:
+            entry = self._log.next
+            if entry is not None:
+                self._replay(entry, entry.changes, back=False)
+                self._log.step_on()
+            return entry
+
+    def refresh(self, paths: Iterable[str] = ()) -> tuple[Change, ...]:
+        """Takes over what other programs did to files; each change becomes an entry of the log.
+
+        Args:
+            paths: Files that may have changed, relative to the root; without any, all are looked
+                at.
+
+        Returns:
+            The files that have changed, also those that an edit has met; none for what this
+            project wrote itself.
+        """
+        with self._lock:
+            wanted = set(paths) or {*self._files, *model_files(self.root)}
+            wanted = {f for f in wanted if f in self._files or is_model_file(f, self.root)}
+            return (*self.met(), *filter(None, map(self._refreshed, sorted(wanted))))
+
+    def met(self) -> tuple[Change, ...]:
+        """Returns the files that edits found changed by other programs, each once."""
+        with self._lock:
+            met, self._untold = self._untold, []
+            return tuple(met)
+
+    def describe(self, elements: Sequence[Ref]) -> tuple[Add | Set, ...]:
+        """Returns commands that would add elements once more, to whatever owner.
+
+        Raises:
+            EditError: One of the elements is not there.
+        """
+        with self._lock:
+            draft = self._draft()
+            return described([draft.locate(each) for each in elements], self.ref)
+
+    def paste(self, commands: Sequence[Add | Set], owner: Ref, label: str) -> Entry:
+        """Adds what `describe` gave, under names that are free.
+
+        Args:
+            commands: The descriptions.
+            owner: The element that shall own it, or that stands beside it.
+            label: What it does, for people.
+
+        Raises:
+            EditError: It cannot be carried out. Nothing was written.
+        """
+        with self._lock:
+            obj, model = self._draft().element(owner)
+            return self.do(pasted(commands, obj, model, self.ref), label)
+
+    def referrers(self, ref: Ref) -> tuple[Referrer, ...]:
+        """Returns what refers to an element or to what it owns, in all files.
+
+        Raises:
+            EditError: There is no such element, or it is one of the library.
+        """
+        with self._lock:
+            return referrers(ref, self._draft())
+
+    def positions(self, file: str, view: str) -> Mapping[LayoutKey, tuple[int, int]]:
+        """Returns the upper left corners of boxes that were placed by hand in a view, by key.
+
+        Args:
+            file: The model file whose view it is.
+            view: Name of the view.
+        """
+        with self._lock:
+            held = self._files.get(layout_file(file))
+            return read_layout(held.data).get(view, {}) if held is not None else {}
+
+    def _known(self, file: str) -> Stored:
+        found = self._files.get(file)
+        if found is None or is_layout(file):
+            raise EditError(f"{file} is no model file of the opened folder")
+        return found
+
+    def _info(self, each: Stored) -> FileInfo:
+        if each.file.endswith(SUFFIX):
+            return FileInfo(each.file, "text", each.revision, each.is_stale, each.is_stale)
+        return FileInfo(each.file, "xmi", each.revision, each.is_stale)
+
+    def _draft(self) -> Draft:
+        return Draft(self.root, self._files, self._reader, self._revision + 1)
+
+    def _write(self, changed: Mapping[str, Stored | None]) -> None:
+        """Writes files, all or none, if they are still as this project knows them."""
+        with self._disk.alone():
+            self._check_unchanged(changed)
+            self._store(changed)
+        self._revision += 1
+        for file, new in changed.items():
+            if new is None:
+                self._files.pop(file, None)
+            else:
+                self._files[file] = new
+
+    def _store(self, changed: Mapping[str, Stored | None]) -> None:
+        written: list[str] = []
+        try:
+            for file, new in changed.items():
+                self._disk.store(file, new.data if new is not None else None)
+                written.append(file)
+        except OSError as error:
+            for file in written:
+                before = self._files.get(file)
+                self._disk.store(file, before.data if before is not None else None)
+            raise EditError(f"{error.filename} cannot be written: {error.strerror}") from error
+
+    def _check_unchanged(self, files: Iterable[str]) -> None:
+        """Sees to it that nothing is overwritten that another program has just saved."""
+        for file in files:
+            found = self._disk.read(file)
+            known = self._files.get(file)
+            if found != (known.data if known is not None else None):
+                change = self._refreshed(file)
+                if change is not None:
+                    self._untold.append(change)
+                message = f"{file} was just changed by another program: look at it, and repeat"
+                raise ChangedBeneathError(message, conflict=True)
+
+    def _replay(self, entry: Entry, changes: Sequence[FileChange], *, back: bool) -> None:
+        new: dict[str, Stored | None] = {}
+        for change in changes:
+            known = self._files.get(change.file)
+            if (known.digest if known is not None else "") != change.before:
+                message = f"{change.file} has changed since: its last edit cannot be taken back"
+                raise EditError(message, conflict=True)
+            data = known.data if known is not None else b""
+            for step in change.steps:
+                data = applied(data, step)
+            made = stored(change.file, data, self._revision + 1, known)
+            new[change.file] = made if change.after else None
+        files = dict(self._files)
+        self._write(new)
+        is_known = self._rebasing.note_again(self._revision, entry, back=back)
+        for file in () if is_known else entry.files:
+            # What is not known of commands is the work of others, on one file each.
+            self._note_outside(file, files)
+
+    def _refreshed(self, file: str) -> Change | None:
+        known = self._files.get(file)
+        try:
+            found = self._disk.read(file)
+        except EditError:
+            return None  # it is left alone until it can be read again
+        if found == (known.data if known is not None else None):
+            return None
+        old = known.data if known is not None else b""
+        new = found if found is not None else b""
+        diff = self._diff(file, new)
+        is_conflict = takes_back(self._log.last, known, found)
+        self._revision += 1
+        files = dict(self._files)
+        after = ""
+        if found is None:
+            del self._files[file]
+        else:
+            self._files[file] = stored(file, found, self._revision, known)
+            after = self._files[file].digest
+        step = tuple(difference(file, old, new))
+        change = FileChange(file, (step,), known.digest if known is not None else "", after)
+        self._note_outside(file, files)
+        self._log.add(f"{file} was changed by another program", (change,), is_outside=True)
+        return Change(file, diff, is_conflict)
+
+    def _note_outside(self, file: str, before: Mapping[str, Stored]) -> None:
+        """Remembers a change that no commands made, with what is needed to understand it."""
+        after = dict(self._files)
+
+        def understood() -> Outside:
+            if file not in before or file not in after:
+                raise EditError(f"{file} was deleted, or came again, meanwhile", conflict=True)
+            models = (self._reader.read(file, each).model for each in (before, after))
+            return Outside(file, *(Forest.grown({file: each}, self.root) for each in models))
+
+        self._rebasing.note_outside(self._revision, file, understood)
+
+    def _diff(self, file: str, new: bytes) -> str:
+        known = self._files.get(file)
+        old = known.data if known is not None else b""
+        lines = (_lines(old), _lines(new))
+        return "".join(difflib.unified_diff(*lines, f"a/{file}", f"b/{file}"))
+
+
+def _lines(data: bytes) -> list[str]:
+    text = data.decode("utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8", "replace")
+    return [f"{each}\n" for each in text.splitlines()]
+
+
+def _inverted(change: FileChange) -> FileChange:
+    steps = tuple(tuple(inverted(step)) for step in reversed(change.steps))
+    return FileChange(change.file, steps, change.after, change.before)

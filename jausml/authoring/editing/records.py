@@ -1,0 +1,169 @@
+"""Records of a project: its files, what was done to them, and what would be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
+
+from jausml.authoring.editing.layout import is_layout
+
+if TYPE_CHECKING:
+    from jausml.authoring.editing.splices import Splice
+    from jausml.language.model.diagnostics import Diagnostic
+    from jausml.language.model.refs import Ref
+
+
+@dataclass(frozen=True, slots=True)
+class FileInfo:
+    """A model file of a project.
+
+    Attributes:
+        path: The file, relative to the root with forward slashes.
+        notation: How it is written.
+        revision: Revision of the project in which it changed last.
+        is_stale: Whether it cannot be read as it is, so that its model is an earlier one.
+        is_dirty: Whether it is text that cannot be parsed as it is.
+    """
+
+    path: str
+    notation: Literal["xmi", "text"]
+    revision: int
+    is_stale: bool = False
+    is_dirty: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class FileChange:
+    """A change of one file: steps of splices, each of the result of the one before.
+
+    Attributes:
+        file: The file, relative to the root with forward slashes.
+        steps: The splices.
+        before: Digest of the file before, empty when it was not there.
+        after: Digest of the file after, empty when it is not there any more.
+    """
+
+    file: str
+    steps: tuple[tuple[Splice, ...], ...]
+    before: str
+    after: str
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """An entry of the log: what was done at once, and is undone at once.
+
+    Attributes:
+        number: Its number, counted from 1 and never given twice.
+        label: What it does, for people.
+        changes: The files that it changes, that of positions included.
+        created: The elements that it made, valid in the revision that it led to.
+        is_outside: Whether another program did it.
+    """
+
+    number: int
+    label: str
+    changes: tuple[FileChange, ...]
+    created: tuple[Ref, ...] = ()
+    is_outside: bool = False
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        """The files that it changes."""
+        return tuple(each.file for each in self.changes)
+
+    @property
+    def layout(self) -> bool:
+        """Whether it changes positions, and nothing else."""
+        return all(map(is_layout, self.files))
+
+
+@dataclass(frozen=True, slots=True)
+class Referrer:
+    """An element that refers to another one: its ref, what it is called, and by which feature."""
+
+    element: Ref
+    label: str
+    feature: str
+
+
+@dataclass(frozen=True, slots=True)
+class Preview:
+    """What commands would do.
+
+    Attributes:
+        changes: The files that would change.
+        created: The elements that they would make, valid in the revision that they would lead to.
+        referrers: Elements that refer to what would go, and would lose that or go too.
+        diff: The differences of the files, as `diff -u` writes them.
+    """
+
+    changes: tuple[FileChange, ...]
+    created: tuple[Ref, ...] = ()
+    referrers: tuple[Referrer, ...] = ()
+    diff: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """A change of a file by another program.
+
+    Attributes:
+        file: The file, relative to the root with forward slashes.
+        diff: The difference, as `diff -u` writes it.
+        is_conflict: Whether it has done away with the last edit, which it had not seen.
+    """
+
+    file: str
+    diff: str = ""
+    is_conflict: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Freshness:
+    """What an answer about a model is worth.
+
+    Attributes:
+        state: `current`, or why it is of the past: `stale` when it is of an earlier revision,
+            `unreadable` when a file cannot be read as it is, `conflict` when two changes of it
+            have not been brought together.
+        since: Revision of the project of whose files it is; None where they never could be read.
+        why: What keeps it from being current, for people; empty when it is.
+        faults: What is wrong with files that cannot be read.
+    """
+
+    state: Literal["current", "stale", "unreadable", "conflict"]
+    since: int | None
+    why: str = ""
+    faults: tuple[Diagnostic, ...] = ()
+
+    @property
+    def is_current(self) -> bool:
+        """Whether verdicts may be given, and code be generated."""
+        return self.state == "current"
+
+
+@dataclass(slots=True)
+class Stored:
+    """A file as the project knows it.
+
+    Attributes:
+        file: The file, relative to the root with forward slashes.
+        data: Its bytes.
+        digest: Their digest.
+        revision: Revision of the project in which it changed last.
+        good: The bytes of which its model is read: those, or the last ones that could be parsed.
+        good_since: Revision of the project in which these came.
+    """
+
+    file: str
+    data: bytes
+    digest: str
+    revision: int
+    good: bytes = field(default=b"")
+    good_since: int = 0
+
+    @property
+    def is_stale(self) -> bool:
+        """Whether its model is that of earlier bytes."""
+        return self.good is not self.data

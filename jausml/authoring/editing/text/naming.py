@@ -1,0 +1,145 @@
+"""Names by which a text refers to elements once it is changed, and the imports that they need."""
+
+from __future__ import annotations
+
+import copy
+from typing import TYPE_CHECKING
+
+from jausml.authoring.editing.commands import EditError
+from jausml.language.model.notation import BY_NAME
+from jausml.language.model.xmi.writer import external_href
+from jausml.language.text.tree import Href, Name
+from jausml.language.text.writing.references import DocumentNames
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.authoring.editing.planning import Context
+    from jausml.language.metamodel import FeatureTable
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.documents import Document
+    from jausml.language.model.model import Model
+    from jausml.language.model.xmi.parsing import Node
+    from jausml.language.text.tree import Text
+
+
+class Naming(DocumentNames):
+    """Names elements for a text; where a name alone does not do, an import is noted.
+
+    Args:
+        context: The text and its model.
+
+    Attributes:
+        imports: What the text must import besides.
+    """
+
+    def __init__(self, context: Context) -> None:
+        # Imports are noted in a copy: the document stays as it is.
+        document = copy.copy(context.document)
+        document.imports = list(document.imports)
+        super().__init__(context.model, document)
+        self._context = context
+        self._home_document = context.document
+        self._apart: dict[EObject, Model] = {}
+        self.imports: list[Name | Text] = []
+
+    def find(self, ref: str, feature: FeatureTable) -> EObject:
+        """Returns the element of a ref, of the library too.
+
+        Raises:
+            EditError: There is none, or the feature cannot refer to it.
+        """
+        found = self._context.find(ref)
+        if found is None:
+            found, model = self._context.locate(ref)
+            self._apart[found] = model
+        target = feature.target
+        if target is None or self._model.metamodels.class_of(found) not in target.subtypes:
+            raise EditError(f"{feature.name} cannot refer to {ref}, which is a {found.eClass.name}")
+        return found
+
+    def name(self, owner: EObject, target: EObject, feature: FeatureTable) -> Name | Href:
+        """Returns how an element is referred to: by name, if need be after an import."""
+        found = self.short_name(owner, target, feature)
+        if found is None and self._import(target):
+            found = self.short_name(owner, target, feature)
+        if found is not None:
+            return Name(found)
+        home = self._apart.get(target)
+        return self.href(target) if home is None else Href(self._foreign(target, home))
+
+    def meant(self, text: str, owner: EObject, feature: FeatureTable) -> EObject | None:
+        """Returns the element that a name means now, None unless it is one."""
+        found: list[EObject] = []
+        if feature.target is not None:
+            found = self._finder.find(text, feature.target, self._document, owner)
+        return found[0] if len(found) == 1 else None
+
+    def _foreign(self, target: EObject, home: Model) -> str:
+        return external_href(target, home, self._folder)
+
+    def _home(self) -> Document | None:
+        return self._home_document
+
+    def _place(self, target: EObject) -> str | None:
+        is_here = self._model.document_of(target) is self._home_document
+        return self._model.fragment(target) if is_here else None
+
+    def _import(self, target: EObject) -> bool:
+        """Notes an import of the document of an element, unless that changes other names."""
+        model = self._apart.get(target, self._model)
+        document = model.document_of(target)
+        imports = self._document.imports
+        if document is None or document is self._home_document or document in imports:
+            return False
+        imports.append(document)
+        if self._is_misleading():
+            imports.pop()
+            return False
+        self.imports.append(self.import_of(document))
+        return True
+
+    def _is_misleading(self) -> bool:
+        """Tells whether the last import makes a name mean something else than it does."""
+        classes = self._model.metamodels
+        names = {
+            getattr(each, "name", None)
+            for root in self._document.imports[-1].roots
+            for each in (root, *root.eAllContents())
+        }
+        for node, child in named_references(self._home_document):
+            text = child.get(BY_NAME) or ""
+            if text.replace("/", ".").rpartition(".")[2] not in names:
+                continue
+            wanted = classes.class_of(node.obj).features[child.tag].target
+            found = self._finder.find(text, wanted, self._document, node.obj) if wanted else []
+            if found != self._finder_before(text, node, child):
+                return True
+        return False
+
+    def _finder_before(self, text: str, node: Node, child: Node) -> list[EObject]:
+        feature = self._model.metamodels.class_of(node.obj).features[child.tag]
+        before = copy.copy(self._document)
+        before.imports = self._document.imports[:-1]
+        wanted = feature.target
+        return self._finder.find(text, wanted, before, node.obj) if wanted is not None else []
+
+
+def named_references(document: Document) -> Iterator[tuple[Node, Node]]:
+    """Yields the references by name or by href of a text: node of the element, and their own."""
+    pending = list(document.root_nodes)
+    while pending:
+        node = pending.pop()
+        for child in node.children:
+            if child.obj is not None:
+                pending.append(child)
+            elif node.obj is not None and child.tag in _features(node):
+                yield node, child
+
+
+def _features(node: Node) -> set[str]:
+    return {
+        child.tag
+        for child in node.children
+        if child.get(BY_NAME) is not None or child.get("href") is not None
+    }

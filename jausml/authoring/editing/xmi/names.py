@@ -1,0 +1,210 @@
+"""How an XMI file names elements: fragments and hrefs, and the prefixes of its namespaces."""
+
+from __future__ import annotations
+
+import posixpath
+import re
+from typing import TYPE_CHECKING
+from urllib.parse import quote
+
+from jausml.authoring.editing.forest import Thing
+from jausml.authoring.editing.reading import is_library
+from jausml.language.model import refs
+from jausml.language.model.reading.classes import XSI, is_xmi
+from jausml.language.model.uris import LIBRARY_URI, UriFault, UriResolver, copy_in_project, library_root
+from jausml.language.model.xmi.fragments import FragmentFinder
+
+if TYPE_CHECKING:
+    from jausml.authoring.editing.planning import Context
+    from jausml.authoring.editing.xmi.edits import Edits
+    from jausml.authoring.editing.xmi.source import Element
+    from jausml.language.metamodel import ClassTable, FeatureTable
+    from jausml.language.model.documents import Document
+    from jausml.language.model.refs import Ref
+    from jausml.language.model.xmi.parsing import Node
+
+XMI = "http://www.omg.org/XMI"
+_XSI = "xsi"
+_PLACE = re.compile(r"([^\s\"']+)\s+([^\s\"']+)")
+"""A namespace and the place of its metamodel, of which `xsi:schemaLocation` lists several."""
+
+
+class Names:
+    """The names that one file uses.
+
+    Args:
+        context: The file, and the elements as they will be.
+        edits: Where namespaces are declared.
+        root: The outermost XML element of the file.
+    """
+
+    def __init__(self, context: Context, edits: Edits, root: Node) -> None:
+        self._context = context
+        self._edits = edits
+        self._root = root
+        self._declared: dict[str, str] = {}
+        self._fragments: dict[Thing, str] | None = None
+        self._uris: dict[str, str] = {}
+        self._resolver = UriResolver(context.root, allow_outside=False, projects={})
+        self._finder = FragmentFinder(context.model.metamodels, lambda *_: None)
+
+    def target(self, uri: str, fragment: str) -> Thing | Ref | None:
+        """Returns what an href or a fragment of the file meant; None when it leads nowhere."""
+        document = self._document(uri)
+        found = self._finder.find(document, fragment) if document is not None else None
+        obj = found.node.obj if found is not None else None
+        if obj is None:
+            return None
+        known = self._context.forest.things.get(obj)
+        return known or refs.ref_of(obj, self._context.model, self._context.root)
+
+    def fragment(self, target: Thing | Ref) -> str:
+        """Returns the fragment of an element, as it will be."""
+        if not isinstance(target, Thing):
+            return refs.split(target)[1]
+        if self._fragments is None:
+            self._fragments = self._context.forest.fragments()
+        return self._fragments[target]
+
+    def is_local(self, target: Thing | Ref) -> bool:
+        """Tells whether an element will stand in the file."""
+        return file_of(target) == self._context.file
+
+    def href(self, target: Thing | Ref) -> str:
+        """Returns the href of an element, as it will be."""
+        uri = "" if self.is_local(target) else self._uri(file_of(target))
+        return f"{uri}#{self.fragment(target)}"
+
+    def type_attribute(self, target: Thing | Ref, feature: FeatureTable) -> str:
+        """Returns ` xsi:type="..."` where the class of an element is not that of the feature."""
+        table = self._class(target)
+        if table is feature.target:
+            return ""
+        prefix = self.prefix(table.package.ns_uri, table.package.name)
+        return f' {self.prefix(XSI, _XSI)}:type="{prefix}:{table.name}"'
+
+    def xmi(self) -> str:
+        """Returns the prefix of `xmi:id`."""
+        for prefix, uri in self._root.prefixes.items():
+            if is_xmi(uri) and prefix:
+                return prefix
+        return self.prefix(XMI, "xmi")
+
+    def xsi(self) -> str:
+        """Returns the prefix of `xsi:type` and `xsi:nil`."""
+        return self.prefix(XSI, _XSI)
+
+    def prefix(self, uri: str, usual: str) -> str:
+        """Returns the prefix of a namespace, which is declared if need be.
+
+        Args:
+            uri: The namespace.
+            usual: The prefix that is taken if it is free.
+        """
+        known = {**self._root.prefixes, **self._declared}
+        for prefix, each in known.items():
+            if each == uri and prefix:
+                return prefix
+        prefix, count = usual, 0
+        while prefix in known:
+            count += 1
+            prefix = f"{usual}{count}"
+        self._declared[prefix] = uri
+        element = self._edits.source.element(self._root)
+        name = f"xmlns:{prefix}"
+        later = {each.name for each in element.attributes if _rank(each.name) > _rank(name)}
+        self._edits.add_attribute(element, name, uri, later)
+        self._locate(uri, element)
+        return prefix
+
+    def _locate(self, uri: str, element: Element) -> None:
+        """Tells Eclipse where the metamodel of a new namespace is, if the file says it of others.
+
+        It lies beside theirs; without its place Eclipse opens the file no longer.
+        """
+        packages = self._context.model.metamodels.packages
+        written = next((each for each in element.attributes if _is_places(each.name)), None)
+        if written is None or uri not in packages:
+            return
+        known = list(_PLACE.finditer(self._edits.source.text, written.value, written.end))
+        folders = [
+            each[2].removesuffix(file)
+            for each in known
+            if each[1] in packages and each[2].endswith(file := f"{packages[each[1]].name}.ecore")
+        ]
+        if folders and uri not in {each[1] for each in known}:
+            place = f"{uri} {folders[0]}{packages[uri].name}.ecore"
+            later = next((each.start() for each in known if each[1] > uri), None)
+            if later is None:
+                self._edits.put(written.end, written.end, f" {place}")
+            else:
+                self._edits.put(later, later, f"{place} ")
+
+    def _class(self, target: Thing | Ref) -> ClassTable:
+        return target.table if isinstance(target, Thing) else self._context.find_class(target)
+
+    def _document(self, uri: str) -> Document | None:
+        context = self._context
+        if not uri:
+            return context.document
+        target = self._resolver.resolve(uri, context.document)
+        if isinstance(target, UriFault):
+            return None
+        known = (each for each in context.model.documents if each.path == target.path)
+        return next(known, None)
+
+    def _uri(self, file: str) -> str:
+        """Returns the URI of another file: as this one writes it already, else the writer's."""
+        if not self._uris:
+            self._uris = {"": "", **self._written_uris()}
+        return self._uris.get(file) or self._usual_uri(file)
+
+    def _written_uris(self) -> dict[str, str]:
+        found: dict[str, str] = {}
+        seen: set[str] = set()
+        pending = [self._root]
+        while pending:
+            node = pending.pop()
+            pending += node.children
+            uri = (node.get("href") or "").strip().partition("#")[0]
+            if uri and uri not in seen:
+                seen.add(uri)
+                document = self._document(uri)
+                if document is not None:
+                    found.setdefault(refs.file_of(document, self._context.root), uri)
+        return found
+
+    def _usual_uri(self, file: str) -> str:
+        context = self._context
+        if not is_library(file):
+            here = posixpath.dirname(context.file)
+            return quote(posixpath.relpath(file, here or "."))
+        place = file.removeprefix(refs.LIBRARY)
+        library = library_root().resolve()
+        folder = (context.root / context.file).parent
+        if folder.is_relative_to(library.parent):
+            # As the writer does it: the shipped models name each other by paths.
+            whole = (library / place).as_posix()
+            return quote(posixpath.relpath(whole, folder.as_posix()))
+        copy = copy_in_project(place, folder, context.root)
+        if copy is not None:
+            return quote(posixpath.relpath(copy.as_posix(), folder.as_posix()))
+        return f"{LIBRARY_URI}{quote(place)}"
+
+
+def file_of(target: Thing | Ref) -> str:
+    """Returns the file in which an element will stand."""
+    return target.root.file if isinstance(target, Thing) else refs.split(target)[0]
+
+
+def _is_places(name: str) -> bool:
+    return name.partition(":")[2] == "schemaLocation"
+
+
+def _rank(name: str) -> tuple[int, str]:
+    """Orders attributes of a root as the writer does: xmi, xsi, packages by name, features."""
+    if name.endswith(":version"):
+        return (0, "")
+    if not name.startswith("xmlns"):
+        return (4, "")
+    return {"xmlns:xmi": (1, ""), "xmlns:xsi": (2, "")}.get(name, (3, name))

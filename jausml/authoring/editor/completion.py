@@ -1,0 +1,289 @@
+"""Completions: what can stand at a place of a text."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING
+
+from jausml.authoring.editor import references
+from jausml.authoring.editor.classes import contained_classes, features_of, keywords, table
+from jausml.authoring.editor.context import Part, context_at
+from jausml.authoring.editor.paths import facts, fields_of, sides_at
+from jausml.authoring.editor.positions import Place
+from jausml.authoring.editor.workbench import names_in, sketched_text
+from jausml.language.metamodel import ClassTable, FeatureTable, ValueKind, documentation
+from jausml.language.metamodel.classes import jaus, ros
+from jausml.language.model.values import show
+from jausml.language.semantics.conversions import CONVERSIONS
+from jausml.language.text.keywords import snake_case
+from jausml.language.text.reading.imports import library_files
+from jausml.language.text.tree import Assignment, Direction, End, Import
+from jausml.language.text.writing.spelling import path as written_path
+from jausml.language.text.writing.spelling import word as written_word
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+    from pathlib import Path
+
+    from jausml.authoring.editor.context import Context
+    from jausml.authoring.editor.names import Declaration
+    from jausml.authoring.editor.workbench import Workbench
+    from jausml.language.semantics.conversions import Conversion
+
+UNITS = (
+    *("m", "mm", "km", "s", "ms", "Hz", "kg", "N", "N m", "Pa", "K", "V", "A", "W", "J"),
+    *("m/s", "m/s^2", "rad", "rad/s", "rad/s^2", "percent", "degree Celsius", "degree"),
+    *("meter", "meter per second", "meter per second squared", "radian", "radian per second"),
+    *("m^2", "m^3", "T", "lx", "C", "A h", "rpm", "1"),
+)
+"""Units that are offered; many more can be written."""
+
+_TOP = ("component", "node", "bridge", "host", "placement", "system", "map_library")
+_TOP_WORDS = ("import", "struct", *_TOP)
+_MAP_WORDS = ("JAUS", "ROS", "JAUS->ROS", "ROS->JAUS", "table", "vector")
+
+
+class CompletionKind(Enum):
+    """The kind of a completion."""
+
+    KEYWORD = "keyword"
+    MESSAGE = "message"
+    FIELD = "field"
+    CONVERSION = "conversion"
+    UNIT = "unit"
+    VALUE = "value"
+    FEATURE = "feature"
+    NAME = "name"
+    FILE = "file"
+
+
+@dataclass(frozen=True, slots=True)
+class Completion:
+    """Something that can stand at a place.
+
+    Attributes:
+        label: What is offered, and written.
+        kind: What it is.
+        detail: A few words on it.
+        documentation: More on it.
+        text: What is written, when that is not the label.
+        module: What of the library is imported with it; empty for nothing.
+        is_first: Whether it goes better than others with what stands around.
+    """
+
+    label: str
+    kind: CompletionKind
+    detail: str = ""
+    documentation: str = ""
+    text: str = ""
+    module: str = ""
+    is_first: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """One completion: something that can stand at a place.
+
+    Attributes:
+        start: Where the word begins that a completion replaces.
+        end: Where it ends.
+        completions: What can stand there.
+        imports_end: Where the text can have a further import.
+    """
+
+    start: Place
+    end: Place
+    completions: tuple[Completion, ...]
+    imports_end: Place
+
+
+def complete(bench: Workbench, path: Path, place: Place) -> Offer:
+    """Returns what can stand at a place.
+
+    Args:
+        bench: What is open.
+        path: The file of the text.
+        place: The place.
+    """
+    text = bench.text(path)
+    context = context_at(text, sketched_text(text), place)
+    completions = _OFFERS.get(context.part, _nothing)(bench, path, context)
+    offered: dict[tuple[str, str], Completion] = {}
+    for each in completions:
+        offered.setdefault((each.label, each.module), each)
+    imports = [each for each in bench.tree(path).items if isinstance(each, Import)]
+    end = Place(imports[-1].span.end_line + 1 if imports else 1, 1)
+    return Offer(context.start, context.end, tuple(offered.values()), end)
+
+
+def _nothing(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
+    yield from ()
+
+
+def _item(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
+    if context.item is None:
+        yield from (_keyword(each) for each in _TOP_WORDS)
+    elif context.item is context.map:
+        yield from (Completion(each, CompletionKind.KEYWORD) for each in _MAP_WORDS)
+    if context.table is not None:
+        yield from (_keyword(snake_case(each.name)) for each in contained_classes(context.table))
+    yield from map(_feature, features_of(context.item, context.table).values())
+
+
+def _keyword(word: str) -> Completion:
+    known = keywords().get(word)
+    return Completion(
+        word, CompletionKind.KEYWORD, "", documentation(known.eclass) if known else ""
+    )
+
+
+def _feature(feature: FeatureTable) -> Completion:
+    name = feature.name
+    kind = feature.type_name.rpartition(".")[2]
+    return Completion(
+        name, CompletionKind.FEATURE, kind, documentation(feature.feature), f"{name}: "
+    )
+
+
+def _import(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
+    yield from (Completion(written_word(each), CompletionKind.FILE) for each in library_files())
+
+
+def _jaus_type(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
+    for each in bench.elements(path, jaus.MessageDef):
+        service = getattr(each.eContainer(), "name", "") or ""
+        detail = f"{each.code} {service}".strip()
+        name = written_word(each.name or "")
+        yield Completion(name, CompletionKind.MESSAGE, detail, each.documentation or "")
+
+
+def _ros_type(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
+    for each in bench.elements(path, ros.MessageType):
+        package = getattr(each.eContainer(), "name", None)
+        if package and each.name:
+            name = written_word(f"{package}/{each.name}")
+            yield Completion(name, CompletionKind.MESSAGE, "", each.documentation or "")
+
+
+def _member(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:
+    end = context.around(End)
+    if not isinstance(end, End):
+        return
+    sides = sides_at(bench, path, context)
+    for field in fields_of(sides.target if end.is_jaus else sides.source):
+        found = sides.follow(field.name, is_source=not end.is_jaus)
+        detail = ", ".join(facts(found.attribute())) if found is not None else ""
+        yield Completion(written_word(field.name), CompletionKind.FIELD, detail)
+
+
+def _path(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:
+    is_source = context.part is Part.SOURCE
+    sides = sides_at(bench, path, context)
+    if not context.word and is_source and context.around(Direction) is not None:
+        yield from (Completion(each, CompletionKind.KEYWORD) for each in ("ignore", "clock"))
+    if is_source:
+        yield from (Completion(each, CompletionKind.NAME, "join") for each in sides.joins)
+        if isinstance(context.item, Assignment):
+            yield from map(_feature, features_of(context.item, None).values())
+    before, _, _ = context.word.rpartition(".")
+    for field in fields_of(sides.follow(before or ".", is_source=is_source)):
+        name = f"{before}.{field.name}" if before else field.name
+        found = sides.follow(name, is_source=is_source)
+        detail = ", ".join(facts(found.attribute())) if found is not None else ""
+        said = field.documentation or ""
+        yield Completion(written_path(name), CompletionKind.FIELD, detail, said)
+
+
+def _conversion(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
+    yield from map(conversion_completion, CONVERSIONS.values())
+
+
+def conversion_completion(conversion: Conversion) -> Completion:
+    """Returns a conversion with its signature and what it does."""
+    told = (conversion.signature, conversion.documentation)
+    return Completion(conversion.name, CompletionKind.CONVERSION, *told)
+
+
+def _argument(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:
+    conversion = CONVERSIONS.get(context.about)
+    for argument in conversion.arguments[:1] if conversion is not None else ():
+        if argument.refers_to:
+            yield from _declared(bench, path, table(argument.refers_to), context)
+        elif argument.feature == "units":
+            yield from _units(context)
+
+
+def _units(context: Context) -> Iterator[Completion]:
+    for each in UNITS:
+        yield Completion(each, CompletionKind.UNIT, text=each if context.in_text else f'"{each}"')
+
+
+def _value(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:
+    feature = features_of(context.item, context.table).get(context.about)
+    if context.about == "units":
+        yield from _units(context)
+    if feature is None or context.in_text:
+        return
+    if feature.data_type is not None:
+        yield from _literals(feature)
+    elif feature.target is not None:
+        if feature.target is table("bridge.AttributeMap"):
+            yield from map(_reference, references.maps(bench, path, context))
+        yield from _declared(bench, path, feature.target, context)
+        if feature.target is table("jaus.Service"):
+            yield from map(_reference, references.services(bench, path))
+        elif feature.target is table("jaus.MessageDef"):
+            yield from _jaus_type(bench, path, context)
+        elif feature.target is table("ros.MessageType"):
+            yield from _ros_type(bench, path, context)
+
+
+def _reference(candidate: references.Candidate) -> Completion:
+    name = written_path(candidate.name)
+    detail, module = candidate.detail, candidate.module
+    return Completion(name, CompletionKind.NAME, detail, module=module, is_first=candidate.fits)
+
+
+def _literals(feature: FeatureTable) -> Iterator[Completion]:
+    data_type = feature.data_type
+    if data_type is not None and data_type.kind is ValueKind.BOOLEAN:
+        yield from (Completion(each, CompletionKind.VALUE) for each in ("true", "false"))
+    for each in data_type.legal if data_type is not None else ():
+        literal = data_type.literals[each] if data_type is not None else None
+        default = " (default)" if literal is not None and literal == feature.default else ""
+        yield Completion(
+            written_word(each), CompletionKind.VALUE, default.strip(), documentation(literal)
+        )
+
+
+def _declared(
+    bench: Workbench, path: Path, wanted: ClassTable, context: Context
+) -> Iterator[Completion]:
+    """Yields the names of a class that the text and its imports declare."""
+    for file in (path, *bench.imports(path)):
+        for each in names_in(bench.text(file)).declarations:
+            if each.table in wanted.subtypes and _is_visible(each, context):
+                detail = f"{snake_case(each.table.name)} in {show(file.name)}"
+                yield Completion(written_path(each.name.text), CompletionKind.NAME, detail)
+
+
+def _is_visible(declaration: Declaration, context: Context) -> bool:
+    """Tells whether a name can be meant by itself: tables and the like only in their map."""
+    owned = declaration.table in (table("bridge.ValueTable"), table("bridge.Quantity"))
+    around: Iterable[object] = [level.item for level in context.levels]
+    return not owned or all(any(each is item for item in around) for each in declaration.owners)
+
+
+_OFFERS = {
+    Part.ITEM: _item,
+    Part.IMPORT: _import,
+    Part.JAUS_TYPE: _jaus_type,
+    Part.ROS_TYPE: _ros_type,
+    Part.MEMBER: _member,
+    Part.SOURCE: _path,
+    Part.TARGET: _path,
+    Part.CONVERSION: _conversion,
+    Part.ARGUMENT: _argument,
+    Part.VALUE: _value,
+}

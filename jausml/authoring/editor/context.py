@@ -1,0 +1,248 @@
+"""Context of a place in a text: the list that it is in, and the part of an item.
+
+The tree tells the lists, for the parser keeps them when an item in them is wrong. The tokens before
+the place tell the part.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING
+
+from jausml.authoring.editor.classes import class_of, class_of_value, feature_named, table
+from jausml.authoring.editor.positions import Place, end_of
+from jausml.language.text.reading.shaping import Items
+from jausml.language.text.tree import (
+    Assignment,
+    Direction,
+    Element,
+    End,
+    Feature,
+    Item,
+    SyntaxTree,
+    Vector,
+    lists_of,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from lark import Token
+
+    from jausml.language.metamodel import ClassTable
+    from jausml.language.text.reading.parsing import Parsed
+
+_WORD_AT_END = re.compile(r"[\w./`\[\]]*\Z")
+_REST_OF_WORD = re.compile(r"[\w./`\[\]]*")
+_GOES_ON = {"ARROW", "COMMA", "COLON", "LPAR", "EQUAL", "PAIR", "GIVES", "AT_MOST", "NEW"}
+
+
+class Part(Enum):
+    """The part of an item that stands at a place."""
+
+    ITEM = "the beginning of an item"
+    IMPORT = "a file of the library"
+    JAUS_TYPE = "a JAUS message"
+    ROS_TYPE = "a ROS message"
+    MEMBER = "a member of a message"
+    SOURCE = "a source path"
+    TARGET = "a target path"
+    CONVERSION = "a conversion"
+    ARGUMENT = "an argument of a conversion"
+    VALUE = "a value of a feature"
+    NOTHING = "what nobody can tell"
+
+
+@dataclass(frozen=True, slots=True)
+class Level:
+    """A list that a place is in.
+
+    Attributes:
+        item: What the list belongs to; None for the document itself.
+        table: Its class, where it is a block of an element and its class is known.
+        items: The list.
+    """
+
+    item: Item | None
+    table: ClassTable | None
+    items: Sequence[Item]
+
+
+@dataclass(frozen=True, slots=True)
+class Context:
+    """The surroundings of a place.
+
+    Attributes:
+        levels: The lists around it, the outermost first.
+        part: What stands there.
+        word: The beginning of the word at the place, as far as the place.
+        start: Where that word begins.
+        end: Where the whole word ends.
+        about: The conversion of an argument, or the feature of a value.
+        in_text: Whether the place is in quotation marks.
+    """
+
+    levels: tuple[Level, ...]
+    part: Part
+    word: str
+    start: Place
+    end: Place
+    about: str = ""
+    in_text: bool = False
+
+    @property
+    def item(self) -> Item | None:
+        """What the innermost list belongs to."""
+        return self.levels[-1].item
+
+    @property
+    def table(self) -> ClassTable | None:
+        """The class of the innermost block."""
+        return self.levels[-1].table
+
+    def around(self, kind: type[Item]) -> Item | None:
+        """Returns the innermost item of a kind around the place."""
+        found = (each.item for each in reversed(self.levels) if isinstance(each.item, kind))
+        return next(found, None)
+
+    @property
+    def map(self) -> Element | None:
+        """The attribute map around the place."""
+        wanted = table("bridge.AttributeMap")
+        for level in reversed(self.levels):
+            if level.table is wanted and isinstance(level.item, Element):
+                return level.item
+        return None
+
+    def end_of_map(self, *, is_jaus: bool) -> End | None:
+        """Returns an end of the map around the place."""
+        items = self.map.items if self.map is not None else []
+        found = (each for each in items if isinstance(each, End) and each.is_jaus == is_jaus)
+        return next(found, None)
+
+
+def context_at(text: str, parsed: Parsed, place: Place) -> Context:
+    """Returns where a place is.
+
+    Args:
+        text: The text.
+        parsed: Its tree and tokens.
+        place: The place.
+    """
+    line = text.split("\n")[place.line - 1] if place.line <= text.count("\n") + 1 else ""
+    before = line[: place.column - 1]
+    found = _WORD_AT_END.search(before)
+    word = found.group() if found is not None else ""
+    rest = _REST_OF_WORD.match(line, place.column - 1)
+    start = Place(place.line, place.column - len(word))
+    end = Place(place.line, rest.end() + 1 if rest is not None else place.column)
+    levels = tuple(_levels(parsed.document, start))
+    tokens = [each for each in parsed.tokens if _position(each) <= start]
+    quoted = next((each for each in tokens if _is_text_around(each, place)), None)
+    limit = start if quoted is None else _position(quoted)
+    statement = _statement([each for each in tokens if _position(each) < limit], levels[-1], start)
+    part, about = _part(levels[-1], statement)
+    return Context(levels, part, word, start, end, about, quoted is not None)
+
+
+def _position(token: Token) -> Place:
+    return Place(token.line or 1, token.column or 1)
+
+
+def _is_text_around(token: Token, place: Place) -> bool:
+    if token.type != "TEXT" or token.line != place.line:
+        return False
+    return (token.column or 1) < place.column <= (token.end_column or 1)
+
+
+def _levels(document: SyntaxTree, place: Place) -> Iterable[Level]:
+    """Yields the lists that hold a place."""
+    level = Level(None, None, document.items)
+    while True:
+        yield level
+        inner = [each for each in _inner_levels(level) if _holds(each.items, place)]
+        if not inner:
+            return
+        # A list whose bracket is missing reaches to the end of the text: the last one counts.
+        level = inner[-1]
+
+
+def _holds(items: Sequence[Item], place: Place) -> bool:
+    if not isinstance(items, Items) or items.start is None:
+        return False
+    return Place(*items.start) < place <= Place(*items.end)
+
+
+def _inner_levels(level: Level) -> Iterable[Level]:
+    """Yields the lists of the items of a list."""
+    for item in level.items:
+        if isinstance(item, Feature):
+            known = feature_named(item, level.item, level.table)
+            for value in item.values:
+                if isinstance(value, Element):
+                    yield Level(value, class_of_value(value, known), value.items)
+        else:
+            own = class_of(item, level.table) if isinstance(item, Element) else None
+            for items, _ in lists_of(item):
+                yield Level(item, own, items)
+
+
+def _statement(tokens: Sequence[Token], level: Level, start: Place) -> list[Token]:
+    """Returns the tokens of the unfinished item before a place."""
+    begin = _begin(level, start)
+    line = start.line
+    statement: list[Token] = []
+    for token in reversed(tokens):
+        # A new line begins a new item unless the one before cannot end there.
+        if _position(token) < begin or (token.line != line and token.type not in _GOES_ON):
+            break
+        statement.insert(0, token)
+        line = token.line or 1
+    return statement
+
+
+def _begin(level: Level, start: Place) -> Place:
+    """Returns the end of the last whole item before a place, or the beginning of the list."""
+    opening = level.items.start if isinstance(level.items, Items) else None
+    begin = Place(opening[0], opening[1] + 1) if opening is not None else Place(1, 1)
+    ends = (end_of(item.span) for item in level.items)
+    return max([begin, *(end for end in ends if end < start)])
+
+
+def _part(level: Level, statement: Sequence[Token]) -> tuple[Part, str]:
+    """Returns what follows the tokens of an unfinished item, and what it is about."""
+    item = level.item
+    types = [each.type for each in statement]
+    last = types[-1] if types else ""
+    if isinstance(item, (Direction, Assignment)) and (part := _assignment_part(statement)):
+        return part
+    if "COLON" in types and last in ("COLON", "COMMA"):
+        return Part.VALUE, str(statement[types.index("COLON") - 1])
+    if isinstance(item, Vector):
+        side = Part.SOURCE if level.items is item.given else Part.TARGET
+        return (Part.NOTHING if last == "EQUAL" else side), ""
+    if isinstance(item, End) and not types:
+        return Part.MEMBER, ""
+    if last in ("JAUS", "ROS", "IMPORT"):
+        parts = {"JAUS": Part.JAUS_TYPE, "ROS": Part.ROS_TYPE, "IMPORT": Part.IMPORT}
+        return parts[last], ""
+    return (Part.ITEM if not types else Part.NOTHING), ""
+
+
+def _assignment_part(statement: Sequence[Token]) -> tuple[Part, str] | None:
+    types = [each.type for each in statement]
+    last = types[-1] if types else ""
+    if last == "IGNORE":
+        return Part.TARGET, ""
+    if types.count("LPAR") > types.count("RPAR"):
+        opening = len(types) - 1 - types[::-1].index("LPAR")
+        return Part.ARGUMENT, str(statement[opening - 1])
+    if "ARROW" in types:
+        if last in ("ARROW", "COMMA", "COLON"):
+            return (Part.CONVERSION if "COLON" in types else Part.TARGET), ""
+        return Part.NOTHING, ""
+    if "COLON" in types:
+        return None
+    return (Part.SOURCE, "") if not types or last == "COMMA" else (Part.NOTHING, "")

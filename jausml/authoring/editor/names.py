@@ -1,0 +1,225 @@
+"""Names in a text: those that declare an element, and those that refer to one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from jausml.authoring.editor.classes import class_of, class_of_value, feature_named, table
+from jausml.authoring.editor.positions import is_within
+from jausml.language.semantics.conversions import CONVERSIONS, Argument
+from jausml.language.text.tree import (
+    Assignment,
+    Call,
+    Direction,
+    Element,
+    End,
+    Feature,
+    Item,
+    Name,
+    SyntaxTree,
+    Table,
+    Vector,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from jausml.authoring.editor.positions import Place
+    from jausml.language.metamodel import ClassTable
+
+_JOINS = {True: ("report_join", "bridge.ReportJoin"), False: ("join", "bridge.Join")}
+"""Keyword and class of what source paths may begin with, by whether they lead to ROS."""
+
+
+@dataclass(frozen=True, slots=True)
+class Declaration:
+    """A name that a text gives to an element.
+
+    Attributes:
+        name: The name.
+        table: The class of the element.
+        item: What declares it.
+        owners: The items around it, the outermost first.
+    """
+
+    name: Name
+    table: ClassTable
+    item: Item
+    owners: tuple[Item, ...]
+
+    @property
+    def path(self) -> list[str]:
+        """The names of the owners and its own."""
+        names = [getattr(each, "name", None) for each in self.owners]
+        return [*(each.text for each in names if isinstance(each, Name)), self.name.text]
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """A name that refers to an element.
+
+    Attributes:
+        name: The name, perhaps with those of owners before it.
+        wanted: The class of the element.
+        owners: The items around it, the outermost first.
+        is_first_step: Whether only the first step of a path is the name.
+    """
+
+    name: Name
+    wanted: ClassTable
+    owners: tuple[Item, ...]
+    is_first_step: bool = False
+
+    @property
+    def text(self) -> str:
+        """The name that is looked for."""
+        return self.name.text.partition(".")[0] if self.is_first_step else self.name.text
+
+
+@dataclass(slots=True)
+class Names:
+    """All names of a document, in order.
+
+    Attributes:
+        declarations: What declares elements.
+        references: What refers to them.
+    """
+
+    declarations: list[Declaration] = field(default_factory=list)
+    references: list[Reference] = field(default_factory=list)
+
+    def declared_at(self, place: Place) -> Declaration | None:
+        """Returns the declaration whose name is at a place."""
+        found = (each for each in self.declarations if is_within(each.name.span, place))
+        return next(found, None)
+
+    def reference_at(self, place: Place) -> Reference | None:
+        """Returns the reference at a place."""
+        found = (each for each in self.references if is_within(each.name.span, place))
+        return next(found, None)
+
+
+def names_of(document: SyntaxTree) -> Names:
+    """Returns the names of a document."""
+    collector = _Collector()
+    collector.items(document.items, None, None, ())
+    return collector.names
+
+
+def find(reference: Reference, declarations: Iterable[Declaration]) -> Declaration | None:
+    """Returns the declaration that a reference means: the one that shares most owners with it.
+
+    Args:
+        reference: The reference.
+        declarations: Those of its document, or of one that it imports.
+    """
+    steps = reference.text.replace("/", ".").split(".")
+    fitting = [
+        each
+        for each in declarations
+        if each.table in reference.wanted.subtypes
+        and [step for name in each.path for step in name.split(".")][-len(steps) :] == steps
+    ]
+    return max(fitting, key=lambda each: _shared(each.owners, reference.owners), default=None)
+
+
+def _shared(first: Sequence[Item], second: Sequence[Item]) -> int:
+    shared = 0
+    for one, other in zip(first, second, strict=False):
+        if one is not other:
+            break
+        shared += 1
+    return shared
+
+
+class _Collector:
+    """Walks through a tree."""
+
+    def __init__(self) -> None:
+        self.names = Names()
+
+    def items(
+        self,
+        items: Iterable[Item],
+        container: Item | None,
+        owner: ClassTable | None,
+        owners: tuple[Item, ...],
+    ) -> None:
+        for item in items:
+            if isinstance(item, Element):
+                self._element(item, class_of(item, owner), owners)
+            elif isinstance(item, Feature):
+                self._feature(item, container, owner, owners)
+            elif isinstance(item, End):
+                wanted = table("jaus.MessageDef" if item.is_jaus else "ros.MessageType")
+                self._refer(item.type, wanted, owners)
+            elif isinstance(item, Table):
+                self._declare(item.name, table("bridge.ValueTable"), item, owners)
+            elif isinstance(item, Vector):
+                self._declare(item.name, table("bridge.TestVector"), item, owners)
+                self._joins([each.path for each in item.given], owners, to_ros=item.to_ros)
+            elif isinstance(item, Direction):
+                self.items(item.assignments, item, None, (*owners, item))
+            elif isinstance(item, Assignment):
+                self._assignment(item, owners)
+
+    def _element(self, element: Element, own: ClassTable | None, owners: tuple[Item, ...]) -> None:
+        if element.name is not None and own is not None:
+            self._declare(element.name, own, element, owners)
+        self.items(element.items, element, own, (*owners, element))
+
+    def _feature(
+        self,
+        feature: Feature,
+        container: Item | None,
+        owner: ClassTable | None,
+        owners: tuple[Item, ...],
+    ) -> None:
+        known = feature_named(feature, container, owner)
+        for value in feature.values:
+            if isinstance(value, Element):
+                self._element(value, class_of_value(value, known), owners)
+            elif isinstance(value, Name) and known is not None and known.target is not None:
+                self._refer(value, known.target, owners)
+
+    def _assignment(self, assignment: Assignment, owners: tuple[Item, ...]) -> None:
+        direction = next((each for each in owners if isinstance(each, Direction)), None)
+        if direction is not None:
+            paths = [each for each in assignment.sources if isinstance(each, Name)]
+            self._joins(paths, owners, to_ros=direction.to_ros)
+        for call in assignment.conversions:
+            self._call(call, owners)
+        self.items(assignment.items, assignment, None, (*owners, assignment))
+
+    def _call(self, call: Call, owners: tuple[Item, ...]) -> None:
+        conversion = CONVERSIONS.get(call.name.text)
+        own = conversion.own_argument if conversion is not None else None
+        wanted = Argument("").refers_to if own is None else own.refers_to
+        for argument in call.arguments:
+            if wanted and isinstance(argument, Name):
+                self._refer(argument, table(wanted), owners)
+
+    def _joins(self, paths: Iterable[Name], owners: tuple[Item, ...], *, to_ros: bool) -> None:
+        """Notes paths that may begin with the name of a join of their map."""
+        keyword, wanted = _JOINS[to_ros]
+        joins = {
+            each.name.text
+            for owner in owners
+            if isinstance(owner, Element)
+            for each in owner.items
+            if isinstance(each, Element)
+            and each.keyword is not None
+            and each.keyword.text == keyword
+            and each.name is not None
+        }
+        for path in paths:
+            if path.text.partition(".")[0] in joins:
+                reference = Reference(path, table(wanted), owners, is_first_step=True)
+                self.names.references.append(reference)
+
+    def _declare(self, name: Name, own: ClassTable, item: Item, owners: tuple[Item, ...]) -> None:
+        self.names.declarations.append(Declaration(name, own, item, owners))
+
+    def _refer(self, name: Name, wanted: ClassTable, owners: tuple[Item, ...]) -> None:
+        self.names.references.append(Reference(name, wanted, owners))

@@ -1,0 +1,319 @@
+"""Language server: the protocol on one side, the answers of this package on the other."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sys
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from lsprotocol import types
+from pygls.exceptions import JsonRpcException, JsonRpcInvalidParams
+from pygls.lsp.server import LanguageServer
+from pygls.protocol import LanguageServerProtocol
+from pygls.uris import from_fs_path, to_fs_path
+
+from jausml import __version__
+from jausml.authoring.editor.completion import Completion, CompletionKind, Offer, complete
+from jausml.authoring.editor.definition import define
+from jausml.authoring.editor.diagnosing import Problem, all_problems, syntax_problems
+from jausml.authoring.editor.hover import hover
+from jausml.authoring.editor.outline import Symbol, outline
+from jausml.authoring.editor.positions import Columns, Place
+from jausml.authoring.editor.renaming import RenameError, rename, renamed_span
+from jausml.authoring.editor.workbench import Workbench, parsed_text
+from jausml.language.metamodel import load_metamodels
+from jausml.language.model.diagnostics import Severity
+from jausml.language.text.notation import SUFFIX
+from jausml.language.text.reading.shaping import span_of
+from jausml.language.text.tree import Span
+from jausml.language.text.writing.layout import lay_out
+from jausml.language.text.writing.spelling import word
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+PAUSE = 0.3
+"""Seconds without a change after which an open text is read as a model."""
+
+_SEVERITIES = {
+    Severity.ERROR: types.DiagnosticSeverity.Error,
+    Severity.WARNING: types.DiagnosticSeverity.Warning,
+    Severity.INFO: types.DiagnosticSeverity.Information,
+}
+_KINDS = {
+    CompletionKind.KEYWORD: types.CompletionItemKind.Keyword,
+    CompletionKind.MESSAGE: types.CompletionItemKind.Class,
+    CompletionKind.FIELD: types.CompletionItemKind.Field,
+    CompletionKind.CONVERSION: types.CompletionItemKind.Function,
+    CompletionKind.UNIT: types.CompletionItemKind.Unit,
+    CompletionKind.VALUE: types.CompletionItemKind.EnumMember,
+    CompletionKind.FEATURE: types.CompletionItemKind.Property,
+    CompletionKind.NAME: types.CompletionItemKind.Reference,
+    CompletionKind.FILE: types.CompletionItemKind.File,
+}
+_At = TypeVar(
+    "_At",
+    types.CompletionParams,
+    types.HoverParams,
+    types.DefinitionParams,
+    types.PrepareRenameParams,
+    types.RenameParams,
+)
+
+
+def serve() -> None:
+    """Serves one editor on stdin and stdout, until it says good-bye or leaves."""
+    # pygls closes what it writes to, and the command line still needs its own.
+    with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as output:
+        make_server().start_io(sys.stdin.buffer, output)
+
+
+def make_server(root: Path | None = None) -> LanguageServer:
+    """Returns the server with all that it answers.
+
+    Args:
+        root: The folder outside of which it reads nothing but the library; None for no limit.
+    """
+    server = LanguageServer(
+        "jausml",
+        __version__,
+        text_document_sync_kind=types.TextDocumentSyncKind.Full,
+        protocol_cls=_Protocol,
+    )
+    desk = _Desk(server, Workbench(root=root))
+    triggers = types.CompletionOptions(trigger_characters=[".", "/", ":", ">", "("])
+    answers: list[tuple[str, Callable[[Any], Any], Any]] = [
+        (types.TEXT_DOCUMENT_DID_OPEN, desk.did_open, None),
+        (types.TEXT_DOCUMENT_DID_CHANGE, desk.did_change, None),
+        (types.TEXT_DOCUMENT_DID_CLOSE, desk.did_close, None),
+        (types.TEXT_DOCUMENT_COMPLETION, desk.completion, triggers),
+        (types.TEXT_DOCUMENT_HOVER, desk.hover, None),
+        (types.TEXT_DOCUMENT_DEFINITION, desk.definition, None),
+        (types.TEXT_DOCUMENT_PREPARE_RENAME, desk.prepare_rename, None),
+        (types.TEXT_DOCUMENT_RENAME, desk.rename, types.RenameOptions(prepare_provider=True)),
+        (types.TEXT_DOCUMENT_FORMATTING, desk.formatting, None),
+        (types.TEXT_DOCUMENT_DOCUMENT_SYMBOL, desk.symbols, None),
+    ]
+    for method, answer, options in answers:
+        # pygls writes on what it registers, and a method cannot be written on.
+        server.feature(method, options)(partial(answer))
+    return server
+
+
+class _Protocol(LanguageServerProtocol):
+    """Answers a request whose parameters are none of its method, which pygls only notes."""
+
+    def structure_message(self, data: dict[str, Any]) -> Any:
+        try:
+            return super().structure_message(data)
+        except JsonRpcException as error:
+            if "id" in data and "method" in data:
+                self._send_response(data["id"], error=error.to_response_error())
+            raise
+
+
+class _Desk:
+    """Translates what editors ask, and what they are answered."""
+
+    def __init__(self, server: LanguageServer, bench: Workbench) -> None:
+        load_metamodels()  # now, for threads that ask at once would load them twice
+        self._server = server
+        self._bench = bench
+        self._uris: dict[Path, str] = {}
+        self._versions: dict[Path, int] = {}
+        self._checking: asyncio.Task[None] | None = None
+
+    # What the editor does
+
+    def did_open(self, params: types.DidOpenTextDocumentParams) -> None:
+        document = params.text_document
+        self._uris[_path(document.uri)] = document.uri
+        self._take(document.uri, document.version, document.text)
+
+    def did_change(self, params: types.DidChangeTextDocumentParams) -> None:
+        uri = params.text_document.uri
+        text = self._server.workspace.get_text_document(uri).source
+        self._take(uri, params.text_document.version, text)
+
+    def did_close(self, params: types.DidCloseTextDocumentParams) -> None:
+        path = _path(params.text_document.uri)
+        self._bench.forget(path)
+        self._publish(path, [])
+        self._uris.pop(path, None)
+        self._check_soon()
+
+    def _take(self, uri: str, version: int, text: str) -> None:
+        path = _path(uri)
+        self._bench.texts[path] = text
+        self._versions[path] = version
+        self._check_soon()
+
+    def _check_soon(self) -> None:
+        if self._checking is not None:
+            self._checking.cancel()
+        self._checking = asyncio.ensure_future(self._check())
+
+    async def _check(self) -> None:
+        """Checks all open texts, for they may import each other; beside the main loop.
+
+        What is typed without a pause is not even parsed: that takes as long as a pause.
+        """
+        await asyncio.sleep(PAUSE)
+        for path in list(self._bench.texts):
+            version, text = self._versions[path], self._bench.text(path)
+            faults = await asyncio.to_thread(syntax_problems, text)
+            if faults:
+                self._publish_of(path, version, faults)
+            problems = await asyncio.to_thread(all_problems, self._bench, path)
+            self._publish_of(path, version, problems)
+
+    def _publish_of(self, path: Path, version: int, problems: list[Problem]) -> None:
+        """Publishes the problems of a text unless it has changed since."""
+        if path in self._bench.texts and self._versions[path] == version:
+            self._publish(path, problems)
+
+    def _publish(self, path: Path, problems: Iterable[Problem]) -> None:
+        uri = self._uris.get(path)
+        if uri is None:
+            return
+        columns = self._columns(path)
+        diagnostics = [
+            types.Diagnostic(
+                range=_range(columns, each.span),
+                message=each.message,
+                severity=_SEVERITIES[each.severity],
+                code=each.rule,
+                source="jausml",
+            )
+            for each in problems
+        ]
+        version = self._versions.get(path)
+        self._server.text_document_publish_diagnostics(
+            types.PublishDiagnosticsParams(uri=uri, diagnostics=diagnostics, version=version)
+        )
+
+    # What the editor asks
+
+    async def completion(self, params: types.CompletionParams) -> types.CompletionList:
+        path, place = self._at(params)
+        offer = await asyncio.to_thread(complete, self._bench, path, place)
+        start, end = offer.start, offer.end
+        span = Span(start.line, start.column, end.line, end.column)
+        replaced = _range(self._columns(path), span)
+        items = [
+            types.CompletionItem(
+                label=each.label,
+                kind=_KINDS[each.kind],
+                detail=each.detail or None,
+                documentation=each.documentation or None,
+                filter_text=each.label,
+                sort_text=f"{0 if each.is_first else 1}{each.label}",
+                text_edit=types.TextEdit(replaced, each.text or each.label),
+                additional_text_edits=self._import(path, offer, each),
+            )
+            for each in offer.completions
+        ]
+        return types.CompletionList(is_incomplete=False, items=items)
+
+    def _import(
+        self, path: Path, offer: Offer, completion: Completion
+    ) -> list[types.TextEdit] | None:
+        """Returns the edit that imports what a completion needs."""
+        if not completion.module:
+            return None
+        line, column = offer.imports_end.line, offer.imports_end.column
+        where = _range(self._columns(path), Span(line, column, line, column))
+        return [types.TextEdit(where, f"import {word(completion.module)}\n")]
+
+    async def hover(self, params: types.HoverParams) -> types.Hover | None:
+        path, place = self._at(params)
+        found = await asyncio.to_thread(hover, self._bench, path, place)
+        if found is None:
+            return None
+        content = types.MarkupContent(types.MarkupKind.Markdown, found.text)
+        return types.Hover(content, _range(self._columns(path), span_of(found.token)))
+
+    async def definition(self, params: types.DefinitionParams) -> types.Location | None:
+        path, place = self._at(params)
+        found = await asyncio.to_thread(define, self._bench, path, place)
+        if found is None:
+            return None
+        return types.Location(self._uri(found.path), _range(self._columns(found.path), found.span))
+
+    def prepare_rename(self, params: types.PrepareRenameParams) -> types.Range | None:
+        path, place = self._at(params)
+        span = renamed_span(self._bench, path, place)
+        return _range(self._columns(path), span) if span is not None else None
+
+    def rename(self, params: types.RenameParams) -> types.WorkspaceEdit:
+        path, place = self._at(params)
+        try:
+            edits = rename(self._bench, path, place, params.new_name.strip("`"))
+        except RenameError as error:
+            raise JsonRpcInvalidParams(str(error)) from error
+        changes: dict[str, list[types.TextEdit]] = {}
+        for each in edits:
+            where = _range(self._columns(each.path), each.span)
+            changes.setdefault(self._uri(each.path), []).append(types.TextEdit(where, each.text))
+        return types.WorkspaceEdit(changes)
+
+    def formatting(self, params: types.DocumentFormattingParams) -> list[types.TextEdit] | None:
+        path = _path(params.text_document.uri)
+        text = self._bench.text(path)
+        parsed = parsed_text(text)
+        if parsed.faults:
+            return None
+        laid_out = lay_out(parsed.document)
+        if laid_out == text:
+            return []
+        line, units = self._columns(path).end()
+        whole = types.Range(types.Position(0, 0), types.Position(line, units))
+        return [types.TextEdit(whole, laid_out)]
+
+    def symbols(self, params: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
+        path = _path(params.text_document.uri)
+        columns = self._columns(path)
+        return [_symbol(each, columns) for each in outline(self._bench.text(path))]
+
+    # Places
+
+    def _at(self, params: _At) -> tuple[Path, Place]:
+        path = _path(params.text_document.uri)
+        position = params.position
+        return path, self._columns(path).place(position.line, position.character)
+
+    def _columns(self, path: Path) -> Columns:
+        encoding = self._server.workspace.position_encoding or types.PositionEncodingKind.Utf16
+        shown = encoding.value if isinstance(encoding, types.PositionEncodingKind) else encoding
+        return Columns(self._bench.text(path), shown)
+
+    def _uri(self, path: Path) -> str:
+        return self._uris.get(path) or from_fs_path(str(path)) or ""
+
+
+def _path(uri: str) -> Path:
+    """Returns the real path of a document; one that was never stored lies in the current folder."""
+    stored = to_fs_path(uri) if uri.startswith("file:") else None
+    if stored is not None:
+        return Path(stored).resolve()
+    name = uri.rpartition("/")[2].rpartition(":")[2] or "untitled"
+    return Path.cwd() / (name if name.endswith(SUFFIX) else name + SUFFIX)
+
+
+def _range(columns: Columns, span: Span) -> types.Range:
+    start = types.Position(*columns.units(span.line, span.column))
+    return types.Range(start, types.Position(*columns.units(span.end_line, span.end_column)))
+
+
+def _symbol(symbol: Symbol, columns: Columns) -> types.DocumentSymbol:
+    return types.DocumentSymbol(
+        name=symbol.name or " ",
+        detail=symbol.kind,
+        kind=types.SymbolKind.Object,
+        range=_range(columns, symbol.span),
+        selection_range=_range(columns, symbol.name_span),
+        children=[_symbol(each, columns) for each in symbol.children],
+    )

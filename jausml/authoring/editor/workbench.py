@@ -1,0 +1,216 @@
+"""Workbench of the editor: the texts that are open, the files beside them, and the library."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import TYPE_CHECKING, TypeVar
+
+from jausml.authoring.editor.names import Names, names_of
+from jausml.language.model.inputs import read_input
+from jausml.language.model.names import qualified_name
+from jausml.language.model.reading.reader import ReadResult, read_models
+from jausml.language.model.uris import LIBRARY_URI, library_root
+from jausml.language.text.notation import SUFFIX, Ros2Jaus, decode
+from jausml.language.text.reading.imports import resolve
+from jausml.language.text.reading.parsing import Parsed, parse
+from jausml.language.text.reading.pieces import joined, parse_piece, pieces_of
+from jausml.language.text.tree import Import, Text
+from jausml.language.validation.engine import RuleError, check
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.diagnostics import Diagnostic
+    from jausml.language.model.model import Model
+    from jausml.language.text.tree import SyntaxTree
+
+
+class _Pieces:
+    """The pieces of the text that was parsed last, which mostly is an earlier state of the next."""
+
+    def __init__(self) -> None:
+        self._last: dict[tuple[int, str], Parsed] = {}
+
+    def parsed(self, text: str) -> Parsed:
+        """Returns the tree of a text; where something is wrong, the pieces behind do not suffer."""
+        last = self._last
+        found = {each: last.get(each) or parse_piece(*each) for each in pieces_of(text)}
+        self._last = found
+        return joined(list(found.values()))
+
+
+_PIECES = _Pieces()
+
+
+@lru_cache(maxsize=32)
+def sketched_text(text: str) -> Parsed:
+    """Returns the tree of a text as soon as a key was pressed: parsed is the piece that changed.
+
+    It is that of `parsed_text` unless there are syntax errors, which are not those to be shown.
+    """
+    return _PIECES.parsed(text)
+
+
+@lru_cache(maxsize=32)
+def parsed_text(text: str) -> Parsed:
+    """Returns the tree of a text with its syntax errors; that of a text just seen is kept."""
+    sketched = sketched_text(text)
+    return parse(text) if sketched.faults else sketched
+
+
+@lru_cache(maxsize=32)
+def names_in(text: str) -> Names:
+    """Returns the names in a text; those of a text just seen are kept."""
+    return names_of(sketched_text(text).document)
+
+
+ElementT = TypeVar("ElementT", bound="EObject")
+_NOTATIONS = (Ros2Jaus(parse=parsed_text),)
+
+
+@dataclass
+class Workbench:
+    """The open texts, and what was read of them.
+
+    Attributes:
+        texts: The texts that are open in the editor, by real path.
+        root: The folder outside of which nothing but the library is read, symbolic links followed;
+            None for no limit.
+    """
+
+    texts: dict[Path, str] = field(default_factory=dict)
+    root: Path | None = None
+    _models: dict[Path, Model] = field(default_factory=dict)
+    _library: Model | None = None
+    _lock: threading.Lock = field(default_factory=threading.Lock)
+
+    def text(self, path: Path) -> str:
+        """Returns the text of a file, as the editor has it or as it is stored; empty if neither."""
+        held = self.texts.get(path)
+        if held is not None:
+            return held
+        if not self._may_read(path):
+            return ""
+        try:
+            return decode(read_input(path))[0]
+        except OSError:
+            return ""
+
+    def _may_read(self, path: Path) -> bool:
+        if self.root is None:
+            return True
+        real = path.resolve()
+        return any(real.is_relative_to(each) for each in (self.root, library_root().resolve()))
+
+    def findings(self, path: Path) -> list[Diagnostic]:
+        """Reads an open text with all that it refers to, and checks it.
+
+        May run beside everything else. What was read answers later questions.
+
+        Args:
+            path: Real path of the text.
+
+        Returns:
+            What was found in this text.
+        """
+        # A copy: the editor may open and close texts meanwhile.
+        held = dict(self.texts)
+        contents = {each: text.encode("utf-8", "replace") for each, text in held.items()}
+        result = read_models(
+            [path], project_root=self.root, notations=_NOTATIONS, contents=contents
+        )
+        self._models[path] = result.model
+        shown = result.model.documents[0].display
+        return [each for each in _checked(result) if each.location.path == shown]
+
+    def forget(self, path: Path) -> None:
+        """Forgets a text that is no longer open."""
+        self.texts.pop(path, None)
+        self._models.pop(path, None)
+
+    def library(self) -> Model:
+        """Returns all of the shipped library; the first call takes seconds."""
+        with self._lock:
+            if self._library is None:
+                files = sorted(library_root().rglob("*.xmi"))
+                self._library = read_models(files).model
+            return self._library
+
+    def elements(self, path: Path, kind: type[ElementT]) -> list[ElementT]:
+        """Returns the elements of a class that a text can name: its own, then the library's.
+
+        Args:
+            path: Real path of the text.
+            kind: The class.
+        """
+        model = self._models.get(path)
+        own = model.instances(kind, library=False) if model is not None else []
+        return own + self.library().instances(kind)
+
+    def find(self, path: Path, kind: type[ElementT], name: str) -> ElementT | None:
+        """Returns the first element of a class that a name means in a text, None without one."""
+        wanted = f".{name.replace('/msg/', '/').replace('/', '.')}"
+        for each in self.elements(path, kind):
+            if f".{qualified_name(each)}".endswith(wanted):
+                return each
+        return None
+
+    def tree(self, path: Path) -> SyntaxTree:
+        """Returns the syntax tree of a text."""
+        return sketched_text(self.text(path)).document
+
+    def module_of(self, element: EObject) -> str:
+        """Returns what a text imports for an element of the library; empty for another element."""
+        document = self.library().document_of(element)
+        if document is None:
+            return ""
+        relative = document.path.relative_to(library_root().resolve()).with_suffix("")
+        return ".".join(relative.parts)
+
+    def place_of(self, path: Path, element: EObject) -> tuple[Path, int, int] | None:
+        """Returns file, line and column of an element that `elements` gave."""
+        for model in (self._models.get(path), self._library):
+            document = model.document_of(element) if model is not None else None
+            if model is not None and document is not None:
+                location = model.location(element)
+                return document.path, location.line, location.column
+        return None
+
+    def imports(self, path: Path) -> list[Path]:
+        """Returns the files that a text imports, whether they are there or not."""
+        items = self.tree(path).items
+        found = (imported_file(each, path) for each in items if isinstance(each, Import))
+        return [each for each in found if each is not None]
+
+    def related(self, path: Path) -> list[Path]:
+        """Returns a text, the open ones, and all texts that these import."""
+        found: dict[Path, None] = {}
+        pending = [*self.texts, path]
+        while pending:
+            each = pending.pop()
+            if each.suffix == SUFFIX and each not in found:
+                found[each] = None
+                pending += self.imports(each)
+        return list(found)
+
+
+def imported_file(item: Import, path: Path) -> Path | None:
+    """Returns the file that an import of a text names."""
+    if isinstance(item.target, Text) and not item.target.text.startswith(LIBRARY_URI):
+        return (path.parent / item.target.text).resolve() if item.target.text.strip() else None
+    uri = getattr(resolve(item), "uri", None)
+    if not isinstance(uri, str):
+        return None
+    return (library_root() / uri.removeprefix(LIBRARY_URI)).resolve()
+
+
+def _checked(result: ReadResult) -> Sequence[Diagnostic]:
+    try:
+        return check(result).diagnostics
+    except RuleError:
+        # A rule that fails on a text half written says nothing about it.
+        return result.diagnostics

@@ -1,0 +1,250 @@
+"""What the other side did to the base, as changes of our side; and what does not go together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from jausml.authoring.differences.finding import is_ordered
+from jausml.authoring.differences.telling import NOTHING, feature_text, words
+from jausml.authoring.merging.conflicts import CHANGED_TWICE, GONE_HERE, Conflict
+from jausml.language.metamodel import FeatureKind
+from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.metamodel.filling import contents
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.authoring.merging.sides import Sides, Value
+    from jausml.language.metamodel import FeatureTable
+    from jausml.language.metamodel.classes.ecore import EObject
+
+_WHOLE = (bridge.Assignment, bridge.TableEntry, jaus.ScaleRange, jaus.ValueSet, jaus.Transition)
+"""Elements that mean something as a whole: half of each side would be what nobody meant."""
+
+
+@dataclass(frozen=True)
+class Addition:
+    """An element of theirs that our side shall have.
+
+    Attributes:
+        owner: Its owner on our side.
+        feature: The feature of the owner.
+        element: The element of theirs.
+        before: The sibling on our side that it stands before, None at the end.
+    """
+
+    owner: EObject
+    feature: FeatureTable
+    element: EObject
+    before: EObject | None
+
+
+@dataclass(frozen=True)
+class Setting:
+    """Values that a feature of our side shall have."""
+
+    element: EObject
+    feature: FeatureTable
+    values: tuple[Value, ...]
+
+
+@dataclass(frozen=True)
+class Order:
+    """The order that elements of one owner of our side shall have."""
+
+    owner: EObject
+    feature: FeatureTable
+    elements: tuple[EObject, ...]
+
+
+@dataclass
+class Plan:
+    """What is to be done to our side.
+
+    Attributes:
+        replaced: Elements that make room for others, before anything else.
+        additions: What is added.
+        settings: What gets other values.
+        orders: What stands in another order.
+        removed: What goes.
+        conflicts: What does not go together.
+    """
+
+    replaced: list[EObject] = field(default_factory=list)
+    additions: list[Addition] = field(default_factory=list)
+    settings: list[Setting] = field(default_factory=list)
+    orders: list[Order] = field(default_factory=list)
+    removed: list[EObject] = field(default_factory=list)
+    conflicts: list[Conflict] = field(default_factory=list)
+
+
+def planned(sides: Sides) -> Plan:
+    """Returns what makes of our side the merge of both."""
+    planner = _Planner(sides)
+    for root in sides.base.documents[0].roots:
+        planner.pair(root, sides.ours.matching.news[root], sides.theirs.matching.news[root])
+    return planner.plan
+
+
+class _Planner:
+    def __init__(self, sides: Sides) -> None:
+        self._sides = sides
+        self._ours, self._theirs = sides.ours.matching, sides.theirs.matching
+        self.plan = Plan()
+
+    def pair(self, base: EObject, ours: EObject, theirs: EObject) -> None:
+        """Looks at an element that all three have."""
+        sides = self._sides
+        if sides.is_same(base, theirs, sides.theirs):
+            return
+        is_whole = isinstance(base, _WHOLE) and not isinstance(base, bridge.ListAssignment)
+        if is_whole and not sides.is_same(base, ours, sides.ours):
+            if not sides.is_alike(ours, theirs):
+                mine, other = self._told(base, ours), self._told(base, theirs)
+                what = f"{self._label(ours)} was changed on both sides"
+                self._clash(ours, "", f"{what}: ours: {mine}; theirs: {other}")
+            return
+        for feature in sides.features(base):
+            if feature.kind is FeatureKind.CONTAINMENT:
+                self._parts(base, ours, theirs, feature)
+            else:
+                self._values(base, ours, theirs, feature)
+
+    def _values(self, base: EObject, ours: EObject, theirs: EObject, feature: FeatureTable) -> None:
+        sides = self._sides
+        before = sides.values(base, feature, None)
+        here = sides.values(ours, feature, sides.ours)
+        there = sides.values(theirs, feature, sides.theirs)
+        if there in (before, here):
+            return
+        if here == before and None not in there:
+            self.plan.settings.append(Setting(ours, feature, there))
+        elif feature.many and feature.is_reference:
+            kept = [each for each in here if each in there or each not in before]
+            added = [each for each in there if each not in before and each not in here]
+            self.plan.settings.append(Setting(ours, feature, (*kept, *added)))
+        else:
+            was, ours_now, theirs_now = (
+                feature_text(each, feature) or NOTHING for each in (base, ours, theirs)
+            )
+            what = f"{words(feature.name)} of {self._label(ours)}"
+            self._clash(
+                ours, feature.name, f"{what} was {was}: ours is {ours_now}, theirs {theirs_now}"
+            )
+
+    def _parts(self, base: EObject, ours: EObject, theirs: EObject, feature: FeatureTable) -> None:
+        before = contents(base, feature)
+        for each in before:
+            here, there = self._ours.news.get(each), self._theirs.news.get(each)
+            if here is not None and there is not None:
+                self.pair(each, here, there)
+            elif here is not None:
+                self._gone_there(each, here, is_one=not feature.many)
+            elif there is not None and not self._sides.is_same(each, there, self._sides.theirs):
+                told = self._told(each, there)
+                what = f"{self._label(each)} was removed by us and changed by them: {told}"
+                self.plan.conflicts.append(Conflict(GONE_HERE, ours, what, feature.name))
+        self._added(ours, theirs, feature)
+        self._ordered(base, ours, theirs, feature)
+
+    def _gone_there(self, base: EObject, ours: EObject, *, is_one: bool) -> None:
+        if self._sides.is_same(base, ours, self._sides.ours):
+            (self.plan.replaced if is_one else self.plan.removed).append(ours)
+        else:
+            told = self._told(base, ours)
+            what = f"{self._label(ours)} was removed by them and changed by us: {told}"
+            self.plan.conflicts.append(Conflict(GONE_HERE, ours, what))
+
+    def _added(self, ours: EObject, theirs: EObject, feature: FeatureTable) -> None:
+        new = [each for each in contents(ours, feature) if each not in self._ours.olds]
+        there = contents(theirs, feature)
+        for position, each in enumerate(there):
+            if each in self._theirs.olds:
+                continue
+            twin = self._twin(each, new)
+            if twin is None and not feature.many and self._stays(ours, feature):
+                self._clash(ours, feature.name, f"{self._label(each)} was added by them")
+            elif twin is None:
+                before = self._following(there[position + 1 :])
+                self.plan.additions.append(Addition(ours, feature, each, before))
+            else:
+                new.remove(twin)
+                self._paired(twin, each)
+                if not self._sides.is_alike(twin, each):
+                    told = self._sides.told(twin, self._sides.ours, each, self._sides.theirs)
+                    what = f"{self._label(twin)} was added on both sides, and is not the same"
+                    self._clash(twin, "", f"{what}: from ours to theirs: {told}")
+
+    def _twin(self, theirs: EObject, new: Sequence[EObject]) -> EObject | None:
+        """Returns what our side added that is the same element, or bears the same name."""
+        name = getattr(theirs, "name", None)
+        identifier = self._sides.theirs.model.identifier(theirs)
+        for each in new:
+            other = self._sides.ours.model.identifier(each)
+            if identifier and identifier == other:
+                return each
+            same_name = bool(name) and each.eClass is theirs.eClass and each.name == name  # type: ignore[attr-defined]
+            if same_name or self._sides.is_alike(each, theirs):
+                return each
+        return None
+
+    def _paired(self, ours: EObject, theirs: EObject) -> None:
+        """Remembers that elements, and what they own, are the same on both sides."""
+        self._sides.twins[theirs] = ours
+        for feature in self._sides.table(theirs).contained:
+            if feature.name not in self._sides.table(ours).features:
+                continue
+            left = list(contents(ours, feature))
+            for each in contents(theirs, feature):
+                twin = self._twin(each, left)
+                if twin is not None:
+                    left.remove(twin)
+                    self._paired(twin, each)
+
+    def _stays(self, ours: EObject, feature: FeatureTable) -> bool:
+        """Tells whether our side has something where there is room for one alone."""
+        return any(each not in self.plan.replaced for each in contents(ours, feature))
+
+    def _following(self, siblings: Sequence[EObject]) -> EObject | None:
+        """Returns the next sibling of theirs that our side has too."""
+        known = (self._theirs.olds.get(each) for each in siblings)
+        found = (self._ours.news.get(each) for each in known if each is not None)
+        return next((each for each in found if each is not None), None)
+
+    def _ordered(
+        self, base: EObject, ours: EObject, theirs: EObject, feature: FeatureTable
+    ) -> None:
+        news = (self._ours.news, self._theirs.news)
+        common = [e for e in contents(base, feature) if all(e in each for each in news)]
+        here = self._in_base(contents(ours, feature), self._ours.olds, common)
+        there = self._in_base(contents(theirs, feature), self._theirs.olds, common)
+        if there in (common, here):
+            return
+        if here != common:
+            if not is_ordered(self._sides.table(base), feature):
+                return
+            what = (
+                f"{words(feature.name)} of {self._label(ours)} stand in another order on each side"
+            )
+            self._clash(ours, feature.name, what)
+            return
+        wanted = tuple(self._ours.news[each] for each in there)
+        self.plan.orders.append(Order(ours, feature, wanted))
+
+    def _in_base(
+        self, elements: Sequence[EObject], olds: dict[EObject, EObject], common: list[EObject]
+    ) -> list[EObject]:
+        wanted = set(common)
+        known = (olds[each] for each in elements if each in olds)
+        return [each for each in known if each in wanted]
+
+    def _clash(self, element: EObject, feature: str, message: str) -> None:
+        self.plan.conflicts.append(Conflict(CHANGED_TWICE, element, message, feature))
+
+    def _told(self, base: EObject, obj: EObject) -> str:
+        side = self._sides.ours if obj in self._ours.olds else self._sides.theirs
+        return self._sides.told(base, None, obj, side)
+
+    def _label(self, obj: EObject) -> str:
+        return self._sides.label(obj)

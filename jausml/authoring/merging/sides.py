@@ -1,0 +1,155 @@
+"""The three states of a merge, and which elements of them are the same one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from jausml.authoring.differences.finding import changes
+from jausml.authoring.differences.matching import Matching
+from jausml.authoring.differences.telling import element_words
+from jausml.authoring.editing.forest import attribute_values
+from jausml.language.metamodel import FeatureKind
+from jausml.language.metamodel.filling import contents
+from jausml.language.model import refs
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from jausml.language.metamodel import ClassTable, FeatureTable
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.model import Model
+    from jausml.language.model.refs import Ref
+
+_MOST_TOLD = 3
+"""Changes of one element that a conflict tells."""
+
+Value: TypeAlias = "EObject | str | None"
+"""What can be compared whatever the side: a value as XMI writes it; an element, as that of the
+base, else of the side that added it; or the ref of an element of another file."""
+
+
+@dataclass(frozen=True)
+class Side:
+    """A state that was made of the base.
+
+    Attributes:
+        model: The state.
+        matching: Which elements are those of the base.
+    """
+
+    model: Model
+    matching: Matching
+
+
+class Sides:
+    """The states of one file: what both sides began with, our side, and theirs.
+
+    Args:
+        base: What both began with.
+        ours: Our side.
+        theirs: The other side.
+        root: The folder that files are relative to, symbolic links followed.
+
+    Attributes:
+        twins: Elements that our side added too, by those that theirs added.
+    """
+
+    def __init__(self, base: Model, ours: Model, theirs: Model, root: Path) -> None:
+        self._root = root
+        self.base = base
+        self.ours = Side(ours, Matching(base, ours, _roots(base, ours)))
+        self.theirs = Side(theirs, Matching(base, theirs, _roots(base, theirs)))
+        self.twins: dict[EObject, EObject] = {}
+
+    def table(self, obj: EObject) -> ClassTable:
+        """Returns the class of an element."""
+        return self.base.metamodels.class_of(obj)
+
+    def features(self, obj: EObject) -> Iterator[FeatureTable]:
+        """Yields the features of an element that a file gives it."""
+        for feature in self.table(obj).features.values():
+            if feature.settable and feature.kind is not FeatureKind.CONTAINER:
+                yield feature
+
+    def token(self, obj: EObject, side: Side | None) -> EObject | Ref:
+        """Returns what an element is whatever the side.
+
+        Args:
+            obj: An element.
+            side: The side that has it, None for the base.
+        """
+        model = self.base if side is None else side.model
+        if model.document_of(obj) is not model.documents[0]:
+            return refs.ref_of(obj, model, self._root)
+        known = None if side is None else side.matching.olds.get(obj)
+        return known or self.twins.get(obj) or obj
+
+    def values(self, obj: EObject, feature: FeatureTable, side: Side | None) -> tuple[Value, ...]:
+        """Returns the values of an attribute as XMI writes them, or the tokens of a reference."""
+        if feature.kind is FeatureKind.ATTRIBUTE:
+            return attribute_values(obj, feature) if feature.name in obj.__dict__ else ()
+        return tuple(self.token(each, side) for each in contents(obj, feature))
+
+    def is_same(self, base: EObject, obj: EObject, side: Side) -> bool:
+        """Tells whether an element and all that it owns is as it was in the base."""
+        for feature in self.features(base):
+            if feature.kind is not FeatureKind.CONTAINMENT:
+                if self.values(base, feature, None) != self.values(obj, feature, side):
+                    return False
+                continue
+            before, now = contents(base, feature), contents(obj, feature)
+            if [side.matching.news.get(each) for each in before] != list(now):
+                return False
+            if not all(self.is_same(b, n, side) for b, n in zip(before, now, strict=True)):
+                return False
+        return True
+
+    def is_alike(self, ours: EObject, theirs: EObject) -> bool:
+        """Tells whether what both sides have says the same, whatever its history."""
+        if ours.eClass is not theirs.eClass:
+            return False
+        for feature in self.features(ours):
+            if feature.kind is not FeatureKind.CONTAINMENT:
+                if self.values(ours, feature, self.ours) != self.values(
+                    theirs, feature, self.theirs
+                ):
+                    return False
+                continue
+            here, there = contents(ours, feature), contents(theirs, feature)
+            if len(here) != len(there):
+                return False
+            if not all(self.is_alike(o, t) for o, t in zip(here, there, strict=True)):
+                return False
+        return True
+
+    def label(self, obj: Any) -> str:
+        """Returns an element in words: what it is, and its name."""
+        name = getattr(obj, "name", None) or getattr(obj, "target", None)
+        what = element_words(self.table(obj))
+        return f"{what} '{name}'" if name else what
+
+    def told(self, one: EObject, old: Side | None, other: EObject, new: Side) -> str:
+        """Returns in words what makes another element of one.
+
+        Args:
+            one: The element.
+            old: The side that has it, None for the base.
+            other: The other element, of the same class.
+            new: The side that has that.
+        """
+        before = self.base if old is None else old.model
+        found = changes(before, new.model, [(one, other)])
+        texts = [
+            each.text if each.new_element is other else f"{each.element} {each.path}: {each.text}"
+            for each in found
+        ]
+        if not texts:
+            return "documentation, ids or the order of parts"
+        more = [f"and {len(texts) - _MOST_TOLD} more"] if len(texts) > _MOST_TOLD else []
+        return ", ".join([*texts[:_MOST_TOLD], *more])
+
+
+def _roots(base: Model, side: Model) -> list[tuple[EObject, EObject]]:
+    return list(zip(base.documents[0].roots, side.documents[0].roots, strict=False))

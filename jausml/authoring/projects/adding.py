@@ -1,0 +1,290 @@
+"""New elements of a project, written into the model that stands there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from jausml.authoring.editing.commands import EditError
+from jausml.language.metamodel.classes import bridge, system
+from jausml.language.model.names import name_of
+from jausml.language.model.reading.reader import read_models
+from jausml.language.model.uris import shipped_as
+from jausml.language.model.words import snake_case
+from jausml.language.model.xmi.writer import replace_file
+from jausml.authoring.projects.eclipse import MAPPINGS, as_xmi_beside
+from jausml.authoring.projects.errors import ProjectError
+from jausml.authoring.projects.places import Opened, opened
+from jausml.authoring.proposals.bridges import new_bridge, new_connections
+from jausml.authoring.proposals.bridging import bridges_of, offer_of
+from jausml.authoring.proposals.elements import AnswerError, Scope, library
+from jausml.authoring.proposals.fresh import participant_name
+from jausml.language.semantics.names import is_identifier, taken
+from jausml.language.text.notation import NOTATIONS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
+
+    from jausml.authoring.editing.commands import Command
+    from jausml.language.model import Model
+    from jausml.authoring.projects.places import Place
+    from jausml.authoring.proposals.topics import Crossing, TopicEnd
+
+
+def add(
+    place: Place,
+    label: str,
+    commands: Callable[[Opened], Sequence[Command]],
+    *,
+    is_of_services: bool = False,
+) -> tuple[str, ...]:
+    """Adds elements to a model, all or none; returns the files that were written.
+
+    Args:
+        place: The model, which is made when it is missing.
+        label: What is added, for people.
+        commands: Returns what is wanted, for the model as it is.
+        is_of_services: Whether a model that is made is a service set instead of a system.
+
+    Raises:
+        ProjectError: It cannot be added; nothing was written.
+        OSError: A file cannot be read or written.
+    """
+    at = opened(place, is_of_services=is_of_services)
+    try:
+        entry = at.project.do(commands(at), label)
+    except (EditError, AnswerError) as error:
+        at.forget()
+        raise ProjectError(str(error)) from error
+    except BaseException:
+        at.forget()
+        raise
+    made = (each.relative_to(place.root).as_posix() for each in at.made)
+    return tuple(dict.fromkeys((*made, *entry.files)))
+
+
+def add_bridge(
+    place: Place,
+    name: str,
+    chosen: Sequence[Crossing],
+    topics: Sequence[TopicEnd],
+    address: str = "",
+) -> tuple[str, ...]:
+    """Adds a bridge with a connection for each way that was chosen.
+
+    Args:
+        place: The model, which is made when it is missing.
+        name: Name of the bridge.
+        chosen: The ways.
+        topics: All topics, which may feed the joins of maps.
+        address: Its JAUS id; empty for one that is free.
+
+    Returns:
+        The files that were written, relative to the folder of the project.
+
+    Raises:
+        ProjectError: It cannot be added; nothing was written.
+        OSError: A file cannot be read or written.
+    """
+
+    def made(at: Opened, scope: Scope, ways: Sequence[Crossing]) -> Sequence[Command]:
+        whole = at.system
+        if name in [name_of(each) for each in whole.bridges]:
+            raise ProjectError(
+                f"{name_of(whole)} has something of the name {name} already; "
+                f"jausml new connection --bridge {name} adds topics to it"
+            )
+        check_name(name, whole)
+        return [new_bridge(scope, whole, name, ways, topics=topics, address=address)]
+
+    return _carry(place, f"Add bridge {name}", chosen, made)
+
+
+def add_connections(
+    place: Place, name: str, chosen: Sequence[Crossing], topics: Sequence[TopicEnd]
+) -> tuple[str, ...]:
+    """Adds a connection for each way that was chosen to a bridge, with the services of them.
+
+    Args:
+        place: The model.
+        name: Name of the bridge; empty for the only one.
+        chosen: The ways.
+        topics: All topics, which may feed the joins of maps.
+
+    Returns:
+        The files that were written, relative to the folder of the project.
+
+    Raises:
+        ProjectError: It cannot be added; nothing was written.
+        OSError: A file cannot be read or written.
+    """
+
+    def made(at: Opened, scope: Scope, ways: Sequence[Crossing]) -> Sequence[Command]:
+        owner = bridge_in(at, name)
+        for each in ways:
+            if _carries(owner, each):
+                used = name_of(each.map)
+                raise ProjectError(f"{name_of(owner)} carries {each.topic.name} by {used} already")
+        return new_connections(scope, owner, ways, topics)
+
+    return _carry(place, "Add connections", chosen, made)
+
+
+def _carries(owner: bridge.Bridge, crossing: Crossing) -> bool:
+    return any(
+        name_of(each.map) == name_of(crossing.map)
+        and crossing.topic.name in [topic.name for topic in each.topics]
+        for each in owner.bridgeConnections
+        if each.map is not None
+    )
+
+
+def _carry(
+    place: Place,
+    label: str,
+    chosen: Sequence[Crossing],
+    made: Callable[[Opened, Scope, Sequence[Crossing]], Sequence[Command]],
+) -> tuple[str, ...]:
+    """Adds what carries topics by ready maps; returns the files that were written.
+
+    Text imports the ready maps. Eclipse reads no text, so XMI gets copies of them beside it.
+    """
+    copies = {} if place.is_text else _copies(place, chosen)
+    new = [path for path in copies if not path.exists()]
+    for path in new:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        replace_file(path, as_xmi_beside(copies[path], path, place.root).encode())
+
+    def commands(at: Opened) -> Sequence[Command]:
+        models = [read_models([path], project_root=place.root).model for path in copies]
+        scope = Scope(at.scope.model, place.root, tuple(models))
+        return made(at, scope, [_present(each, scope) for each in chosen])
+
+    try:
+        files = add(place, label, commands)
+    except BaseException:
+        for path in new:
+            path.unlink(missing_ok=True)
+        raise
+    return (*files, *(each.relative_to(place.root).as_posix() for each in new))
+
+
+def check_name(name: str, whole: system.System) -> None:
+    """Sees to it that a component, bridge or node can have a name.
+
+    Raises:
+        ProjectError: It cannot.
+    """
+    if not is_identifier(name):
+        raise ProjectError(f"{name!a} is no name: letters, digits and single _ after a letter")
+    if reason := taken(name.lower()):
+        raise ProjectError(f"{name} {reason}; choose another name")
+    if participant_name(name, whole) != snake_case(name):
+        raise ProjectError(f"{name_of(whole)} has something of the name {name} already")
+
+
+def ready_maps(place: Place) -> list[bridge.AttributeMap]:
+    """Returns the maps of a model, and those of the library that it has no copies of."""
+    ready = library().instances(bridge.AttributeMap)
+    if not place.path.exists():
+        return list(ready)
+    own = read_models([place.path], project_root=place.root, notations=NOTATIONS).model
+    mine = own.instances(bridge.AttributeMap, library=False)
+    copied = set(map(_identity, mine))
+    return [*mine, *(each for each in ready if _identity(each) not in copied)]
+
+
+def _identity(used: bridge.AttributeMap) -> tuple[str, str, str]:
+    """Returns what a map and a copy of it have in common."""
+    message, kind = used.message, used.type
+    return name_of(used), name_of(message) if message else "", name_of(kind) if kind else ""
+
+
+def _present(crossing: Crossing, scope: Scope) -> Crossing:
+    """Returns a way with its map as the models have it now; a copy stands for that of the library.
+
+    Raises:
+        ProjectError: It is not there.
+    """
+    models = scope.others
+    if library().document_of(crossing.map) is None:
+        models = (scope.model,)
+    elif not models:
+        return crossing
+    for model in models:
+        for each in model.instances(bridge.AttributeMap, library=False):
+            offer = offer_of(each.message, to_ros=crossing.offer.to_ros) if each.message else None
+            if name_of(each) == name_of(crossing.map) and offer is not None:
+                return replace(crossing, map=each, offer=offer)
+    files = ", ".join(model.documents[0].display for model in models)
+    raise ProjectError(f"{files}: there is no map {name_of(crossing.map)}")
+
+
+def _copies(place: Place, chosen: Sequence[Crossing]) -> dict[Path, Path]:
+    """Returns the texts of the library that ways use, by the files that hold them as XMI."""
+    found: dict[Path, Path] = {}
+    for each in chosen:
+        document = library().document_of(each.map)
+        if document is None or document.is_xml:
+            continue
+        found[place.path.parent / MAPPINGS / f"{document.path.stem}.xmi"] = document.path
+    return found
+
+
+def models_beside(at: Opened) -> list[Model]:
+    """Returns the other models of the project, without copies of the library."""
+    paths = (each.path for each in at.project.files if each.path != at.place.file)
+    own = (each for each in paths if shipped_as(at.place.root / each) is None)
+    return [at.project.model(each).model for each in own]
+
+
+def check_map_name(name: str, owner: bridge.Bridge) -> None:
+    """Sees to it that a bridge can have a map of a name.
+
+    Raises:
+        ProjectError: It cannot.
+    """
+    if not is_identifier(name):
+        raise ProjectError(f"{name!a} is no name: letters, digits and single _ after a letter")
+    if any(name_of(each) == name for each in owner.maps):
+        raise ProjectError(f"{name_of(owner)} has a map {name} already")
+
+
+def bridge_in(at: Opened, name: str) -> bridge.Bridge:
+    """Returns the bridge of a model that gets something, in whichever file it stands.
+
+    Args:
+        at: The model.
+        name: Its name; empty for the only one.
+
+    Raises:
+        ProjectError: There is none, or there are several.
+    """
+    roots = at.scope.model.documents[0].roots
+    # Eclipse's Control... puts what a system owns into a file of its own.
+    apart = (each for one in roots if isinstance(one, system.System) for each in one.bridges)
+    found = list(dict.fromkeys((*bridges_of(at.scope), *apart)))
+    chosen = [each for each in found if name in ("", name_of(each))]
+    if len(chosen) == 1:
+        return chosen[0]
+    if not found:
+        raise ProjectError(f"{at.place.file} has no bridge; `jausml new bridge` makes one")
+    which = f"no bridge {name!a}" if name else "not one bridge"
+    raise ProjectError(f"{at.place.file} has {which}; there are: {', '.join(map(name_of, found))}")
+
+
+def namespace_of(place: Place, name: str) -> str:
+    """Returns the ROS namespace of a bridge of a model, empty for the root.
+
+    Args:
+        place: The model.
+        name: Name of the bridge; empty for the only one.
+
+    Raises:
+        ProjectError: There is no such bridge.
+        OSError: The file cannot be read.
+    """
+    if not place.path.exists():
+        raise ProjectError(f"{place.path} does not exist, so it has no bridge")
+    return str(bridge_in(opened(place), name).namespace or "")

@@ -1,0 +1,184 @@
+"""Where new elements go: a model file, and the folder of the project around it."""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+from jausml.authoring.editing.project import Project
+from jausml.authoring.editing.reading import SUFFIXES, can_be_parsed, model_files
+from jausml.language.metamodel.classes import jaus, system
+from jausml.language.model.inputs import read_input
+from jausml.language.model.xmi.writer import replace_file
+from jausml.authoring.projects.eclipse import metamodels_for
+from jausml.authoring.projects.errors import ProjectError
+from jausml.authoring.projects.first_model import empty_services, empty_xmi, text_of
+from jausml.authoring.proposals.elements import Scope
+from jausml.language.text.notation import SUFFIX
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+RootT = TypeVar("RootT", system.System, jaus.ServiceSet)
+
+_MARKS = (".project", ".git")
+_SYSTEM = re.compile(rb"<\w+:System\b|^\s*system\s+[\w`]", re.MULTILINE)
+"""What a file with a system begins it with, in either notation."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """A model file that gets new elements.
+
+    Attributes:
+        root: The folder of the project, links followed.
+        file: The file, relative to it with forward slashes.
+    """
+
+    root: Path
+    file: str
+
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self.root / self.file
+
+    @property
+    def is_text(self) -> bool:
+        """Whether it is text and no XMI."""
+        return self.file.endswith(SUFFIX)
+
+
+def place_of(path: Path) -> Place:
+    """Returns the place of a model file, which may be missing.
+
+    Raises:
+        ProjectError: No model can have that name.
+    """
+    if not path.name.endswith(SUFFIXES):
+        raise ProjectError(f"{path} must end in {' or '.join(SUFFIXES)}")
+    real = Path(os.path.realpath(path))
+    root = _project_around(real)
+    return Place(root, real.relative_to(root).as_posix())
+
+
+def system_in(folder: Path) -> Place:
+    """Returns the place of the one model of a project that has a system.
+
+    Args:
+        folder: A folder in the project.
+
+    Raises:
+        ProjectError: There is none, or more than one.
+    """
+    root = _project_around(Path(os.path.realpath(folder)) / "any")
+    found = [Place(root, each) for each in _models(root) if _has_system(root / each)]
+    if not found:
+        raise ProjectError(
+            f"no model in {root} has a system: name a file to be made by --model, "
+            "or make a project by jausml init"
+        )
+    if len(found) > 1:
+        names = ", ".join(sorted(each.file for each in found)[:5])
+        raise ProjectError(f"several models have a system: name one by --model ({names})")
+    return found[0]
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A model file that is being edited.
+
+    Attributes:
+        place: Where it is.
+        project: The files around it.
+        made: The files that were made for it.
+    """
+
+    place: Place
+    project: Project
+    made: tuple[Path, ...] = ()
+
+    @property
+    def scope(self) -> Scope:
+        """The model as proposals see it."""
+        return Scope(self.project.model(self.place.file).model, self.place.root)
+
+    @property
+    def home_of_services(self) -> system.System | jaus.ServiceSet:
+        """The system of the file, or its service set where it has no system.
+
+        Raises:
+            ProjectError: It has neither, or cannot be read.
+        """
+        return self._root(system.System) or self._root(jaus.ServiceSet) or self.system
+
+    @property
+    def system(self) -> system.System:
+        """The system of the file.
+
+        Raises:
+            ProjectError: It has none, or cannot be read.
+        """
+        found = self._root(system.System)
+        if found is None:
+            raise ProjectError(f"{self.place.file} has no system that could have new elements")
+        return found
+
+    def _root(self, kind: type[RootT]) -> RootT | None:
+        read = self.project.model(self.place.file)
+        if not can_be_parsed(self.place.file, self.project.text(self.place.file)):
+            fault = read.diagnostics[0]
+            raise ProjectError(f"{fault.location}: {fault.message}")
+        roots = read.model.documents[0].roots
+        return next((each for each in roots if isinstance(each, kind)), None)
+
+    def forget(self) -> None:
+        """Takes away the files that were made."""
+        for each in self.made:
+            each.unlink(missing_ok=True)
+
+
+def opened(place: Place, *, is_of_services: bool = False) -> Opened:
+    """Opens a model file; one that is missing is made, with an empty root of its name.
+
+    Args:
+        place: Where it is.
+        is_of_services: Whether the root is a service set instead of a system.
+
+    Raises:
+        ProjectError: The name is none of a system.
+        OSError: The file cannot be read or written.
+    """
+    if place.path.exists():
+        return Opened(place, Project(place.root))
+    name = place.path.name.partition(".")[0]
+    beside = "" if place.is_text else metamodels_for(place.path, place.root)
+    text = empty_services(name, beside) if is_of_services else empty_xmi(name, beside)
+    text = text_of(text, name) if place.is_text else text
+    place.path.parent.mkdir(parents=True, exist_ok=True)
+    replace_file(place.path, text.encode())
+    return Opened(place, Project(place.root), (place.path,))
+
+
+def _models(root: Path) -> Iterator[str]:
+    return (each for each in model_files(root) if each.endswith(SUFFIXES))
+
+
+def _has_system(path: Path) -> bool:
+    try:
+        data = read_input(path)
+    except OSError:
+        return False
+    return _SYSTEM.search(data.replace(b"\0", b"")) is not None
+
+
+def _project_around(path: Path) -> Path:
+    """Returns the nearest folder with a project or a checkout, else that of the file."""
+    return next(_marked(path), path.parent)
+
+
+def _marked(path: Path) -> Iterator[Path]:
+    return (each for each in path.parents if any((each / mark).exists() for mark in _MARKS))

@@ -1,0 +1,119 @@
+"""Whole bridges as commands: made of the ways that were chosen for topics."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.authoring.editing.commands import Add, Child, Set
+from jausml.language.model.names import name_of
+from jausml.language.model.words import snake_case
+from jausml.authoring.proposals.bridging import Draft, has_message, peer_of
+from jausml.authoring.proposals.fresh import free_name, stated_or_free_address
+from jausml.authoring.proposals.topics import joins_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.authoring.editing.commands import Command
+    from jausml.language.metamodel.classes import bridge, system
+    from jausml.authoring.proposals.elements import Scope
+    from jausml.authoring.proposals.topics import Crossing, TopicEnd
+
+
+def new_bridge(
+    scope: Scope,
+    whole: system.System,
+    name: str,
+    chosen: Sequence[Crossing],
+    *,
+    topics: Sequence[TopicEnd] = (),
+    address: str = "",
+) -> Add:
+    """Returns what makes a bridge with a connection for each chosen way.
+
+    Args:
+        scope: The model.
+        whole: The system that shall have it.
+        name: Its name.
+        chosen: The ways.
+        topics: All topics, which may feed the joins of maps.
+        address: Its JAUS id; empty for one that is free.
+    """
+    values: dict[str, tuple[str, ...]] = {
+        "name": (name,),
+        "address": (stated_or_free_address(scope.model, address),),
+    }
+    for feature, is_used in (("provides", False), ("uses", True)):
+        services = [each.offer.service for each in chosen if each.offer.is_provided is is_used]
+        if services:
+            values[feature] = tuple(dict.fromkeys(map(scope.ref, services)))
+    made = _connections(scope, "", chosen, topics)
+    connections = [Child(each.feature, each.kind, each.values, each.children) for each in made]
+    return Add(scope.ref(whole), "bridges", "bridge.Bridge", values, tuple(connections))
+
+
+def new_connections(
+    scope: Scope, owner: bridge.Bridge, chosen: Sequence[Crossing], topics: Sequence[TopicEnd] = ()
+) -> list[Command]:
+    """Returns what adds a connection for each chosen way to a bridge, and the services of them.
+
+    Args:
+        scope: The model.
+        owner: The bridge.
+        chosen: The ways.
+        topics: All topics, which may feed the joins of maps.
+    """
+    place = scope.ref(owner)
+    made: list[Command] = []
+    for feature, is_used in (("provides", False), ("uses", True)):
+        known = list(getattr(owner, feature))
+        wanted = [each.offer for each in chosen if each.offer.is_provided is is_used]
+        missing = [each.service for each in wanted if not has_message(known, each.message)]
+        if missing:
+            refs = (scope.ref(each) for each in (*known, *missing))
+            made.append(Set(place, feature, tuple(dict.fromkeys(refs))))
+    taken = [name_of(each) for each in owner.bridgeConnections]
+    return [*made, *_connections(scope, place, chosen, topics, taken)]
+
+
+def _connections(
+    scope: Scope,
+    place: str,
+    chosen: Sequence[Crossing],
+    topics: Sequence[TopicEnd],
+    taken: Sequence[str] = (),
+) -> list[Add]:
+    """Returns what makes a connection for each way.
+
+    Args:
+        scope: The model.
+        place: Ref of the bridge that shall have them; empty for one that is made with them.
+        chosen: The ways.
+        topics: All topics, which may feed the joins of maps.
+        taken: The names of the connections that the bridge has already.
+    """
+    found: list[Add] = []
+    names = list(taken)
+    fed: set[str] = set()
+    for each in chosen:
+        names.append(free_name(_connection_name(each, chosen, names), names))
+        draft = Draft(
+            each.offer,
+            peer_of(scope, each.offer) if each.offer.is_provided else None,
+            each.map.type,
+            each.map,
+            each.topic.name,
+            names[-1],
+            each.qos,
+            joins_of(each, topics, fed),
+            each.hold_reason,
+        )
+        found.append(draft.connection(scope, place, scope.ref(each.map)))
+    return found
+
+
+def _connection_name(crossing: Crossing, chosen: Sequence[Crossing], taken: Sequence[str]) -> str:
+    """Returns the name of a connection: its topic's, or its map's where a topic has several."""
+    own = snake_case(crossing.topic.name)
+    is_shared = sum(each.topic.name == crossing.topic.name for each in chosen) > 1
+    return snake_case(name_of(crossing.map)) if is_shared or own in taken else own

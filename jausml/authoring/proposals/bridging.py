@@ -1,0 +1,331 @@
+"""Connections of bridges as commands: the bridge, the map, the services and the connection."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from jausml.authoring.editing.commands import NEW, Add, Child, Set
+from jausml.language.metamodel.classes import bridge, jaus, system
+from jausml.language.model.names import name_of
+from jausml.language.model.words import snake_case
+from jausml.authoring.proposals.fresh import free_address, name_among, participant_name
+from jausml.authoring.proposals.literals import literal, values_of
+from jausml.language.semantics.commands import is_command
+from jausml.language.semantics.core_services import SERVED_BY_RUNTIME
+from jausml.language.semantics.ros_paths import ros_name
+from jausml.language.semantics.services import (
+    find_same,
+    lineage,
+    provides_access_control,
+    query_name,
+    with_inherited,
+)
+from jausml.language.semantics.ways import EVENT, MESSAGE, TO_JAUS, TO_ROS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from jausml.authoring.editing.commands import Command
+    from jausml.language.metamodel.classes import ros
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.authoring.proposals.elements import Scope
+
+_QUERY = "Query"
+
+
+@dataclass(frozen=True)
+class Offer:
+    """A message that a component sends or takes, and how.
+
+    Attributes:
+        message: The message.
+        service: The service of the component that it stands in.
+        direction: Whether it goes to ROS or comes from there.
+        exchange: How it is exchanged with a bridge.
+        is_provided: Whether the component provides the service; else it uses it, and the bridge
+            has to provide it.
+    """
+
+    message: jaus.MessageDef
+    service: jaus.Service
+    direction: str
+    exchange: str
+    is_provided: bool
+
+    @property
+    def to_ros(self) -> bool:
+        """Whether it goes to ROS."""
+        return self.direction == TO_ROS
+
+    def why(self, component: str) -> str:
+        """Returns why the component and a bridge can exchange it."""
+        name = name_of(self.message)
+        verb = "provides" if self.is_provided else "uses"
+        says = f"{component} {verb} {name_of(self.service)}"
+        if self.is_provided:
+            return f"{says}, which {'sends' if self.to_ros else 'takes'} {name}"
+        return f"{says}; the bridge provides it and {'takes' if self.to_ros else 'reports'} {name}"
+
+
+def offers(component: jaus.Component, direction: str) -> Iterator[Offer]:
+    """Yields what a component can exchange with a bridge in a direction.
+
+    Queries are asked by the bridge itself and not translated.
+
+    Args:
+        component: The component.
+        direction: `jausToRos` or `rosToJaus`.
+    """
+    for is_provided, services in ((True, component.provides), (False, component.uses)):
+        for service in with_inherited(services):
+            is_output = is_provided is (direction == TO_ROS)
+            for message in service.outputs if is_output else service.inputs:
+                if message.code and not (message.name or "").startswith(_QUERY):
+                    yield Offer(
+                        message, service, direction, _exchange(message, service), is_provided
+                    )
+
+
+def offer_of(message: jaus.MessageDef, *, to_ros: bool) -> Offer | None:
+    """Returns how a bridge exchanges a message with a component; None for one without a service.
+
+    Args:
+        message: The message.
+        to_ros: The direction.
+    """
+    service = message.eContainer()
+    if not isinstance(service, jaus.Service):
+        return None
+    is_provided = (message in service.outputs) is to_ros
+    direction = TO_ROS if to_ros else TO_JAUS
+    return Offer(message, service, direction, _exchange(message, service), is_provided)
+
+
+def _exchange(message: jaus.MessageDef, service: jaus.Service) -> str:
+    """Reports that can be asked for cross by events, all else by messages."""
+    wanted = query_name(message)
+    asked = any(each.name == wanted for one in lineage(service) for each in one.inputs)
+    return EVENT if message in service.outputs and asked else MESSAGE
+
+
+def is_served(service: jaus.Service) -> bool:
+    """Tells whether the runtime takes care of a service by itself."""
+    return str(service.urn) in SERVED_BY_RUNTIME
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A connection of a bridge that is to be.
+
+    Attributes:
+        offer: What crosses, and how.
+        peer: The component at the JAUS side, None for whoever it is.
+        type: The ROS type.
+        map: The map, None for a new one.
+        topic: The topic at the ROS side.
+        name: Its name.
+        qos: The quality of service that the topic needs.
+        joins: Topics of the joins of the map by the names of these, which else name them.
+        hold: Why the last command may stand when its source is lost, as a person says it.
+    """
+
+    offer: Offer
+    peer: jaus.Component | None
+    type: ros.MessageType
+    map: bridge.AttributeMap | None
+    topic: str
+    name: str
+    qos: Mapping[str, str]
+    joins: Mapping[str, str] = field(default_factory=dict)
+    hold: str = ""
+
+    def commands(self, scope: Scope, owner: EObject) -> list[Command]:
+        """Returns what makes it.
+
+        Args:
+            scope: The model.
+            owner: The bridge that shall have it, or the system, which gets a new one.
+        """
+        made: list[Command] = []
+        if isinstance(owner, bridge.Bridge):
+            place = scope.ref(owner)
+            made += _with_service(scope, owner, self.offer)
+        else:
+            place = f"{NEW}{0}"
+            made.append(_new_bridge(scope, owner, self.offer))
+        used = scope.ref(self.map)
+        if self.map is None:
+            used = f"{NEW}{sum(isinstance(each, Add) for each in made)}"
+            made.append(self._new_map(scope, owner, place))
+        siblings = owner.bridgeConnections if isinstance(owner, bridge.Bridge) else ()
+        made.append(self.connection(scope, place, used, siblings))
+        return made
+
+    def _new_map(self, scope: Scope, owner: EObject, place: str) -> Add:
+        maps = owner.maps if isinstance(owner, bridge.Bridge) else ()
+        values = {
+            "name": (name_among(self.name, maps),),
+            "message": (scope.ref(self.offer.message),),
+            "type": (scope.ref(self.type),),
+        }
+        return Add(place, "maps", "bridge.AttributeMap", values)
+
+    def connection(
+        self, scope: Scope, place: str, used: str, siblings: Iterable[EObject] = ()
+    ) -> Add:
+        """Returns what makes the connection alone.
+
+        Args:
+            scope: The model.
+            place: Ref of the bridge that shall have it; empty for one that is made with it.
+            used: Ref of its map.
+            siblings: The connections that the bridge has already.
+        """
+        values: dict[str, tuple[str, ...]] = {
+            "name": (name_among(self.name, siblings),),
+            "map": (used,),
+        }
+        if not self.offer.to_ros:
+            values["direction"] = (self.offer.direction,)
+        if self.offer.exchange != MESSAGE:
+            values["exchange"] = (self.offer.exchange,)
+        if self.hold:
+            values |= {"onSilence": ("hold",), "holdReason": (self.hold,)}
+        inner: list[Child] = []
+        if self.peer is not None and self._names_peer:
+            values["peers"] = (scope.ref(self.peer),)
+        elif self._names_peer and self.offer.is_provided:
+            searched = {"services": (scope.ref(self.offer.service),)}
+            inner.append(Child("search", "jaus.PeerSearch", searched))
+        is_commanded = not self.offer.to_ros and is_command(self.offer.message)
+        if is_commanded and self.peer is not None and not provides_access_control(self.peer):
+            values["control"] = ("false",)
+        inner.append(self._topic(self.topic, self.qos))
+        if self.map is not None and not self.offer.to_ros:
+            for each in self.map.joins:
+                topic = self.joins.get(name_of(each), name_of(each))
+                inner.append(self._topic(topic, {}, scope.ref(each)))
+        return Add(place, "bridgeConnections", "bridge.Connection", values, tuple(inner))
+
+    @staticmethod
+    def _topic(name: str, qos: Mapping[str, str], join: str = "") -> Child:
+        values = {"name": (name,), **({"join": (join,)} if join else {})}
+        profile = {feature: (value,) for feature, value in qos.items()}
+        inner = (Child("qos", "ros.QoSProfile", profile),) if profile else ()
+        return Child("topics", "bridge.Topic", values, inner)
+
+    @property
+    def _names_peer(self) -> bool:
+        """A bridge reports to whoever asks."""
+        return self.offer.is_provided or self.offer.to_ros
+
+    def preview(self) -> str:
+        """Returns the connection in the text notation."""
+        lines = [f"connection {snake_case(self.name)} {{"]
+        lines.append(f"    map: {name_of(self.map) if self.map is not None else self.name}")
+        if self.offer.exchange != MESSAGE:
+            lines.append(f"    exchange: {self.offer.exchange}")
+        if self.peer is not None and self._names_peer:
+            lines.append(f"    peers: {name_of(self.peer)}")
+        lines += [f"    topic {self.topic}", "}"]
+        if self.map is None:
+            arrow = "JAUS->ROS" if self.offer.to_ros else "ROS->JAUS"
+            head = [f"{self.name} {{", f"    JAUS {name_of(self.offer.message)}"]
+            lines = [*head, f"    ROS {ros_name(self.type)}", f"    {arrow} ()", "}", *lines]
+        return "\n".join(lines)
+
+
+def carrying(
+    scope: Scope, owner: EObject, used: bridge.AttributeMap, *, to_ros: bool
+) -> list[Command]:
+    """Returns what lets a bridge carry a map, whose other end is found when it runs.
+
+    Args:
+        scope: The model.
+        owner: The bridge, or the system, which gets a new one.
+        used: The map.
+        to_ros: The direction.
+    """
+    offer = offer_of(used.message, to_ros=to_ros)
+    if offer is None:
+        return []
+    name = name_of(used)
+    peer = peer_of(scope, offer) if offer.is_provided else None
+    draft = Draft(offer, peer, used.type, used, name, name, {})
+    return draft.commands(scope, owner)
+
+
+def peer_of(scope: Scope, offer: Offer) -> jaus.Component | None:
+    """Returns the first component of the file that has a message at the other end."""
+    for each in scope.model.instances(jaus.Component, library=False):
+        if isinstance(each, bridge.Bridge):
+            continue
+        for one in offers(each, offer.direction):
+            if one.is_provided and name_of(one.message) == name_of(offer.message):
+                return each
+    return None
+
+
+def bridges_of(scope: Scope) -> list[bridge.Bridge]:
+    """Returns the bridges of the file that was asked for."""
+    own = scope.model.documents[0]
+    found = scope.model.instances(bridge.Bridge, library=False)
+    return [each for each in found if scope.model.document_of(each) is own]
+
+
+def system_of(scope: Scope) -> system.System | None:
+    """Returns the system of the file that was asked for."""
+    found = (each for each in scope.model.documents[0].roots if isinstance(each, system.System))
+    return next(found, None)
+
+
+def lacks_stop(offer: Offer, used: bridge.AttributeMap) -> bool:
+    """Tells whether a command that moves something has no stop in a map, for a lost source.
+
+    Args:
+        offer: The message and its direction.
+        used: The map that carries it.
+    """
+    message = offer.message
+    moves = offer.exchange == MESSAGE and is_command(message) and message.moves
+    return moves and (used.stopRos if offer.to_ros else used.stopJaus) is None
+
+
+def profile_of(scope: Scope, end: ros.TopicEndpoint | bridge.Topic) -> dict[str, str]:
+    """Returns the quality of service of an endpoint, as far as it is stated."""
+    if end.qos is None:
+        return {}
+    table = scope.model.metamodels.class_of(end.qos)
+    return {
+        name: literal(values[0])
+        for name, feature in table.features.items()
+        if (values := values_of(end.qos, feature))
+    }
+
+
+def _with_service(scope: Scope, owner: bridge.Bridge, offer: Offer) -> list[Command]:
+    """Lets a bridge provide or use the service of a message."""
+    feature = "uses" if offer.is_provided else "provides"
+    known = list(getattr(owner, feature))
+    if has_message(known, offer.message):
+        return []
+    values = tuple(scope.ref(each) for each in known)
+    return [Set(scope.ref(owner), feature, (*values, scope.ref(offer.service)))]
+
+
+def has_message(services: Iterable[jaus.Service], message: jaus.MessageDef) -> bool:
+    """Tells whether services, or those that they inherit, have a message."""
+    reached = with_inherited(services)
+    messages = [each for one in reached for each in (*one.inputs, *one.outputs)]
+    return find_same(message, messages) is not None
+
+
+def _new_bridge(scope: Scope, owner: EObject, offer: Offer) -> Add:
+    feature = "uses" if offer.is_provided else "provides"
+    values = {
+        "name": (participant_name("bridge", owner),),
+        "address": (free_address(scope.model),),
+        feature: (scope.ref(offer.service),),
+    }
+    return Add(scope.ref(owner), "bridges", "bridge.Bridge", values)

@@ -1,0 +1,385 @@
+"""Assigning: how a member of one side of a map becomes one of the other, as the rules accept it.
+
+The conversions are found by trying: each conversion of the catalogue that takes what the source is
+and yields what the target is, with those that may stand before or behind it, is judged by the rules
+themselves, so that what is proposed is what `jausml validate` accepts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import TYPE_CHECKING
+
+from jausml.authoring.editing.commands import Child
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.proposals.mapping.assignments import filling
+from jausml.authoring.proposals.mapping.members import Member, leaves, member
+from jausml.authoring.proposals.mapping.statements import OF_AUTHORS, UNKNOWN, innermost, statement, steps
+from jausml.authoring.proposals.mapping.tabling import tabled
+from jausml.authoring.proposals.mapping.trial import Judged, judge
+from jausml.authoring.proposals.options import Option, Options
+from jausml.language.semantics.attributes import LIST, NUMBER, NUMBERS
+from jausml.language.semantics.conversions import CONVERSIONS, UnitEffect, conversions_between
+from jausml.language.semantics.frames import axis_of
+from jausml.language.semantics.named_values import compared
+from jausml.language.semantics.paths import is_many, outer_scope
+from jausml.language.semantics.units import attribute_measure
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from jausml.language.metamodel.classes import bridge
+    from jausml.authoring.proposals.elements import Scope
+    from jausml.language.semantics.conversions import Conversion
+
+_MOST = 8
+_POLICIES: tuple[Mapping[str, str], ...] = (
+    {},
+    {"whenAbsent": "dropMessage"},
+    {"outOfRange": "clamp"},
+    {"whenAbsent": "dropMessage", "outOfRange": "clamp"},
+)
+_LEVEL: Mapping[str, str] = {"whenAbsent": "useDefault", "defaultValue": "0"}
+"""What optional angles are that a message leaves out: a heading alone is an orientation."""
+
+_MANY = (LIST, NUMBERS)
+_SIGN = next(each for each in CONVERSIONS.values() if each.turns_sign)
+_SIMPLE = [each for each in CONVERSIONS.values() if not each.arguments]
+_TO_ROS, _TO_JAUS = "toRos", "toJaus"
+
+
+@dataclass(frozen=True)
+class _Draft:
+    """An assignment that is to be.
+
+    Attributes:
+        sources: Paths of its sources.
+        targets: Paths of its targets.
+        conversions: Names of its conversions.
+        policy: What becomes of what is absent or out of range.
+    """
+
+    sources: tuple[str, ...]
+    targets: tuple[str, ...]
+    conversions: tuple[str, ...] = ()
+    policy: tuple[tuple[str, str], ...] = ()
+
+    def child(self, feature: str) -> Child:
+        """Returns what adds it."""
+        values = {
+            "target": (", ".join(self.targets),),
+            "source": (", ".join(self.sources),),
+            **{name: (value,) for name, value in self.policy},
+        }
+        chain = tuple(map(_conversion, self.conversions))
+        return Child(feature, "bridge.FieldAssignment", values, chain)
+
+
+def assign(scope: Scope, used: bridge.AttributeMap, source: Member, target: Member) -> Options:
+    """Returns the ways to assign a member to one of the other side, the best first.
+
+    Args:
+        scope: The model.
+        used: The map.
+        source: Where the value comes from.
+        target: Where it goes.
+    """
+    found = ways(scope, used, source, target)
+    if not found.ways:
+        return Options(refusal=found.refusal)
+    options = []
+    for index, each in enumerate(found.ways):
+        table = tabled(used, [each.assignment])
+        [made] = table.assignments
+        ends = found.source, found.target
+        option = Option(
+            label=_label(made),
+            why=_why(each, made, found.plain, *ends),
+            preview=statement(made),
+            commands=filling(scope, used, made, *ends, made.feature, table.tables),
+            is_best=index == 0 and not set(steps(made)) & set(OF_AUTHORS),
+        )
+        options.append(option)
+    return Options(tuple(options))
+
+
+@dataclass(frozen=True)
+class Ways:
+    """The ways to assign a member to one of the other side, or why there is none.
+
+    Attributes:
+        source: Where the value comes from: the member, or each element of it.
+        target: Where it goes.
+        plain: The assignment without any conversion.
+        ways: What can be done, the best first.
+        refusal: Why nothing can.
+    """
+
+    source: Member
+    target: Member
+    plain: Judged | None = None
+    ways: tuple[Judged, ...] = ()
+    refusal: str = ""
+
+
+def ways(scope: Scope, used: bridge.AttributeMap, source: Member, target: Member) -> Ways:
+    """Returns the ways to assign a member to one of the other side, before any table.
+
+    Args:
+        scope: The model.
+        used: The map.
+        source: Where the value comes from.
+        target: Where it goes.
+    """
+    if source.is_jaus is target.is_jaus:
+        refusal = "both are of one side; draw to a member of the other side"
+        return Ways(source, target, refusal=refusal)
+    source, target = _in_elements(used, source, target), _in_elements(used, target, source)
+    if bool(source.outer) is not bool(target.outer):
+        inside, outside = (source, target) if source.outer else (target, source)
+        refusal = (
+            f"'{inside.path}' is of each element of '{inside.outer}', '{outside.path}' is"
+            " there once; draw between members of elements, or name one element by its index"
+        )
+        return Ways(source, target, refusal=refusal)
+    found = _found(scope, used, source, target)
+    refusal = found.plain.said or "no conversion leads from one to the other"
+    return Ways(source, target, found.plain, tuple(_distinct(found.good)[:_MOST]), refusal)
+
+
+@dataclass(frozen=True)
+class _Found:
+    """What was found.
+
+    Attributes:
+        plain: The assignment without any conversion.
+        good: What the rules accept; where they accept nothing without a word, what is possible.
+    """
+
+    plain: Judged
+    good: list[Judged]
+
+
+def _found(scope: Scope, used: bridge.AttributeMap, source: Member, target: Member) -> _Found:
+    own = (source.inner,), (target.inner,)
+    direct = [_Draft(*own, (), tuple(each.items())) for each in _POLICIES]
+    judged = _judged(scope, used, source, target, direct)
+    plain, accepted = judged[0], [each for each in judged if each.is_accepted]
+    if accepted:
+        if source.attribute.kind == NUMBER and _may_be_turned(source, target):
+            turned = [_Draft(*own, (_SIGN.name,), tuple(each.items())) for each in _POLICIES]
+            accepted += _judged(scope, used, source, target, turned)
+        return _Found(plain, [each for each in accepted if each.is_accepted])
+    judged += _judged(scope, used, source, target, list(_drafts(used, source, target)))
+    good = [each for each in judged if each.is_accepted]
+    return _Found(plain, good or [each for each in judged if each.is_possible])
+
+
+def _may_be_turned(source: Member, target: Member) -> bool:
+    """Tells whether a number may have the other sign there: its axes are unknown, not its names."""
+    are_named = compared(source.attribute, target.attribute) is not None
+    are_known = axis_of(source.attribute) is not None and axis_of(target.attribute) is not None
+    return not (are_named or are_known)
+
+
+def _in_elements(used: bridge.AttributeMap, one: Member, other: Member) -> Member:
+    """Returns the elements of a list or array, where the other end is a list or lies in one."""
+    if one.attribute.kind not in _MANY or one.outer:
+        return one
+    if not other.outer and other.attribute.kind not in _MANY:
+        return one
+    place = outer_scope(used, to_ros=one.is_jaus).find_source(one.path)
+    element = place.element() if is_many(place) else None
+    if element is None:
+        return one
+    return replace(one, outer=one.path, inner=".", attribute=element.attribute())
+
+
+def _judged(
+    scope: Scope,
+    used: bridge.AttributeMap,
+    source: Member,
+    target: Member,
+    drafts: Sequence[_Draft],
+) -> list[Judged]:
+    """Has drafts judged where they would stand, in a list if their members lie in one."""
+    feature = _TO_ROS if source.is_jaus else _TO_JAUS
+    children = [
+        _in_list(each, source, target, feature) if source.outer else each.child(feature)
+        for each in drafts
+    ]
+    return judge(scope.model.metamodels, used, children)
+
+
+def _in_list(draft: _Draft, source: Member, target: Member, feature: str) -> Child:
+    values = {"target": (target.outer,), "source": (source.outer,)}
+    return Child(feature, "bridge.ListAssignment", values, (draft.child("assignments"),))
+
+
+def _drafts(used: bridge.AttributeMap, source: Member, target: Member) -> Iterator[_Draft]:
+    """Yields what might do with conversions, the simplest first."""
+    own = (source.inner,), (target.inner,)
+    for chain, policy in product(_chains(source, target), _POLICIES):
+        yield _Draft(*own, tuple(each.name for each in chain), tuple(policy.items()))
+    for conversion in _SIMPLE:
+        for sources, targets in _with_siblings(used, source, target, conversion):
+            is_angle = bool(conversion.takes_axes) and source.attribute.optional
+            for policy in (_LEVEL, *_POLICIES) if is_angle else _POLICIES:
+                yield _Draft(sources, targets, (conversion.name,), tuple(policy.items()))
+
+
+def _chains(source: Member, target: Member) -> Iterator[tuple[Conversion, ...]]:
+    """Yields the chains that take what the source is, and yield one value.
+
+    What is known of the unit of both ends shall not be lost on the way.
+    """
+    own, other = (attribute_measure(each.attribute) for each in (source, target))
+    of_authors = [CONVERSIONS[each] for each in OF_AUTHORS]
+    is_of_ratios = any(each is None or not each.unit.dimension for each in (own, other))
+    chains: list[tuple[Conversion, ...]] = [(each,) for each in _SIMPLE]
+    chains += [pair for pair in product(_SIMPLE, _SIMPLE) if _may_follow(*pair)]
+    for chain in chains:
+        forgets = any(each.units is UnitEffect.ANY for each in chain)
+        fitting = chain[0].takes([source.attribute.kind]) and len(chain[-1].outputs) == 1
+        if fitting and not (forgets and own is not None and other is not None):
+            yield chain
+    if source.attribute.kind == target.attribute.kind == NUMBER and is_of_ratios:
+        yield from ((each,) for each in of_authors)
+        yield from ((_SIGN, each) for each in of_authors)
+
+
+def _may_follow(first: Conversion, second: Conversion) -> bool:
+    """Tells whether two conversions in a row may mean something: a sign, and something else."""
+    if first.turns_sign is second.turns_sign:
+        return False
+    fitting = second.takes(list(first.outputs))
+    return fitting and not (first.is_of_need or second.is_of_need)
+
+
+def _with_siblings(
+    used: bridge.AttributeMap, source: Member, target: Member, conversion: Conversion
+) -> Iterator[tuple[tuple[str, ...], tuple[str, ...]]]:
+    """Yields ends of a conversion of several values, such as three angles to an orientation."""
+    several = len(conversion.inputs) > 1, len(conversion.outputs) > 1
+    if not any(several) or source.outer:
+        return
+    sources = _along(used, source, conversion.takes_axes) if several[0] else (source.inner,)
+    targets = _along(used, target, conversion.gives_axes) if several[1] else (target.inner,)
+    if len(sources) == len(conversion.inputs) and len(targets) == len(conversion.outputs):
+        yield sources, targets
+
+
+def _along(used: bridge.AttributeMap, one: Member, axes: Sequence[str]) -> tuple[str, ...]:
+    """Returns the members beside one that are the angles about some axes; none if one lacks."""
+    before, dot, _ = one.inner.rpartition(".")
+    place = outer_scope(used, to_ros=one.is_jaus).find_source(before or ".")
+    names = [str(each.name) for each in getattr(place, "members", list)() or () if each.name]
+    found: dict[str, str] = {}
+    for name in names:
+        path = f"{before}{dot}{name}"
+        try:
+            axis = axis_of(member(used, path, is_jaus=one.is_jaus).attribute)
+        except AnswerError:
+            continue
+        if axis is not None and axis.is_angle and axis.name:
+            found.setdefault(axis.name, path)
+    paths = tuple(found[each] for each in axes if each in found)
+    return paths if len(paths) == len(axes) and one.inner in paths else ()
+
+
+def _distinct(found: Iterable[Judged]) -> list[Judged]:
+    """Returns what was found with one policy for each chain, plain ones first."""
+    kept: dict[tuple[object, ...], Judged] = {}
+    for each in found:
+        kept.setdefault((steps(each.assignment), statement(each.assignment).count(",")), each)
+    return sorted(kept.values(), key=_effort)
+
+
+def _effort(found: Judged) -> tuple[int, int]:
+    own = steps(found.assignment)
+    odd = sum(CONVERSIONS[each].is_of_need for each in own)
+    return odd + 2 * sum(each in OF_AUTHORS for each in own), len(own)
+
+
+def _label(made: Child) -> str:
+    return ", then ".join(steps(made)) or "as it is"
+
+
+def _why(found: Judged, made: Child, plain: Judged | None, source: Member, target: Member) -> str:
+    """Returns why an assignment is as it is.
+
+    Args:
+        found: What was found, before any table.
+        made: What becomes of it.
+        plain: The assignment without any conversion.
+        source: Where the value comes from.
+        target: Where it goes.
+    """
+    names = steps(made)
+    is_other = plain is not None and plain.said and found is not plain
+    reasons = [plain.said.partition("; ")[0]] if plain is not None and is_other else []
+    if names != steps(found.assignment):
+        reasons.append(f"'{source.path}' and '{target.path}' number what they name alike otherwise")
+    reasons += [f"{each}: {CONVERSIONS[each].documentation}" for each in names]
+    own, other = (attribute_measure(each.attribute) for each in (source, target))
+    if not names and own is not None and other is not None:
+        if own.unit != other.unit:
+            reasons.append(f"{own.text} becomes {other.text} without being asked")
+        else:
+            reasons.append(f"both are in {other.text}, along the same axis")
+    if any(each in OF_AUTHORS for each in names):
+        reasons.append(f"write the number of your vehicle in the place of {UNKNOWN}")
+    inner = innermost(found.assignment)
+    if inner.values.get("whenAbsent") == ("useDefault",):
+        reasons.append("an angle that is absent is 0")
+    elif "whenAbsent" in inner.values:
+        reasons.append(f"without '{source.path}' the message is dropped")
+    if "outOfRange" in inner.values:
+        reasons.append(f"what '{target.path}' cannot carry is moved to the end of its range")
+    if not found.is_accepted:
+        reasons.append(found.said)
+    return "; ".join(dict.fromkeys(reasons)) or "both are alike"
+
+
+def _conversion(name: str) -> Child:
+    values: dict[str, tuple[str, ...]] = {"kind": (name,)}
+    if name in OF_AUTHORS:
+        values["arguments"] = (UNKNOWN,)
+    return Child("conversions", "bridge.Conversion", values)
+
+
+def partners(scope: Scope, used: bridge.AttributeMap, source: Member) -> list[tuple[Member, str]]:
+    """Returns the members of the other side to which a member may be assigned, with how.
+
+    Args:
+        scope: The model.
+        used: The map.
+        source: Where the value comes from.
+    """
+    others = [
+        each
+        for each in leaves(used, is_jaus=not source.is_jaus)
+        if bool(each.outer) is bool(source.outer)
+    ]
+    own, feature = source.inner, _TO_ROS if source.is_jaus else _TO_JAUS
+    plain = [
+        _in_list(draft, source, each, feature) if source.outer else draft.child(feature)
+        for each in others
+        for draft in [_Draft((own,), (each.inner,))]
+    ]
+    found = []
+    for each, judged in zip(others, judge(scope.model.metamodels, used, plain), strict=True):
+        if judged.is_possible:
+            found.append((each, "as it is"))
+        elif conversions_between([source.attribute.kind], each.attribute.kind) and _may_become(
+            source, each
+        ):
+            found.append((each, "by a conversion"))
+    return sorted(found, key=lambda pair: pair[1])
+
+
+def _may_become(source: Member, target: Member) -> bool:
+    """Tells whether the units of two members do not stand against it."""
+    own, other = (attribute_measure(each.attribute) for each in (source, target))
+    return own is None or other is None or own.unit.is_compatible(other.unit)

@@ -1,0 +1,201 @@
+"""Filling: all assignments of a map that follow from what its two ends say of themselves.
+
+Each is one that drawing from member to member would propose first and that the rules accept without
+a word, also beside all others of the map. What is left is for the author.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.authoring.editing.commands import Add, Child
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model.names import name_of
+from jausml.authoring.proposals.mapping.assigning import ways
+from jausml.authoring.proposals.mapping.corresponding import corresponding
+from jausml.authoring.proposals.mapping.members import leaves
+from jausml.authoring.proposals.mapping.statements import OF_AUTHORS, innermost, statement, steps
+from jausml.authoring.proposals.mapping.tabling import additions, tabled
+from jausml.authoring.proposals.mapping.trial import judge, judge_together
+from jausml.authoring.proposals.mapping.variances import variances
+from jausml.language.semantics.attributes import LIST
+from jausml.language.semantics.paths import parse_path, target_paths
+from jausml.language.semantics.ways import TO_ROS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from jausml.authoring.proposals.elements import Scope
+    from jausml.authoring.proposals.mapping.members import Member
+
+_Steps = tuple[str, ...]
+
+FEATURES = {True: "toRos", False: "toJaus"}
+"""The assignments of a map, by whether they go to ROS."""
+
+
+@dataclass(frozen=True, slots=True)
+class Filling:
+    """What fills a map.
+
+    Attributes:
+        label: How the edit is called.
+        commands: What does it; nothing where nothing corresponds.
+        statements: The assignments in the text notation.
+        left: The members that nothing fills then, by `to_ros` and `to_jaus`.
+        refusal: Why there is nothing to do, empty where there is.
+    """
+
+    label: str
+    commands: tuple[Add, ...]
+    statements: tuple[str, ...]
+    left: Mapping[str, tuple[str, ...]]
+    refusal: str = ""
+
+
+def fill_map(scope: Scope, used: bridge.AttributeMap) -> Filling:
+    """Returns what fills the members of a map that nothing fills yet.
+
+    Directions that no connection uses are left alone, unless none is used.
+
+    Args:
+        scope: The model.
+        used: The map.
+    """
+    label = f"Fill map {name_of(used)}"
+    if used.message is None or used.type is None:
+        return Filling(label, (), (), {}, "the map has no message or no type yet")
+    directions = _directions(scope, used)
+    tables = tabled(used, found(scope, used, directions).assignments)
+    good = tables.assignments
+    known = [(name_of(each), scope.ref(each)) for each in used.tables]
+    return Filling(
+        label,
+        tuple(additions(scope.ref(used), tables.tables, good, known, 0)),
+        tuple(map(statement, good)),
+        {"to_ros" if way else "to_jaus": _left(used, good, to_ros=way) for way in directions},
+        "" if good else "no further members correspond by name, time, or unit and axis",
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """What was found for the members that nothing fills.
+
+    Attributes:
+        assignments: What fills them.
+        doubtful: Targets with the sources that are equally like them.
+    """
+
+    assignments: tuple[Child, ...]
+    doubtful: tuple[tuple[tuple[Member, ...], Member], ...]
+
+
+def found(scope: Scope, used: bridge.AttributeMap, directions: Iterable[bool]) -> Found:
+    """Returns the assignments that follow from what the ends of a map say, for some directions.
+
+    Args:
+        scope: The model.
+        used: The map.
+        directions: True to ROS.
+    """
+    children: list[Child] = []
+    doubtful: list[tuple[tuple[Member, ...], Member]] = []
+    for to_ros in directions:
+        sources, targets = leaves(used, is_jaus=to_ros), _unfilled(used, to_ros=to_ros)
+        alike = corresponding(sources, targets)
+        children += _assignments(scope, used, alike.pairs)
+        children += variances(scope, used, sources, targets)
+        doubtful += alike.doubtful
+    judged = judge_together(scope.model.metamodels, used, children)
+    good = tuple(each.assignment for each in judged if each.is_possible)
+    return Found(good, tuple(doubtful))
+
+
+def _directions(scope: Scope, used: bridge.AttributeMap) -> list[bool]:
+    """Returns the directions in which a map is used, both where it is not yet."""
+    connections = scope.model.instances(bridge.Connection, library=False)
+    wanted = {each.direction.name == TO_ROS for each in connections if each.map is used}
+    return sorted(wanted or {True, False}, reverse=True)
+
+
+def _unfilled(used: bridge.AttributeMap, *, to_ros: bool) -> list[Member]:
+    """Returns the members of a direction that nothing fills."""
+    filled = filled_paths(used, to_ros=to_ros)
+    targets = leaves(used, is_jaus=not to_ros)
+    return [each for each in targets if not is_filled(each.outer or each.path, filled)]
+
+
+def _assignments(
+    scope: Scope, used: bridge.AttributeMap, pairs: Iterable[tuple[Member, Member]]
+) -> list[Child]:
+    """Returns the assignments of pairs, those within one list together."""
+    made: dict[object, Child] = {}
+    for source, target in pairs:
+        child = _proposed(scope, used, source, target)
+        if child is None:
+            continue
+        key = (source.outer, target.outer) if source.outer else child.values["target"]
+        before = made.get(key)
+        made[key] = child if before is None or not source.outer else _joined(before, child)
+    return list(made.values())
+
+
+def _proposed(
+    scope: Scope, used: bridge.AttributeMap, source: Member, target: Member
+) -> Child | None:
+    """Returns the first assignment of the most members that the rules accept without a word.
+
+    Those with a number that only the author knows are left out.
+    """
+    children = [each.assignment for each in ways(scope, used, source, target).ways]
+    own = [each for each in children if not set(steps(each)) & set(OF_AUTHORS)]
+    judged = judge(scope.model.metamodels, used, own)
+    accepted = [each.assignment for each in judged if each.is_accepted]
+    return max(accepted, key=_size, default=None)
+
+
+def _size(child: Child) -> int:
+    values = innermost(child).values
+    return sum(len(values[name][0].split(", ")) for name in ("source", "target"))
+
+
+def _joined(one: Child, other: Child) -> Child:
+    """Returns an assignment of lists with what two of the same lists have."""
+    return Child(one.feature, one.kind, one.values, (*one.children, *other.children))
+
+
+def filled_paths(used: bridge.AttributeMap, *, to_ros: bool) -> list[_Steps]:
+    """Returns the paths that something fills, or that are left out on purpose."""
+    assignments = getattr(used, FEATURES[to_ros])
+    return [parse_path(path) for each in assignments for path in target_paths(each)]
+
+
+def targets_of(child: Child) -> Iterator[_Steps]:
+    """Yields the paths that an assignment fills."""
+    for path in map(parse_path, child.values["target"][0].split(", ")):
+        inner = [each for each in child.children if each.feature == "assignments"]
+        yield from ((*path, *own) for each in inner for own in targets_of(each))
+        if not inner:
+            yield path
+
+
+def is_filled(path: str, filled: Iterable[_Steps]) -> bool:
+    """Tells whether a member, something around it or something in it is filled."""
+    own = parse_path(path)
+    return any(each[: len(own)] == own or own[: len(each)] == each for each in filled)
+
+
+def _left(used: bridge.AttributeMap, good: Sequence[Child], *, to_ros: bool) -> tuple[str, ...]:
+    """Returns the members that nothing fills once assignments are added, wholes without parts."""
+    filled = filled_paths(used, to_ros=to_ros)
+    filled += [
+        path for each in good if each.feature == FEATURES[to_ros] for path in targets_of(each)
+    ]
+    left: list[str] = []
+    for each in leaves(used, is_jaus=not to_ros):
+        is_part = bool(left) and each.path.startswith(f"{left[-1]}.")
+        if each.attribute.kind != LIST and not is_part and not is_filled(each.path, filled):
+            left.append(each.path)
+    return tuple(left)

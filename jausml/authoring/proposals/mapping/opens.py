@@ -1,0 +1,147 @@
+"""What is open in a new map: what its author has to decide, in words."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.language.model.names import name_of
+from jausml.authoring.proposals.mapping.completing import bare
+from jausml.authoring.proposals.mapping.filling import FEATURES, is_filled
+from jausml.authoring.proposals.mapping.members import leaves
+from jausml.authoring.proposals.mapping.statements import UNKNOWN, innermost
+from jausml.authoring.proposals.mapping.stopping import STOPS
+from jausml.language.semantics.commands import is_command
+from jausml.language.semantics.paths import outer_scope, parse_path
+from jausml.language.semantics.rates import fills_rates_alone
+from jausml.language.semantics.ros_paths import ros_name
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterable, Iterator, Sequence
+
+    from jausml.authoring.editing.commands import Child
+    from jausml.language.metamodel.classes import bridge
+
+_MOST = 8
+"""How many members a line names."""
+
+_FRAME_IDS = ("frame_id", "child_frame_id")
+
+
+def opens(
+    used: bridge.AttributeMap, assignments: Sequence[Child], ways: Collection[bool]
+) -> Iterator[str]:
+    """Yields what is left to the author of a new map.
+
+    Args:
+        used: The map with its assignments, and its stops if a person has decided.
+        assignments: The same as commands.
+        ways: The directions that it has.
+    """
+    for to_ros in ways:
+        own = [each for each in assignments if each.feature == FEATURES[to_ros]]
+        ends = [name_of(used.message), ros_name(used.type)]
+        source, target = ends if to_ros else reversed(ends)
+        yield from _unfilled(used, own, source, target, to_ros=to_ros)
+        yield from _untaken(used, own, source, target, to_ros=to_ros)
+        yield from _decisions(own)
+        if to_ros:
+            yield from _absent(used, own)
+    yield from _of_connections(used, ways)
+
+
+def _unfilled(
+    used: bridge.AttributeMap, own: Sequence[Child], source: str, target: str, *, to_ros: bool
+) -> Iterator[str]:
+    if ignored := [each.values["target"][0] for each in own if each.kind == "bridge.Ignore"]:
+        yield f"ignored: {_listed(ignored)} of {target}, since no member of {source} corresponds"
+    left = bare(used, to_ros=to_ros)
+    if optional := [each.path for each in left if not each.is_required]:
+        yield f"nothing is assigned to {_listed(optional)} of {target}"
+    if missing := [each.path for each in left if each.is_required]:
+        yield f"assign or ignore {_listed(missing)}: {target} always contains it (JML416)"
+
+
+def _untaken(
+    used: bridge.AttributeMap, own: Sequence[Child], source: str, target: str, *, to_ros: bool
+) -> Iterator[str]:
+    read = [
+        parse_path(path)
+        for each in own
+        for path in each.values.get("source", ("",))[0].split(", ")
+        if path
+    ]
+    left: list[str] = []
+    for each in leaves(used, is_jaus=to_ros):
+        path = each.outer or each.path
+        is_part = bool(left) and path.startswith(f"{left[-1]}.")
+        if path not in left and not is_part and not is_filled(path, read):
+            left.append(path)
+    if left:
+        yield f"no member of {target} takes {_listed(left)} of {source}"
+
+
+def _decisions(own: Iterable[Child]) -> Iterator[str]:
+    """Yields what was decided for the author, who may know better."""
+    inner = [innermost(each) for each in own]
+    frames = [
+        f'"{each.values["value"][0]}"'
+        for each in inner
+        if each.kind == "bridge.ConstantAssignment"
+        and each.values["target"][0].rpartition(".")[2] in _FRAME_IDS
+    ]
+    if frames:
+        yield f"state the frames of your vehicle instead of {' and '.join(frames)}"
+    for policy, value, says in (
+        ("whenAbsent", "dropMessage", "if {source} is absent, the message is dropped"),
+        ("outOfRange", "clamp", "values that {target} cannot carry become the nearest one"),
+    ):
+        found = [each for each in inner if each.values.get(policy) == (value,)]
+        if found:
+            words = says.format(
+                source=_listed([each.values["source"][0] for each in found]),
+                target=_listed([each.values["target"][0] for each in found]),
+            )
+            yield f"{words} ({policy}: {value})"
+    for each in inner:
+        if any(step.values.get("arguments") == (UNKNOWN,) for step in each.children):
+            target = each.values["target"][0]
+            yield f"state the number of your vehicle instead of {UNKNOWN} for {target}"
+
+
+def _absent(used: bridge.AttributeMap, own: Iterable[Child]) -> Iterator[str]:
+    """Yields which optional fields leave a target as it is, which in ROS is 0."""
+    source = outer_scope(used, to_ros=True)
+    found: list[str] = []
+    for each in own:
+        if each.kind != "bridge.FieldAssignment" or "whenAbsent" in each.values:
+            continue
+        for path in each.values["source"][0].split(", "):
+            place = source.find_source(path)
+            if getattr(place, "optional", False) and path not in found:
+                found.append(path)
+    if found:
+        yield f"0 is published for what is absent of {_listed(found)}, unless you state whenAbsent"
+
+
+def _of_connections(used: bridge.AttributeMap, ways: Iterable[bool]) -> Iterator[str]:
+    """Yields what a connection by the map will ask for."""
+    if is_command(used.message) and used.message.moves:
+        stops = [way for way in ways if getattr(used, STOPS[way]) is None]
+        if stops:
+            yield f"state what stops the command: {_named(stops)} (JML451)"
+        if zeros := [way for way in stops if fills_rates_alone(used, to_ros=way)]:
+            yield (
+                f"all of its numbers are rates, so that {_named(zeros)} of zeros may be what "
+                "stops it; write it if that is so for what you drive"
+            )
+    elif False in ways:
+        yield "state freshness, or whenStale: keep, for a topic that falls silent (JML455)"
+
+
+def _named(ways: Iterable[bool]) -> str:
+    return " and ".join(STOPS[way] for way in ways)
+
+
+def _listed(names: Sequence[str]) -> str:
+    more = len(names) - _MOST
+    return ", ".join(names[:_MOST]) + (f" and {more} more" if more > 0 else "")

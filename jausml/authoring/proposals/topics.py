@@ -1,0 +1,204 @@
+"""What a bridge can do with a topic of ROS: the ready maps of its type, the likeliest first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from jausml.language.metamodel.classes import ros
+from jausml.language.model.names import name_of
+from jausml.language.model.words import words
+from jausml.authoring.proposals.bridging import is_served, lacks_stop, offer_of
+from jausml.language.semantics.answers import told_by_command
+from jausml.language.semantics.commands import is_command
+from jausml.language.semantics.ros_paths import ros_name
+from jausml.language.semantics.services import code
+from jausml.language.semantics.unanswered import unanswered
+from jausml.language.semantics.used_maps import used_maps
+from jausml.language.semantics.ways import EVENT
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from jausml.language.metamodel.classes import bridge
+    from jausml.authoring.proposals.bridging import Offer
+
+VEHICLE, OPERATOR = "vehicle", "operator"
+SIDES = (VEHICLE, OPERATOR)
+"""What the nodes of ROS are behind a bridge: a vehicle that JAUS commands, or who commands one."""
+
+_LONG = {"cmd": "command", "vel": "velocity", "odom": "odometry", "accel": "acceleration"}
+_COMMANDING = frozenset({"command", "goal", "target", "set", "setpoint", "desired"})
+_MEANT = {"goal": "waypoint", "target": "waypoint"}
+
+
+@dataclass(frozen=True)
+class TopicEnd:
+    """A topic of ROS that a bridge shall carry.
+
+    Attributes:
+        name: Its name.
+        type: Its type, such as `geometry_msgs/Twist`.
+        to_ros: Whether nodes subscribe to it; False where they publish it, None where both or
+            nobody knows.
+        maps: The names of the maps that shall carry it, where that is settled.
+        heard: Quality of service by which all of its publishers are heard, literals by feature;
+            None for what is usual.
+        published: Quality of service by which all that subscribe get it; None for what is usual.
+    """
+
+    name: str
+    type: str
+    to_ros: bool | None = None
+    maps: tuple[str, ...] = ()
+    heard: Mapping[str, str] | None = None
+    published: Mapping[str, str] | None = None
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """A way in which a bridge can carry a topic.
+
+    Attributes:
+        topic: The topic.
+        map: The ready map.
+        offer: The message, its service, the direction and the exchange.
+        hold_reason: Why the last command may stand when its source is lost, as a person says it.
+            Nothing else may fill it in: what is safe depends on what receives the command.
+    """
+
+    topic: TopicEnd
+    map: bridge.AttributeMap
+    offer: Offer = field(repr=False)
+    hold_reason: str = ""
+
+    @property
+    def has_no_stop(self) -> bool:
+        """Whether it is a command that nothing in its map stops when its source is lost."""
+        return lacks_stop(self.offer, self.map)
+
+    @property
+    def qos(self) -> dict[str, str]:
+        """The quality of service of the topic: what its nodes ask for, else what is usual.
+
+        The newest command counts, and none may be lost; a sensor is heard however it publishes.
+        """
+        known = self.topic.published if self.offer.to_ros else self.topic.heard
+        is_sure = is_command(self.offer.message) or self.offer.to_ros
+        usual = {"reliability": "reliable" if is_sure else "best_effort"}
+        depth = "1" if is_command(self.offer.message) else "5"
+        return {**(usual if known is None else known), "depth": depth}
+
+    def says(self) -> str:
+        """Returns what it is in words, for people who choose."""
+        message, service = name_of(self.offer.message), name_of(self.offer.service)
+        if self.offer.to_ros:
+            how = "asked for as a periodic event" if self.offer.exchange == EVENT else "taken"
+            what = f"{message} of {service} is {how} and published"
+        elif self.offer.exchange == EVENT:
+            what = f"reported as {message} of {service} to whoever asks"
+        else:
+            what = f"sent as {message} to who provides {service}"
+        return f"{name_of(self.map)}: {what}"
+
+
+def crossings(topic: TopicEnd, maps: Sequence[bridge.AttributeMap], side: str) -> list[Crossing]:
+    """Returns the ways of a topic, the likeliest first.
+
+    What the name of the topic says decides; where it says nothing, reports come before commands,
+    which move something.
+
+    Args:
+        topic: The topic.
+        maps: The ready maps.
+        side: One of `SIDES`.
+    """
+    found = list(_possible(topic, maps, is_vehicle=side == VEHICLE))
+    named = [_LONG.get(each, each) for each in (word.lower() for word in words(topic.name))]
+    commands = not _COMMANDING.isdisjoint(named)
+    meant = {*named, *(_MEANT[each] for each in named if each in _MEANT)}
+
+    def rank(each: Crossing) -> tuple[bool, int, int]:
+        own = [word.lower() for word in words(name_of(each.map))]
+        return is_command(each.offer.message) is not commands, -len(meant & {*own}), len(own)
+
+    return sorted(found, key=rank)
+
+
+def _possible(
+    topic: TopicEnd, maps: Sequence[bridge.AttributeMap], *, is_vehicle: bool
+) -> Iterator[Crossing]:
+    for used in maps:
+        if not _is_of(used, topic.type):
+            continue
+        for to_ros in (True, False):
+            offer = offer_of(used.message, to_ros=to_ros)
+            if (
+                offer is not None
+                and topic.to_ros in (None, to_ros)
+                and offer.is_provided is not is_vehicle
+                and not is_served(offer.service)
+                and _can_carry(used, to_ros=to_ros)
+            ):
+                yield Crossing(topic, used, offer)
+
+
+def _is_of(used: bridge.AttributeMap, kind: str) -> bool:
+    """Tells whether a map is of messages of a type, and not of parts of services or actions."""
+    if used.message is None or used.type is None or ros_name(used.type) != kind:
+        return False
+    return isinstance(used.type.eContainer(), ros.InterfacePackage)
+
+
+def _can_carry(used: bridge.AttributeMap, *, to_ros: bool) -> bool:
+    """Tells whether a connection of one topic and one message is all that a map needs."""
+    if not (used.toRos if to_ros else used.toJaus) or (to_ros and used.reportJoins):
+        return False
+    return len(list(used_maps(used, to_ros=to_ros))) == 1
+
+
+def joins_of(crossing: Crossing, topics: Sequence[TopicEnd], taken: set[str]) -> dict[str, str]:
+    """Returns which topics the joins of a map are fed by, by the names of the joins.
+
+    Args:
+        crossing: The way that is taken.
+        topics: The topics that there are.
+        taken: The names of topics that joins have already; those that are found are added.
+    """
+    found: dict[str, str] = {}
+    if crossing.offer.to_ros:
+        return found
+    for join in crossing.map.joins:
+        if join.type is None:
+            continue
+        for each in topics:
+            if each.type == ros_name(join.type) and each.name not in taken | {crossing.topic.name}:
+                found[name_of(join)] = each.name
+                taken.add(each.name)
+                break
+    return found
+
+
+def unanswered_queries(chosen: Sequence[Crossing]) -> dict[str, list[str]]:
+    """Returns the queries of the services of a bridge that none of its ways answers.
+
+    Args:
+        chosen: All ways of the bridge.
+
+    Returns:
+        The names of queries by the names of the services that the bridge provides.
+    """
+    sent = {code(each.offer.message) for each in chosen if not each.offer.to_ros}
+    services = list(
+        dict.fromkeys(each.offer.service for each in chosen if not each.offer.is_provided)
+    )
+    commands = [each.offer.message for each in chosen if each.offer.to_ros]
+    codes = list(map(code, commands))
+    told = (told_by_command(each, services) for each in commands if codes.count(code(each)) == 1)
+    sent.update(code(each.report) for each in told if each is not None)
+    found = {name_of(each): unanswered(each, sent) for each in services}
+    return {
+        service: [name_of(each) for each in queries]
+        for service, queries in found.items()
+        if queries
+    }

@@ -1,0 +1,80 @@
+"""Ends in the system view: what the ids of boxes and rows stand for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.authoring.proposals.elements import AnswerError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.authoring.proposals.elements import Scope
+
+_MARK = "!"
+
+
+@dataclass(frozen=True)
+class Spot:
+    """An end of the system view, as its ids tell.
+
+    Attributes:
+        owner: The component, bridge or node.
+        element: What the row stands for: an endpoint or a connection; None for the whole box and
+            for the row of a message.
+        message: Name of the message of such a row, empty for others.
+    """
+
+    owner: EObject
+    element: EObject | None = None
+    message: str = ""
+
+
+def spot(scope: Scope, node: str, port: str) -> Spot:
+    """Returns the end that ids of the system view name.
+
+    Args:
+        scope: The model.
+        node: Id of a box.
+        port: Id of a row of it, empty for the box.
+
+    Raises:
+        AnswerError: They stand for nothing in the model.
+    """
+    if _MARK in node:
+        raise AnswerError("that end is not in the model; add it first")
+    owner = element_of(scope, node)
+    if port.startswith(f"{node}{_MARK}"):
+        return Spot(owner, message=port.rpartition(_MARK)[2])
+    return Spot(owner, element_of(scope, port) if port else None)
+
+
+def element_of(scope: Scope, identifier: str) -> EObject:
+    """Returns the element of an id in a graph: a fragment, behind its file unless the first.
+
+    Raises:
+        AnswerError: There is none.
+    """
+    name, mark, fragment = identifier.rpartition("#")
+    for document in scope.model.documents:
+        if not mark or document.path.name == name:
+            return scope.find_in(document, fragment)
+    raise AnswerError(f"there is no element {identifier!a} any more")
+
+
+def all_spots(scope: Scope) -> Iterator[Spot]:
+    """Yields the boxes and rows of a model, those of messages left out."""
+    model = scope.model
+    for component in model.instances(jaus.Component, library=False):
+        yield Spot(component)
+        if isinstance(component, bridge.Bridge):
+            for each in component.bridgeConnections:
+                yield Spot(component, each)
+    for node in model.instances(ros.Node, library=False):
+        yield Spot(node)
+        for feature in ("publishers", "subscriptions", "serviceServers", "serviceClients"):
+            for end in getattr(node, feature):
+                yield Spot(node, end)

@@ -1,0 +1,117 @@
+"""Questions about the running system: it is watched from `live.start` until nobody looks."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from jausml.authoring.editing.commands import EditError
+from jausml.authoring.studio import shown
+from jausml.authoring.studio.live import LiveSystem, NotWatchedError, Watched
+from jausml.authoring.studio.methods import Method, Nothing
+from jausml.authoring.studio.rpc import REFUSED, RpcError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from jausml.authoring.studio.desk import Desk
+
+
+@dataclass(frozen=True)
+class Started:
+    """The file whose system is watched."""
+
+    file: str
+
+
+@dataclass(frozen=True)
+class Glance:
+    """A connection, by the id of its row in the system view."""
+
+    connection: str
+
+
+class Living:
+    """The one system that is watched, if any.
+
+    Args:
+        desk: What answers work with.
+    """
+
+    def __init__(self, desk: Desk) -> None:
+        self._desk = desk
+        self._live: LiveSystem | None = None
+        self._lock = threading.Lock()
+
+    def methods(self) -> Mapping[str, Method[Any]]:
+        """Returns the methods by name."""
+        return {
+            "live.start": Method(Started, lambda asked: self.start(asked.file)),
+            "live.stop": Method(Nothing, lambda _: self.stop()),
+            "live.message": Method(Glance, lambda asked: self.message(asked.connection)),
+        }
+
+    def start(self, file: str) -> dict[str, Any]:
+        """Watches the system of a file, in the place of the one before.
+
+        Raises:
+            EditError: The project has no such file.
+        """
+        project = self._desk.project
+        watched = Watched(file, project.root / file, project.root, project.model(file).model)
+        with self._lock:
+            if self._live is None or self._live.file != file:
+                self._stop()
+                self._live = LiveSystem(watched, self._desk.network, self._tell)
+                self._live.start()
+            else:
+                self._live.tell_again()
+        return {}
+
+    def stop(self) -> dict[str, Any]:
+        """Watches nothing any more."""
+        with self._lock:
+            self._stop()
+        return {}
+
+    def leave(self) -> None:
+        """Watches nothing any more; who calls does not wait for it."""
+        threading.Thread(target=self.stop, name="leaving", daemon=True).start()
+
+    def message(self, connection: str) -> dict[str, Any]:
+        """Returns the last message of a connection on both sides.
+
+        Raises:
+            RpcError: Nothing is known of it.
+        """
+        with self._lock:
+            live = self._live
+        try:
+            if live is None:
+                raise NotWatchedError("no system is watched")
+            return live.message(connection)
+        except NotWatchedError as error:
+            raise RpcError(REFUSED, str(error)) from error
+
+    def changed(self) -> None:
+        """Goes on with the model as it is after a change of the project."""
+        with self._lock:
+            if self._live is None:
+                return
+            try:
+                self._live.follow(self._desk.project.model(self._live.file).model)
+            except EditError:  # the file is gone
+                self._stop()
+
+    def _stop(self) -> None:
+        if self._live is not None:
+            self._live.stop()
+        self._live = None
+
+    def _tell(self, values: dict[str, Any]) -> None:
+        try:
+            verdict = self._desk.project.read(values["file"])[1]
+        except EditError:
+            return  # the file has gone meanwhile
+        self._desk.audience.tell("live", {**values, "freshness": shown.freshness(verdict)})

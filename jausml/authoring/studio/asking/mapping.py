@@ -1,0 +1,103 @@
+"""Questions about attribute maps: what values of one side become on the other."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping  # noqa: TC003 - parameters are typed at run time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.proposals.mapping.filling import fill_map
+from jausml.authoring.proposals.mapping.sourceless import clock, constant, ignore
+from jausml.authoring.studio.answers.ends import end_of
+from jausml.authoring.studio.answers.trying import inputs
+from jausml.authoring.studio.asking.answering import Port, map_named, map_of, scope_of
+from jausml.authoring.studio.asking.showing import OfView
+from jausml.authoring.studio.methods import Method
+
+if TYPE_CHECKING:
+    from jausml.language.metamodel.classes import bridge
+    from jausml.authoring.proposals.elements import Scope
+    from jausml.authoring.studio.desk import Desk
+
+Direction = Literal["to_ros", "to_jaus"]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A direction of a map, by the name of the map."""
+
+    file: str
+    map: str
+    direction: Direction
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Values that are tried: texts by path."""
+
+    file: str
+    map: str
+    direction: Direction
+    values: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Filling:
+    """A member that is filled without a source.
+
+    Attributes:
+        file: The file.
+        view: The view of the map.
+        target: The member.
+        value: The constant that it may become.
+    """
+
+    file: str
+    view: str
+    target: Port
+    value: str = ""
+
+
+def methods(desk: Desk) -> Mapping[str, Method[Any]]:
+    """Returns the methods by name."""
+    return {
+        "tried": Method(Asked, lambda asked: _inputs(desk, asked)),
+        "fill": Method(Filling, lambda asked: _fill(desk, asked)),
+        "fill_map": Method(OfView, lambda asked: _fill_map(desk, asked)),
+        "try": Method(Trial, lambda asked: _try(desk, asked)),
+    }
+
+
+def _inputs(desk: Desk, asked: Asked) -> object:
+    used = map_named(scope_of(desk, asked.file), asked.map)
+    return {"inputs": inputs(used, to_ros=asked.direction == "to_ros")}
+
+
+def _fill(desk: Desk, asked: Filling) -> object:
+    scope = scope_of(desk, asked.file)
+    used = _map_of(scope, asked.view)
+    target = end_of(scope, used, asked.target.node, asked.target.port)
+    return {
+        "constant": constant(scope, used, target, asked.value),
+        "clock": clock(scope, used, target),
+        "ignore": ignore(scope, used, target),
+    }
+
+
+def _fill_map(desk: Desk, asked: OfView) -> object:
+    scope = scope_of(desk, asked.file)
+    return fill_map(scope, _map_of(scope, asked.view))
+
+
+def _map_of(scope: Scope, view: str) -> bridge.AttributeMap:
+    used = map_of(scope, view)
+    if used is None:
+        raise AnswerError(f"{view} is no view of a map")
+    return used
+
+
+def _try(desk: Desk, asked: Trial) -> object:
+    scope = scope_of(desk, asked.file)
+    to_ros = asked.direction == "to_ros"
+    return desk.trials.run(scope, map_named(scope, asked.map), asked.values, to_ros=to_ros)

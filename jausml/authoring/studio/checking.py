@@ -1,0 +1,193 @@
+"""Problems: what the rules say about a file, worked out once for each revision of the project."""
+
+from __future__ import annotations
+
+import gc
+import logging
+import threading
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.authoring.editing.commands import EditError
+from jausml.language.validation.engine import RuleError, check
+from jausml.language.validation.report import Report
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from jausml.authoring.editing.project import Project
+    from jausml.authoring.editing.records import Freshness
+    from jausml.language.model.reading.reader import ReadResult
+
+
+_LOG = logging.getLogger(__name__)
+
+_PAUSE, _REST = 5.0, 30.0
+"""Seconds without a wish after which garbage of verdicts is collected, and all garbage."""
+
+_MOST_UNTIDY = 8
+"""Verdicts after which garbage is collected all the same: models are large."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What was found about a file and all that it refers to.
+
+    Attributes:
+        file: The file.
+        revision: Of the project, from which on it is true.
+        elapsed_ms: Milliseconds that reading and checking took.
+        result: What was read.
+        freshness: What that is worth: rules were run if it is current.
+        report: What was found.
+        fault: Why no rules were run, empty when they were.
+    """
+
+    file: str
+    revision: int
+    elapsed_ms: float
+    result: ReadResult
+    freshness: Freshness
+    report: Report
+    fault: str = ""
+
+
+class Verdicts:
+    """The latest verdict on each file.
+
+    Args:
+        project: What is judged.
+    """
+
+    def __init__(self, project: Project) -> None:
+        self._project = project
+        self._verdicts: dict[str, Verdict] = {}
+        self._judging: dict[str, threading.Lock] = {}
+        self._lock = threading.Lock()
+
+    @property
+    def revision(self) -> int:
+        """The revision of the project now."""
+        return self._project.revision
+
+    def of(self, file: str) -> Verdict:
+        """Returns the verdict on a file as it is now; who asks meanwhile gets the same.
+
+        Raises:
+            EditError: The project has no such file.
+        """
+        with self._lock:
+            judging = self._judging.setdefault(file, threading.Lock())
+        with judging:
+            verdict = self._verdicts.get(file)
+            if verdict is None or verdict.revision != self._project.revision:
+                verdict = self._verdicts[file] = self._judged(file)
+            return verdict
+
+    def _judged(self, file: str) -> Verdict:
+        started = time.perf_counter()
+        revision = self._project.revision
+        result, freshness = self._project.read(file)
+        report, fault = _checked(result, freshness)
+        elapsed = 1000 * (time.perf_counter() - started)
+        return Verdict(file, revision, elapsed, result, freshness, report, fault)
+
+
+def _checked(result: ReadResult, freshness: Freshness) -> tuple[Report, str]:
+    if not freshness.is_current:
+        # What was read is of the past: about that there is no verdict.
+        return Report(result.model, (), freshness.faults), freshness.why
+    try:
+        return check(result), ""
+    except RuleError as error:
+        # What was read is told all the same: an editor holds models that are half written.
+        return Report(result.model, (), tuple(result.diagnostics)), str(error)
+
+
+class Checking(threading.Thread):
+    """Judges files beside everything else, and tells each verdict that still holds.
+
+    Args:
+        verdicts: The verdicts.
+        files: Returns the files that someone looks at.
+        told: Takes each verdict.
+    """
+
+    def __init__(
+        self,
+        verdicts: Verdicts,
+        files: Callable[[], Iterable[str]],
+        told: Callable[[Verdict], None],
+    ) -> None:
+        super().__init__(name="checking", daemon=True)
+        self._verdicts = verdicts
+        self._files = files
+        self._told = told
+        self._wanted = threading.Event()
+        self._is_closed = False
+
+    def begin(self) -> None:
+        """Has all files judged that someone looks at; what is judged already is not told again."""
+        self._wanted.set()
+
+    def close(self) -> None:
+        """Ends it, after the file that is being judged."""
+        self._is_closed = True
+        self._wanted.set()
+
+    def run(self) -> None:
+        """Waits for wishes until it is closed.
+
+        Collects garbage too, in pauses, so that nobody waits for that. What has outlived a rest is
+        looked at no more until the next one: most of it, such as the library, stays forever.
+        """
+        was_enabled = gc.isenabled()
+        gc.disable()
+        try:
+            self._wait()
+        finally:
+            gc.unfreeze()
+            if was_enabled:
+                gc.enable()
+
+    def _wait(self) -> None:
+        gc.freeze()
+        untidy = 0
+        while not self._is_closed:
+            if self._wanted.wait(_PAUSE if untidy else _REST):
+                self._wanted.clear()
+                self._judge_all()
+                untidy += 1
+                if untidy < _MOST_UNTIDY:
+                    continue
+            if untidy:
+                gc.collect()
+            else:
+                _collect_all()
+            untidy = 0
+
+    def _judge_all(self) -> None:
+        for file in self._files():
+            # Where something has changed meanwhile all begins anew.
+            if self._is_closed or self._wanted.is_set():
+                return
+            self._judge(file)
+
+    def _judge(self, file: str) -> None:
+        try:
+            verdict = self._verdicts.of(file)
+            if verdict.revision == self._verdicts.revision:
+                self._told(verdict)
+        except EditError:
+            return  # it has gone meanwhile
+        except Exception:
+            # The next change is judged all the same.
+            _LOG.exception("%s was not judged", file)
+
+
+def _collect_all() -> None:
+    """Collects all garbage, and has what is left counted as lasting."""
+    gc.unfreeze()
+    gc.collect()
+    gc.freeze()

@@ -1,0 +1,149 @@
+"""The language server of ros2jaus for the text editor of a page, on a socket of its own."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pygls.exceptions import JsonRpcException
+from pygls.uris import to_fs_path
+from starlette.websockets import WebSocketDisconnect
+
+from jausml.authoring.editor.server import make_server
+from jausml.authoring.studio import rpc
+from jausml.authoring.studio.outgoing import Outgoing
+from jausml.authoring.studio.page_socket import greeted
+from jausml.authoring.studio.rpc import RpcError
+
+if TYPE_CHECKING:
+    from starlette.websockets import WebSocket
+
+    from jausml.authoring.studio.rpc import Request
+    from jausml.authoring.studio.security import Token
+
+METHODS = frozenset(
+    {
+        "$/cancelRequest",
+        "$/setTrace",
+        "initialize",
+        "initialized",
+        "shutdown",
+        "textDocument/completion",
+        "textDocument/definition",
+        "textDocument/didChange",
+        "textDocument/didClose",
+        "textDocument/didOpen",
+        "textDocument/documentSymbol",
+        "textDocument/formatting",
+        "textDocument/hover",
+        "textDocument/prepareRename",
+        "textDocument/rename",
+    }
+)
+"""What a page may ask; the rest is about processes and files."""
+
+
+class LanguageSocket:
+    """One conversation with a language server of its own; messages are JSON without headers.
+
+    Args:
+        socket: The socket, accepted.
+        root: The folder that was opened: texts elsewhere are not read.
+    """
+
+    def __init__(self, socket: WebSocket, root: Path) -> None:
+        self._socket = socket
+        self._root = root
+        self._server = make_server(root)
+        self._server.protocol.set_writer(self, include_headers=False)
+        self._outgoing = Outgoing(socket)
+
+    async def run(self, token: Token) -> None:
+        """Serves an editor until it goes.
+
+        Args:
+            token: What its first message has to name, as on the socket of the page.
+        """
+        hello = await greeted(self._socket, token)
+        if hello is None:
+            return
+        self._outgoing.tell(rpc.answer(hello.id, {}))
+        ways = (self._receive_all(), self._outgoing.send_all())
+        tasks = [asyncio.create_task(each) for each in ways]
+        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+    async def _receive_all(self) -> None:
+        with suppress(WebSocketDisconnect):
+            while True:
+                message = await self._socket.receive()
+                if message["type"] == "websocket.disconnect":
+                    return
+                self._take(message.get("text") or "")
+
+    def _take(self, text: str) -> None:
+        if _is_answer(text):
+            return  # nothing was asked that matters
+        try:
+            request = rpc.parsed(text)
+            self._check(request)
+        except RpcError as error:
+            self._outgoing.tell(rpc.refusal(error))
+            return
+        protocol = self._server.protocol
+        try:
+            protocol.handle_message(json.loads(text, object_hook=protocol.structure_message))
+        except JsonRpcException:
+            return  # the server has answered
+        except (AttributeError, KeyError, TypeError, ValueError):
+            fault = RpcError(rpc.INVALID_PARAMS, f"{request.method} has other parameters")
+            self._outgoing.tell(rpc.refusal(fault, request.id))
+
+    def _check(self, request: Request) -> None:
+        """Sees to it that only texts below the root are spoken of.
+
+        Raises:
+            RpcError: What is asked is not for pages.
+        """
+        if request.method not in METHODS:
+            message = f"there is no method {request.method[:80]!a}"
+            raise RpcError(rpc.METHOD_NOT_FOUND, message, id_=request.id)
+        if request.method.startswith("textDocument/"):
+            document = request.params.get("textDocument")
+            uri = document.get("uri") if isinstance(document, dict) else None
+            if not isinstance(uri, str) or not self._is_below(uri):
+                message = "only texts of the opened folder are spoken of"
+                raise RpcError(rpc.INVALID_PARAMS, message, id_=request.id)
+
+    def _is_below(self, uri: str) -> bool:
+        path = to_fs_path(uri) if uri.startswith("file:///") else None
+        if path is None or "\0" in path:
+            return False
+        return Path(os.path.realpath(path)).is_relative_to(self._root)
+
+    # What the server writes
+
+    def write(self, data: bytes) -> None:
+        """Sends a message of the language server; what failed is told without its innards."""
+        message: dict[str, Any] = json.loads(data)
+        if isinstance(message.get("error"), dict):
+            message["error"].pop("data", None)
+        self._outgoing.tell(json.dumps(message))
+
+    def close(self) -> None:
+        """Ends nothing: the socket ends when the page closes it."""
+
+
+def _is_answer(text: str) -> bool:
+    """Tells whether a message answers the server, which asks for nothing that it needs."""
+    try:
+        message = json.loads(text)
+    except (ValueError, RecursionError):
+        return False
+    return isinstance(message, dict) and "method" not in message and "id" in message

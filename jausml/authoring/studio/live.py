@@ -1,0 +1,237 @@
+"""A running system, watched while a page looks: it is asked and listened to, never commanded."""
+
+from __future__ import annotations
+
+import time
+from contextlib import ExitStack
+from dataclasses import dataclass
+from threading import Event, Lock, Thread
+from typing import TYPE_CHECKING, Any
+
+from jausml.live.messages import CatalogueError, load_catalogue
+from jausml.live.peers.asking import NoAnswer
+from jausml.live.peers.identity import identified
+from jausml.live.peers.network import fault, silence_log
+from jausml.live.peers.operator import running_operator
+from jausml.live.systems.declared import components_of, declarations_of
+from jausml.live.systems.folding import expected
+from jausml.live.systems.looking import Looking
+from jausml.live.systems.observing import Observation, asking, listening
+from jausml.authoring.studio.live_values import live_values, places_of, row_of
+from jausml.language.text.notation import NOTATIONS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from jausml.live.messages import Catalogue
+    from jausml.live.peers.network import Network
+    from jausml.live.peers.operator import Operator
+    from jausml.live.systems.ros_diagnostics import RosDiagnostics
+    from jausml.live.systems.state import ConnectionState, SystemState
+    from jausml.language.model import Model
+
+PERIOD = 0.25
+"""Seconds from one look at the state to the next."""
+
+LONGEST = 1.0
+"""Seconds after which a state is told that has not changed: its ages have."""
+
+GLANCE = 5.0
+"""Seconds without a question for its last message after which a connection is looked at no more."""
+
+_TIMEOUT = 1.0
+_REMEDY = "End it, or let it share the port"
+
+
+class NotWatchedError(Exception):
+    """Nothing is known of a connection; the text says why."""
+
+
+@dataclass(frozen=True)
+class Watched:
+    """What is watched.
+
+    Attributes:
+        file: The model's file, as the page names it.
+        path: The same on this computer.
+        root: The folder that its references may not leave.
+        model: What was read of it; it may have errors.
+    """
+
+    file: str
+    path: Path
+    root: Path
+    model: Model
+
+
+class LiveSystem:
+    """One running system, from `start` to `stop`. Its methods may be called by any thread."""
+
+    def __init__(
+        self, watched: Watched, network: Network, tell: Callable[[dict[str, Any]], None]
+    ) -> None:
+        """Watches nothing before `start`.
+
+        Args:
+            watched: What is watched.
+            network: Where the JAUS components are, and who we are there.
+            tell: Takes the state as values for the page, on another thread: when it has changed, at
+                most once in `PERIOD`, else once in `LONGEST`.
+        """
+        self.file = watched.file
+        self._watched = watched
+        self._network = network
+        self._tell = tell
+        self._observation = Observation(
+            expected(declarations_of(watched.model), components_of(watched.model), time.monotonic())
+        )
+        self._places = places_of(watched.model)
+        self._changed: Model | None = None
+        self._is_wanted = False
+        self._told = 0.0
+        self._looking: Looking | None = None
+        self._glanced: float | None = None
+        self._lock = Lock()
+        self._end = Event()
+        self._thread = Thread(target=self._run, name="live", daemon=True)
+
+    def start(self) -> None:
+        """Begins to watch; what cannot be heard is told as part of the state."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Ends it: nobody is asked any more, and nothing subscribed to."""
+        self._end.set()
+        self._thread.join()
+
+    def follow(self, model: Model) -> None:
+        """Goes on with the model as it is now, from the next look at the state on.
+
+        Args:
+            model: The model of the same file; it may have errors.
+        """
+        with self._lock:
+            self._changed = model
+
+    def tell_again(self) -> None:
+        """Tells the state soon, changed or not: somebody new looks."""
+        with self._lock:
+            self._is_wanted = True
+
+    def message(self, row: str) -> dict[str, Any]:
+        """Returns the last message of a connection on both sides, and all that its bridge tells.
+
+        The first question begins to look, so what comes is there at a later one.
+
+        Args:
+            row: Id of the row of the connection in the system view.
+
+        Raises:
+            NotWatchedError: There is no such connection.
+        """
+        connection, age = self._connection(row)
+        with self._lock:
+            if self._looking is None:
+                raise NotWatchedError("the system is not watched yet")
+            ros, jaus = self._looking.at(connection)
+            self._glanced = time.monotonic()
+        return {
+            "ros": "\n".join(ros),
+            "jaus": "\n".join(jaus),
+            "age": age,
+            "history": list(connection.history),
+            "values": [list(each) for each in connection.values],
+        }
+
+    def _connection(self, row: str) -> tuple[ConnectionState, float | None]:
+        """Returns a connection and the age of its last message."""
+        with self._lock:
+            places = self._places
+        state = self._observation.state()
+        for each in state.connections.values():
+            if row_of(each, places) == row:
+                return each, state.age_of(each)
+        raise NotWatchedError("nothing is known of this connection")
+
+    # ---- the thread -------------------------------------------------------------------------
+
+    def _run(self) -> None:
+        with ExitStack() as stack:
+            ros = stack.enter_context(listening(self._observation))
+            operator = self._operator(stack)
+            self._open(operator, ros)
+            stack.callback(self._close)
+            before = None
+            while not self._end.wait(PERIOD):
+                before = self._look(before)
+
+    def _operator(self, stack: ExitStack) -> Operator | None:
+        """Returns who asks, None where JAUS has no network; the state says why."""
+        silence_log()
+        try:
+            network = stack.enter_context(identified(self._network))
+            operator = stack.enter_context(running_operator(network, self._catalogue(), _TIMEOUT))
+        except NoAnswer as error:
+            self._observation.take_source("JAUS", str(error))
+        except OSError as error:
+            self._observation.take_source("JAUS", fault(error, self._network, _REMEDY))
+        else:
+            stack.enter_context(asking(self._observation, operator))
+            return operator
+        return None
+
+    def _catalogue(self) -> Catalogue:
+        """Returns the messages that we know: of a model with errors those of the library alone."""
+        try:
+            return load_catalogue(
+                [self._watched.path], project_root=self._watched.root, notations=NOTATIONS
+            )
+        except CatalogueError:
+            return load_catalogue()
+
+    def _open(self, operator: Operator | None, ros: RosDiagnostics | None) -> None:
+        with self._lock:
+            self._looking = Looking(operator, ros)
+
+    def _close(self) -> None:
+        with self._lock:
+            looking, self._looking = self._looking, None
+        if looking is not None:
+            looking.close()
+
+    def _look(self, before: tuple[object, ...] | None) -> tuple[object, ...]:
+        """Tells the state if it is another than before, and returns what is compared."""
+        self._take_model()
+        state = self._observation.state()
+        with self._lock:
+            places = self._places
+            is_wanted, self._is_wanted = self._is_wanted, False
+            self._look_away()
+        present = (places, *_facts(state))
+        if is_wanted or present != before or state.now - self._told >= LONGEST:
+            self._told = state.now
+            self._tell({"file": self.file, "state": live_values(state, places)})
+        return present
+
+    def _take_model(self) -> None:
+        with self._lock:
+            model, self._changed = self._changed, None
+        if model is not None:
+            places = places_of(model)
+            self._observation.take_model(declarations_of(model), components_of(model))
+            with self._lock:
+                self._places = places
+
+    def _look_away(self) -> None:
+        """Looks at no connection any more when nobody asks for its last message."""
+        if self._glanced is None or time.monotonic() - self._glanced < GLANCE:
+            return
+        self._glanced = None
+        if self._looking is not None:
+            self._looking.away()
+
+
+def _facts(state: SystemState) -> tuple[object, ...]:
+    """Returns a state without its time, which alone is no change."""
+    return state.connections, state.components, state.sources, state.ignored

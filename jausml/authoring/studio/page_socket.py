@@ -1,0 +1,145 @@
+"""The socket of a page: requests are answered beside each other, what happens is told."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from starlette.websockets import WebSocketDisconnect
+
+from jausml.authoring.studio import rpc
+from jausml.authoring.studio.outgoing import Outgoing
+from jausml.authoring.studio.rpc import Request, RpcError
+from jausml.authoring.studio.typed import TypedError, typed
+
+if TYPE_CHECKING:
+    from collections.abc import Coroutine
+
+    from starlette.websockets import WebSocket
+
+    from jausml.authoring.studio.security import Token
+    from jausml.authoring.studio.session import Session
+
+LARGEST_MESSAGE = 8 * 1024 * 1024
+"""Bytes of a message that a page sends; a text of a file is the longest."""
+
+_SECONDS_TO_GREET = 10.0
+_MOST_AT_ONCE = 64
+"""Requests of a page that wait for their answers."""
+
+_POLICY_VIOLATION = 1008
+_LOG = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Hello:
+    """Parameters of the first request."""
+
+    token: str
+
+
+async def greeted(socket: WebSocket, token: Token) -> Request | None:
+    """Returns the first request of a socket; None, and the socket is closed, without the token.
+
+    Args:
+        socket: The socket, accepted.
+        token: What it has to name.
+    """
+    try:
+        text = await asyncio.wait_for(socket.receive_text(), _SECONDS_TO_GREET)
+        request = rpc.parsed(text)
+        hello = typed(Hello, request.params)
+    except (WebSocketDisconnect, asyncio.TimeoutError, KeyError, RpcError, TypedError):
+        request, hello = None, None
+    if request is not None and hello is not None:
+        if request.method == "hello" and token.fits(hello.token):
+            return request
+        told = RpcError(rpc.UNAUTHORIZED, "the token is that of another session")
+        with suppress(WebSocketDisconnect, RuntimeError):
+            await socket.send_text(rpc.refusal(told, request.id))
+    with suppress(WebSocketDisconnect, RuntimeError):
+        await socket.close(_POLICY_VIOLATION)
+    return None
+
+
+class PageSocket:
+    """One page and what it asks.
+
+    Args:
+        socket: Its socket, accepted.
+        session: What answers.
+    """
+
+    def __init__(self, socket: WebSocket, session: Session) -> None:
+        self._socket = socket
+        self._session = session
+        self._loop = asyncio.get_running_loop()
+        self._outgoing = Outgoing(socket)
+        self._answering: set[asyncio.Task[None]] = set()
+
+    async def run(self, token: Token) -> None:
+        """Serves the page until it goes."""
+        hello = await greeted(self._socket, token)
+        if hello is None:
+            return
+        sending = asyncio.create_task(self._outgoing.send_all())
+        with self._session.told(self._tell_soon):
+            self._start(self._answer(Request("hello", {}, hello.id)))
+            receiving = asyncio.create_task(self._receive_all())
+            await asyncio.wait((sending, receiving), return_when=asyncio.FIRST_COMPLETED)
+        for task in (sending, receiving, *self._answering):
+            task.cancel()
+        await asyncio.gather(sending, receiving, *self._answering, return_exceptions=True)
+
+    async def _receive_all(self) -> None:
+        with suppress(WebSocketDisconnect):
+            while True:
+                message = await self._socket.receive()
+                if message["type"] == "websocket.disconnect":
+                    return
+                self._take(message.get("text"))
+
+    def _take(self, text: str | None) -> None:
+        try:
+            if text is None:
+                raise RpcError(rpc.PARSE_ERROR, "messages are text")
+            request = rpc.parsed(text)
+            if len(self._answering) >= _MOST_AT_ONCE:
+                raise RpcError(rpc.BUSY, "too many requests wait", id_=request.id)
+        except RpcError as error:
+            self._outgoing.tell(rpc.refusal(error))
+        else:
+            self._start(self._answer(request))
+
+    def _start(self, work: Coroutine[None, None, None]) -> None:
+        task = asyncio.create_task(work)
+        self._answering.add(task)
+        task.add_done_callback(self._answering.discard)
+
+    async def _answer(self, request: Request) -> None:
+        try:
+            before = self._session.revision
+            result = await self._session.answer(request)
+            # Where something changed meanwhile nobody knows of which revision its refs are.
+            revision = before if self._session.revision == before else None
+            told = rpc.answer(request.id, result, revision)
+        except RpcError as error:
+            told = rpc.refusal(error, request.id)
+        except Exception as error:
+            _LOG.exception("%s failed", request.method)
+            reason = f"{type(error).__name__}: {error}"
+            text = f"this is a fault of jausml ({reason}); the history has it under Faults"
+            fault = RpcError(rpc.INTERNAL_ERROR, text)
+            told = rpc.refusal(fault, request.id)
+        if not request.is_notification:
+            self._outgoing.tell(told)
+
+    # What is told
+
+    def _tell_soon(self, message: str) -> None:
+        """Tells a message from any thread."""
+        with suppress(RuntimeError):  # the loop has ended meanwhile
+            self._loop.call_soon_threadsafe(self._outgoing.tell, message)

@@ -1,0 +1,122 @@
+"""JSON-RPC 2.0: requests from text, answers and notifications to text."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from jausml.authoring.studio.encoding import as_json
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+PARSE_ERROR = -32700
+INVALID_REQUEST = -32600
+METHOD_NOT_FOUND = -32601
+INVALID_PARAMS = -32602
+INTERNAL_ERROR = -32603
+REFUSED = -32000
+"""What was asked for cannot be done; the message says why."""
+UNAUTHORIZED = -32001
+BUSY = -32002
+
+Id = str | int | float | None
+
+_LARGEST = 2**53
+"""Beyond it the numbers of JSON are not exact."""
+
+
+class RpcError(Exception):
+    """A request that gets no result.
+
+    Args:
+        code: The code of JSON-RPC, or one of this module.
+        message: What is wrong, for people.
+        data: More of it, for the page.
+        id_: Of which request, where that is known.
+    """
+
+    def __init__(
+        self, code: int, message: str, data: Mapping[str, Any] | None = None, id_: Id = None
+    ) -> None:
+        super().__init__(message)
+        self.code = code
+        self.message = message
+        self.data = data
+        self.id = id_
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is asked for.
+
+    Attributes:
+        method: The method.
+        params: Its parameters by name.
+        id: Names the answer.
+        is_notification: Whether no answer is wanted.
+    """
+
+    method: str
+    params: Mapping[str, Any]
+    id: Id
+    is_notification: bool = False
+
+
+def parsed(text: str) -> Request:
+    """Returns the request that a message holds.
+
+    Raises:
+        RpcError: It holds none.
+    """
+    try:
+        message = json.loads(text, parse_constant=_no_number)
+    except (ValueError, RecursionError) as error:
+        raise RpcError(PARSE_ERROR, "this is no JSON") from error
+    if not isinstance(message, dict):
+        raise RpcError(INVALID_REQUEST, "a request is an object, one a message")
+    id_ = message.get("id")
+    if isinstance(id_, bool) or not isinstance(id_, str | int | float | None):
+        raise RpcError(INVALID_REQUEST, "the id of a request is a text or a number")
+    if isinstance(id_, int) and abs(id_) > _LARGEST:
+        raise RpcError(INVALID_REQUEST, "the id of a request is too large")
+    method, params = message.get("method"), message.get("params", {})
+    if message.get("jsonrpc") != "2.0" or not isinstance(method, str):
+        raise RpcError(INVALID_REQUEST, 'a request has "jsonrpc": "2.0" and a method', id_=id_)
+    if not isinstance(params, dict):
+        raise RpcError(INVALID_PARAMS, "parameters are given by name", id_=id_)
+    return Request(method, params, id_, "id" not in message)
+
+
+def _no_number(constant: str) -> NoReturn:
+    raise ValueError(constant)
+
+
+def answer(id_: Id, result: object, revision: int | None = None) -> str:
+    """Returns the message that answers a request.
+
+    Args:
+        id_: Names it.
+        result: The answer.
+        revision: The revision of the project of which its refs are, where it has any.
+    """
+    more = {} if revision is None else {"revision": revision}
+    return _text({"id": id_, "result": as_json(result), **more})
+
+
+def refusal(error: RpcError, id_: Id = None) -> str:
+    """Returns the message that says why a request gets no result."""
+    told: dict[str, Any] = {"code": error.code, "message": error.message}
+    if error.data is not None:
+        told["data"] = as_json(error.data)
+    return _text({"id": error.id if id_ is None else id_, "error": told})
+
+
+def notification(method: str, params: object) -> str:
+    """Returns a message that nobody answers."""
+    return _text({"method": method, "params": as_json(params)})
+
+
+def _text(message: Mapping[str, Any]) -> str:
+    return json.dumps({"jsonrpc": "2.0", **message}, allow_nan=False, separators=(",", ":"))

@@ -1,0 +1,1 @@
+"""What models are and mean: metamodels, notations, meaning, rules."""

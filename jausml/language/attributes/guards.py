@@ -1,0 +1,134 @@
+"""Guards of transitions: names of conditions, joined by &&, || and !, with parentheses.
+
+Only this small grammar is read; a guard never becomes code as it stands:
+
+    guard     = and { "||" and }
+    and       = not { "&&" not }
+    not       = "!" not | "(" guard ")" | condition
+    condition = name { "." name } [ "(" arguments ")" ]
+
+What stands before the last dot of a condition, and its arguments, are kept for the reader alone:
+the condition is given the message and its sender.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.language.attributes.cursor import Language, LanguageError, TokenCursor
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+LONGEST = 1000
+"""Characters of a guard; more is no guard that a person wrote."""
+
+
+class GuardError(LanguageError):
+    """A text is no guard."""
+
+
+_LANGUAGE = Language(
+    noun="guard",
+    tokens=re.compile(
+        r"\s*(?:(?P<name>[A-Za-z_][A-Za-z0-9_]*(?:\s*\.\s*[A-Za-z_][A-Za-z0-9_]*)*)"
+        r"(?:\s*\([^()|&!]*\))?|(?P<sign>&&|\|\||[!()]))"
+    ),
+    error=GuardError,
+    longest=LONGEST,
+    deepest=30,
+)
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A condition by its name."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class Negation:
+    """A guard that holds when another one does not."""
+
+    operand: Guard
+
+
+@dataclass(frozen=True)
+class AllOf:
+    """A guard that holds when all of some guards hold."""
+
+    operands: tuple[Guard, ...]
+
+
+@dataclass(frozen=True)
+class AnyOf:
+    """A guard that holds when one of some guards holds."""
+
+    operands: tuple[Guard, ...]
+
+
+Guard = Condition | Negation | AllOf | AnyOf
+
+
+def parse_guard(text: str | None) -> Guard | None:
+    """Returns the guard that a text describes, None for an empty one.
+
+    Args:
+        text: Feature `guard` of a transition.
+
+    Raises:
+        GuardError: The text is no guard.
+    """
+    if text is None or not text.strip():
+        return None
+    return _Parser(text).whole()
+
+
+def conditions(guard: Guard | None) -> Iterator[str]:
+    """Yields the names of the conditions of a guard, in its order.
+
+    Args:
+        guard: The guard, if any.
+    """
+    if isinstance(guard, Condition):
+        yield guard.name
+    elif isinstance(guard, Negation):
+        yield from conditions(guard.operand)
+    elif guard is not None:
+        for operand in guard.operands:
+            yield from conditions(operand)
+
+
+class _Parser:
+    def __init__(self, text: str) -> None:
+        self._cursor = TokenCursor(text, _LANGUAGE)
+
+    def whole(self) -> Guard:
+        guard = self._any_of()
+        self._cursor.expect_end()
+        return guard
+
+    def _any_of(self) -> Guard:
+        operands = [self._all_of()]
+        while self._cursor.take("||"):
+            operands.append(self._all_of())
+        return operands[0] if len(operands) == 1 else AnyOf(tuple(operands))
+
+    def _all_of(self) -> Guard:
+        operands = [self._single()]
+        while self._cursor.take("&&"):
+            operands.append(self._single())
+        return operands[0] if len(operands) == 1 else AllOf(tuple(operands))
+
+    def _single(self) -> Guard:
+        cursor = self._cursor
+        if cursor.take("!"):
+            return Negation(cursor.nested(self._single))
+        if cursor.take("("):
+            return cursor.parenthesized(self._any_of)
+        if cursor.token.kind != "name":
+            raise cursor.error(f"a condition is missing before {cursor.token}")
+        return Condition(cursor.advance().text.rpartition(".")[2].strip())

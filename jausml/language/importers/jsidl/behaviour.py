@@ -1,0 +1,351 @@
+"""Protocol behaviour: state machines of JSIDL become those of the model.
+
+JSIDL knows one kind of trigger, internal events: the event Receive of Transport with a message as
+its first parameter is what the model calls a transition on a message. Sending is an action too,
+Send of Transport: with the name of a message, to the sender of the message that came, it becomes an
+action that sends; to somebody else it stays an action of its own.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any
+
+from jausml.language.importers.jsidl.building import DEEPEST
+from jausml.language.importers.jsidl.findings import Findings, Place
+from jausml.language.importers.jsidl.values import Values, documentation, folded, joined
+from jausml.language.attributes.guards import GuardError, parse_guard
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model.values import show, suggest
+from jausml.language.model.words import parts, snake_case
+
+if TYPE_CHECKING:
+    from jausml.language.importers.jsidl.building import Builder
+    from jausml.language.importers.jsidl.lineage import KnownNames
+    from jausml.language.model.xmi.parsing import Node
+
+_KINDS = ("simple", "internal", "push", "pop")
+_STEPS = ("action", "send_action")
+_RECEIVE = "Receive"
+_SEND = "Send"
+_SENDER = "transportData"
+
+
+class BehaviourBuilder:
+    """Makes the state machines of one service.
+
+    Args:
+        names: What the service may name.
+        builder: Makes elements.
+        values: Reads attributes.
+        findings: Where findings go.
+    """
+
+    def __init__(
+        self, names: KnownNames, builder: Builder, values: Values, findings: Findings
+    ) -> None:
+        self._builder = builder
+        self._values = values
+        self._findings = findings
+        self._known = names
+        self._guards: dict[str, str] = {}
+
+    def machines(self, place: Place) -> list[jaus.StateMachine]:
+        """Makes the machines.
+
+        Args:
+            place: The element protocol_behavior.
+        """
+        made: dict[str, jaus.StateMachine] = {}
+        starts = [child for child in place.node.children if child.tag == "start"]
+        for child in place.node.children:
+            if child.tag != "state_machine":
+                continue
+            machine = self._machine(Place(place.document, child), starts)
+            if machine.name in made:
+                message = f"machine '{machine.name}' is there twice"
+                at = Place(place.document, child)
+                self._findings.report("JML624", at, message, "the second one is left out")
+            made.setdefault(machine.name, machine)
+        self._check_starts(place, starts, made)
+        return list(made.values())
+
+    def _check_starts(
+        self, place: Place, starts: list[Node], made: dict[str, jaus.StateMachine]
+    ) -> None:
+        for start in starts:
+            name = last(start.get("state_machine_name"))
+            if name and name not in made:
+                at = Place(place.document, start, "state_machine_name")
+                message = f"no machine {show(name)} starts: there is none"
+                self._findings.report("JML624", at, message, suggest(name, made))
+
+    # -- states ----------------------------------------------------------------------------------
+
+    def _machine(self, place: Place, starts: list[Node]) -> jaus.StateMachine:
+        name = last(place.node.get("name"))
+        path = next(
+            (
+                "".join((start.get("state_name") or "").split()).split(".")
+                for start in starts
+                if last(start.get("state_machine_name")) == name
+            ),
+            [],
+        )
+        states = self._states(place, path, [])
+        if not states:
+            self._findings.report("JML604", place, f"machine {show(name)} has no state")
+        for child in place.node.children:
+            if child.tag == "default_state":
+                # What holds in all states is a transition of each of the outermost ones.
+                for state in states:
+                    made = self._transitions(Place(place.document, child))
+                    self._builder.set(state, "transitions", made)
+        said = documentation(place.node)
+        return self._builder.new(
+            jaus.StateMachine, place, name=name, documentation=said, states=states
+        )
+
+    def _states(self, place: Place, start: list[str], outer: list[str]) -> list[jaus.State]:
+        """Makes the states inside a state or machine.
+
+        Args:
+            place: The state or machine.
+            start: Path of the state in which the machine starts, from here on.
+            outer: Names of the enclosing states.
+        """
+        initial = folded(place.node.get("initial_state"))
+        started = start[0] if start else ""
+        if initial and started and initial != started:
+            message = f"the machine starts in {show(started)}, but the group in {show(initial)}"
+            self._findings.report(
+                "JML624", place.at("initial_state"), message, f"{show(initial)} was taken"
+            )
+        states = []
+        for child in place.node.children:
+            if child.tag == "state":
+                name = folded(child.get("name"))
+                inside = start[1:] if name == started else []
+                at = Place(place.document, child)
+                is_initial = name == (initial or started)
+                states.append(self._state(at, inside, [*outer, name], is_initial=is_initial))
+        return states
+
+    def _state(
+        self, place: Place, start: list[str], path: list[str], *, is_initial: bool
+    ) -> jaus.State:
+        if len(path) > DEEPEST:
+            self._findings.report("JML612", place, "states are nested too deeply")
+        inside = self._states(place, start, path) if len(path) <= DEEPEST else []
+        children = [Place(place.document, child) for child in place.node.children]
+        return self._builder.new(
+            jaus.State,
+            place,
+            name=path[-1],
+            documentation=documentation(place.node),
+            initial=is_initial or None,
+            entry=[a for c in children if c.node.tag == "entry" for a in self._actions(c)],
+            exit=[a for c in children if c.node.tag == "exit" for a in self._actions(c)],
+            transitions=self._transitions(place),
+            defaults=[
+                transition
+                for child in children
+                if child.node.tag == "default_state"
+                for transition in self._transitions(child)
+            ],
+            states=inside,
+        )
+
+    # -- transitions -----------------------------------------------------------------------------
+
+    def _transitions(self, place: Place) -> list[jaus.Transition]:
+        """Makes the transitions directly inside an element, those for all triggers last."""
+        made = []
+        for tag in ("transition", "default_transition"):
+            for child in place.node.children:
+                if child.tag == tag:
+                    made.append(self._transition(Place(place.document, child)))
+        return [each for each in made if each is not None]
+
+    def _transition(self, place: Place) -> jaus.Transition | None:
+        trigger = self._trigger(place)
+        if trigger is None or self._is_served(place, trigger.get("message")):
+            return None
+        kind, target = self._kind(place)
+        guard, said = self._guard(place)
+        return self._builder.new(
+            jaus.Transition,
+            place,
+            **trigger,
+            kind=kind,
+            target=target,
+            guard=guard,
+            documentation=joined(documentation(place.node), said),
+            actions=self._actions(place, has_sender="message" in trigger),
+        )
+
+    def _is_served(self, place: Place, message: jaus.MessageDef | None) -> bool:
+        """Reports a transition that would never be taken, as the runtime takes its message."""
+        owner = self._known.served.get(message) if message is not None else None
+        if message is None or owner is None:
+            return False
+        text = f"{message.name} is taken by {owner} of the runtime, not by a transition"
+        self._findings.report("JML624", place, text, "the transition is left out")
+        return True
+
+    def _trigger(self, place: Place) -> dict[str, Any] | None:
+        """Returns the features that name the trigger, None when it is not known."""
+        if place.node.tag == "default_transition":
+            return {}
+        name = last(place.node.get("name"))
+        parameters = [child for child in place.node.children if child.tag == "parameter"]
+        if name == _RECEIVE and parameters:
+            at = Place(place.document, parameters[0], "type")
+            type_name = folded(parameters[0].get("type"))
+            message = self._known.inputs.get(last(type_name))
+            if message is None and self._is_broken(last(type_name)):
+                return None
+            if message is None:
+                text = f"the service takes no message {show(type_name)}"
+                hint = suggest(last(type_name), self._known.inputs)
+                self._findings.report("JML622", at, text, hint)
+                return None
+            return {"message": message}
+        if not name or self._is_broken(name):
+            return None
+        if name not in self._known.events:
+            text = f"neither the service nor one that it inherits has an event {show(name)}"
+            hint = suggest(name, self._known.events)
+            self._findings.report("JML622", place.at("name"), text, hint)
+            return None
+        if parameters:
+            at = Place(place.document, parameters[0])
+            text = f"what the event {show(name)} carries is not handed to guards and actions"
+            self._findings.report("JML626", at, text)
+        return {"event": name}
+
+    def _is_broken(self, name: str) -> bool:
+        """Tells whether a message or event may be missing because of an error in it."""
+        known = name in self._known.events or name in self._known.outputs
+        return not known and self._findings.has_errors and self._known.is_declared(name)
+
+    def _kind(self, place: Place) -> tuple[str, str | None]:
+        """Returns kind and target of a transition."""
+        found = [child for child in place.node.children if child.tag in _KINDS]
+        if not found:
+            message = f"a transition has none of {', '.join(f'<{kind}>' for kind in _KINDS)}"
+            self._findings.report("JML604", place, message)
+            return "internal", None
+        for second in found[1:]:
+            at = Place(place.document, second)
+            self._findings.report("JML602", at, f"a transition is <{found[0].tag}> already")
+        kind = found[0]
+        ends = [each for each in kind.children if each.tag == "end_state"]
+        target = "".join((ends[0].get("state") or "").split()) if ends else None
+        self._report_lost(Place(place.document, kind))
+        if kind.tag == "push" and not target:
+            message = "a push without an end_state enters no state"
+            self._findings.report("JML604", Place(place.document, kind), message)
+        return kind.tag, target or None
+
+    def _report_lost(self, place: Place) -> None:
+        """Reports what push and pop have beyond entering and leaving a state."""
+        for child in place.node.children:
+            at = Place(place.document, child)
+            if place.node.tag == "push" and child.tag == "simple":
+                message = "the push remembers the present state, not the one of <simple>"
+                self._findings.report("JML624", at, message)
+            elif child.tag == "argument":
+                self._findings.report("JML624", at, "the pop hands no argument over")
+        if place.node.get("transition"):
+            message = f"the pop triggers no {show(place.node.get('transition') or '')}"
+            hint = "the state that was left is entered, and nothing further happens"
+            self._findings.report("JML624", place.at("transition"), message, hint)
+
+    def _guard(self, place: Place) -> tuple[str | None, str | None]:
+        """Returns the guard of a transition, and what is to be said about it."""
+        found = [child for child in place.node.children if child.tag == "guard"]
+        if not found:
+            return None, None
+        at = Place(place.document, found[0], "condition")
+        text = folded(found[0].get("condition"))
+        said = documentation(found[0])
+        try:
+            return (_tidy(text) if parse_guard(text) is not None else None), said
+        except GuardError as error:
+            name = self._guard_name(text)
+            message = f"condition {show(text)} is no guard: {error}"
+            self._findings.report("JML623", at, message, f"the guard is '{name}'")
+            return name, joined(f"Guard: {text}", said)
+
+    def _guard_name(self, text: str) -> str:
+        """Returns the name of the condition that stands for a text, the same for the same text."""
+        if text not in self._guards:
+            base = name = f"guard_{snake_case(text) or 'condition'}"
+            taken = set(self._guards.values())
+            number = 1
+            while name in taken:
+                number += 1
+                name = f"{base}_{number}"
+            self._guards[text] = name
+        return self._guards[text]
+
+    # -- actions ---------------------------------------------------------------------------------
+
+    def _actions(self, place: Place, *, has_sender: bool = False) -> list[jaus.Action]:
+        steps = [Place(place.document, c) for c in place.node.children if c.tag in _STEPS]
+        return [self._action(each, has_sender=has_sender) for each in steps]
+
+    def _action(self, place: Place, *, has_sender: bool) -> jaus.Action:
+        name = last(place.node.get("name"))
+        nodes = [child for child in place.node.children if child.tag == "argument"]
+        arguments = [folded(each.get("value")) for each in nodes]
+        sends = None
+        if name == _SEND and arguments:
+            name, sends = self._send(place, arguments, has_sender=has_sender)
+        return self._builder.new(
+            jaus.Action,
+            place,
+            name=name,
+            sends=sends,
+            arguments=arguments,
+            documentation=documentation(place.node, *nodes),
+        )
+
+    def _send(
+        self, place: Place, arguments: list[str], *, has_sender: bool
+    ) -> tuple[str, jaus.MessageDef | None]:
+        """Returns the name of an action that sends, and the message if the model can say it."""
+        wanted = arguments[0].strip("'\" ")
+        quoted = [text.strip("'\" ") for text in arguments[1:] if text[:1] in ("'", '"')]
+        suffix = "".join(_camel(text) for text in quoted)
+        message = self._known.outputs.get(wanted)
+        if message is None:
+            if arguments[0][:1] in ("'", '"') and not self._is_broken(wanted):
+                text = f"the service sends no message {show(wanted)}"
+                hint = suggest(wanted, self._known.outputs)
+                self._findings.report("JML624", place, text, hint or "the action is a method")
+            return f"send{_camel(wanted)}{suffix}", None
+        if not has_sender or _SENDER not in arguments:
+            text = f"{show(wanted)} goes to another than the sender of a message"
+            self._findings.report("JML624", place, text, "the action is a method that sends it")
+            return f"send{wanted}{suffix}", None
+        name = wanted if wanted.startswith("Report") else f"make{wanted}"
+        return f"{name}{suffix}", message
+
+
+def last(name: str | None) -> str:
+    """Returns the last name of a dotted path, without the services that stand before it."""
+    return (name or "").rpartition(".")[2].strip()
+
+
+def _tidy(guard: str) -> str:
+    """Returns a guard without blanks inside parentheses and after `!`."""
+    return re.sub(r"(?<=[(!]) | (?=\))", "", guard)
+
+
+def _camel(text: str) -> str:
+    return "".join(
+        word[:1].upper() + word[1:].lower() if word.isupper() else word[:1].upper() + word[1:]
+        for word in parts(text)
+    )

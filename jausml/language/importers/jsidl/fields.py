@@ -1,0 +1,399 @@
+"""Fields and containers of message bodies: JSIDL elements become elements of the model.
+
+Declared types are unfolded where they are used, as in the shipped library: a message says all
+about its layout by itself.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from jausml.language.importers.jsidl.building import DEEPEST, Builder
+from jausml.language.importers.jsidl.findings import Findings, Place
+from jausml.language.importers.jsidl.scopes import Declaration, MissingError, Scope, Scopes
+from jausml.language.importers.jsidl.values import INT, LONG, Values, documentation, folded, joined, largest
+from jausml.language.importers.jsidl.vocabulary import CONTAINERS, FIELDS
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model.values import show
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+_ROUNDINGS = {name: name for name in ("round", "floor", "ceiling")}
+_BOUNDS = {"inclusive": "inclusive", "exclusive": "exclusive"}
+_DECLARED = "declared_"
+
+
+Made: TypeAlias = "tuple[type[jaus.Field], dict[str, Any]]"
+"""Class and features of a field."""
+
+
+class FieldBuilder:
+    """Makes fields.
+
+    Args:
+        builder: Makes elements.
+        scopes: Knows declarations.
+        findings: Where findings go.
+    """
+
+    def __init__(self, builder: Builder, scopes: Scopes, findings: Findings) -> None:
+        self._builder = builder
+        self._scopes = scopes
+        self._findings = findings
+        self._values = Values(scopes, findings)
+        self._open: list[Place] = []
+        self._kinds: dict[str, Callable[[Scope, Place], Made]] = {
+            "record": self._record,
+            "sequence": self._sequence,
+            "list": self._list,
+            "variant": self._variant,
+            "array": self._array,
+            "fixed_field": self._fixed_field,
+            "variable_field": self._variable_field,
+            "bit_field": self._bit_field,
+            "fixed_length_string": self._fixed_length_string,
+            "variable_length_string": self._variable_length_string,
+            "variable_length_field": self._variable_length_field,
+            "variable_format_field": self._variable_format_field,
+        }
+
+    def field(self, scope: Scope, place: Place) -> jaus.Field | None:
+        """Makes a field or container.
+
+        Args:
+            scope: Where its names are looked up.
+            place: Its element, which may refer to a declared type.
+
+        Returns:
+            The field; None when what is wrong with it was reported.
+        """
+        target = self.resolve(Declaration(scope, place))
+        if target is None:
+            return None
+        name = self._values.text(place, "name")
+        if target.place in self._open:
+            message = f"{show(name)} contains itself"
+            self._findings.report("JML610", place, message, "a message has an end on the wire")
+            return None
+        if len(self._open) >= DEEPEST:
+            self._findings.report("JML612", place, f"{show(name)} is nested too deeply")
+            return None
+        self._open.append(target.place)
+        try:
+            kind, features = self._kinds[target.place.node.tag](target.scope, target.place)
+        finally:
+            self._open.pop()
+        said = documentation(place.node) or documentation(target.place.node)
+        further = features.pop("documentation", None)
+        return self._builder.new(
+            kind,
+            place,
+            name=name,
+            documentation=joined(said, further),
+            optional=self._values.flag(place, "optional") or None,
+            **features,
+        )
+
+    def check(self, scope: Scope, place: Place) -> None:
+        """Looks at a declaration that nothing uses, for the sake of what is wrong with it.
+
+        Args:
+            scope: Where its names are looked up.
+            place: The declaration.
+        """
+        target = self.resolve(Declaration(scope, place))
+        if target is not None and target.place.node.tag in self._kinds:
+            self.field(scope, place)
+
+    def resolve(self, declaration: Declaration, missing: str = "JML608") -> Declaration | None:
+        """Follows declared_... references to what they stand for.
+
+        Args:
+            declaration: The reference, or what is none.
+            missing: The rule of a reference that leads to nothing.
+
+        Returns:
+            What it stands for; None after a report.
+        """
+        passed: list[Place] = []
+        while declaration.place.node.tag.startswith(_DECLARED):
+            place = declaration.place
+            path = "".join(folded(place.node.get("declared_type_ref")).split())
+            if not path:
+                return None  # reported as missing
+            at = place.at("declared_type_ref")
+            if place in passed:
+                self._findings.report("JML610", at, f"{show(path)} leads back to itself")
+                return None
+            passed.append(place)
+            try:
+                found = self._scopes.find(declaration.scope, path)
+            except MissingError as error:
+                if not error.is_known:
+                    self._findings.report(missing, at, str(error), error.hint)
+                return None
+            wanted = place.node.tag.removeprefix(_DECLARED)
+            actual = found.place.node.tag.removeprefix(_DECLARED)
+            if actual != wanted:
+                message = f"{show(path)} is a {actual}, but <{place.node.tag}> takes a {wanted}"
+                self._findings.report("JML609", at, message)
+                return None
+            declaration = found
+        return declaration
+
+    # -- containers ------------------------------------------------------------------------------
+
+    def _record(self, scope: Scope, place: Place) -> Made:
+        return jaus.Record, self._members(scope, place, (*FIELDS, "array"))
+
+    def _sequence(self, scope: Scope, place: Place) -> Made:
+        return jaus.Sequence, self._members(scope, place, CONTAINERS)
+
+    def _members(self, scope: Scope, place: Place, kinds: Sequence[str]) -> dict[str, Any]:
+        vector = self._child(place, "presence_vector")
+        members = self._parts(place, kinds)
+        if not members:
+            what = f"<{place.node.tag}> {show(place.node.get('name') or '')}"
+            self._findings.report("JML604", place, f"{what} has no member")
+        return {
+            "presenceVector": self._values.unsigned_type(vector) if vector else None,
+            "fields": self._fields(scope, members),
+        }
+
+    def _list(self, scope: Scope, place: Place) -> Made:
+        element = self._only(place, self._parts(place, CONTAINERS), "container")
+        features = self._count(scope, place, "Count")
+        features["element"] = self.field(scope, element) if element else None
+        return jaus.List, features
+
+    def _variant(self, scope: Scope, place: Place) -> Made:
+        options = self._parts(place, CONTAINERS)
+        tag = self._needed(place, "vtag_field")
+        tag_type = self._values.unsigned_type(tag) if tag else None
+        if tag is not None:
+            lowest = self._values.integer(scope, tag, "min_count", LONG)
+            highest = self._values.integer(scope, tag, "max_count", LONG)
+            if lowest not in (None, 0):
+                message = f"the tag of {_name(place)} counts from {lowest}, not from 0"
+                self._findings.report("JML613", tag.at("min_count"), message)
+            elif options and highest not in (None, len(options) - 1):
+                message = f"the tag of {_name(place)} ends at {highest}"
+                hint = f"{len(options)} options are 0..{len(options) - 1}; the tag was not bounded"
+                self._findings.report("JML626", tag.at("max_count"), message, hint)
+        options_made = self._fields(scope, options)
+        said = documentation(tag.node) if tag else None
+        return jaus.Variant, {"tagType": tag_type, "options": options_made, "documentation": said}
+
+    def _array(self, scope: Scope, place: Place) -> Made:
+        element = self._only(place, self._parts(place, (*FIELDS, "array")), "field")
+        dimensions = self._children(place, "dimension")
+        if not dimensions:
+            self._findings.report("JML604", place, f"array {_name(place)} has no <dimension>")
+        sizes = [self._values.integer(scope, each, "size", (1, INT[1])) for each in dimensions]
+        made = self.field(scope, element) if element else None
+        return jaus.Array, {
+            "element": made,
+            "dimensions": [size for size in sizes if size is not None],
+            "documentation": documentation(*(each.node for each in dimensions)),
+        }
+
+    def _fields(self, scope: Scope, places: Sequence[Place]) -> list[jaus.Field]:
+        made = [self.field(scope, place) for place in places]
+        return [each for each in made if each is not None]
+
+    # -- fields ----------------------------------------------------------------------------------
+
+    def _fixed_field(self, scope: Scope, place: Place) -> Made:
+        return jaus.FixedField, self._number(scope, place)
+
+    def _number(self, scope: Scope, place: Place) -> dict[str, Any]:
+        units = self._values.text(place, "field_units")
+        scale = self._child(place, "scale_range")
+        values = self._child(place, "value_set")
+        return {
+            "type": self._values.numeric_type(place, "field_type"),
+            "units": units if units != "one" else None,
+            "scale": self._scale(scope, scale) if scale else None,
+            "values": self._value_set(scope, values) if values else None,
+            "documentation": documentation(scale.node) if scale else None,
+        }
+
+    def _scale(self, scope: Scope, place: Place) -> jaus.ScaleRange:
+        return self._builder.new(
+            jaus.ScaleRange,
+            place,
+            lower=self._values.real(scope, place, "real_lower_limit"),
+            upper=self._values.real(scope, place, "real_upper_limit"),
+            rounding=self._values.choice(place, "integer_function", _ROUNDINGS),
+        )
+
+    def _value_set(self, scope: Scope, place: Place) -> jaus.ValueSet | None:
+        is_offset = self._values.flag(place, "offset_to_lower_limit")
+        values = [self._value(scope, Place(place.document, child)) for child in place.node.children]
+        if not values:
+            self._findings.report("JML604", place, "<value_set> has no value")
+            return None
+        return self._builder.new(
+            jaus.ValueSet, place, values=values, offsetToLowerLimit=is_offset or None
+        )
+
+    def _value(self, scope: Scope, place: Place) -> jaus.Value:
+        said = documentation(place.node)
+        if place.node.tag == "value_enum":
+            return self._builder.new(
+                jaus.EnumeratedValue,
+                place,
+                documentation=said,
+                name=self._values.text(place, "enum_const"),
+                value=self._values.integer(scope, place, "enum_index", LONG),
+            )
+        lower = self._values.choice(place, "lower_limit_type", _BOUNDS)
+        upper = self._values.choice(place, "upper_limit_type", _BOUNDS)
+        return self._builder.new(
+            jaus.ValueRange,
+            place,
+            documentation=said,
+            lower=self._values.real(scope, place, "lower_limit"),
+            upper=self._values.real(scope, place, "upper_limit"),
+            lowerInclusive=lower != "exclusive",
+            upperInclusive=upper != "exclusive",
+        )
+
+    def _variable_field(self, scope: Scope, place: Place) -> Made:
+        choices = self._needed(place, "type_and_units_field")
+        alternatives = []
+        for each in self._children(choices, "type_and_units_enum") if choices else []:
+            features = self._number(scope, each)
+            said = joined(documentation(each.node), features["documentation"])
+            features.update(
+                name=self._values.text(each, "name"),
+                index=self._values.integer(scope, each, "index"),
+                documentation=said,
+            )
+            alternatives.append(self._builder.new(jaus.Alternative, each, **features))
+        if choices and not alternatives:
+            self._findings.report("JML604", choices, f"{_name(place)} has no alternative")
+        said = documentation(choices.node) if choices else None
+        return jaus.VariableField, {"alternatives": alternatives, "documentation": said}
+
+    def _bit_field(self, scope: Scope, place: Place) -> Made:
+        parts = [self._sub_field(scope, each) for each in self._children(place, "sub_field")]
+        if not parts:
+            self._findings.report("JML604", place, f"bit_field {_name(place)} has no <sub_field>")
+        field_type = self._values.unsigned_type(place)
+        return jaus.BitField, {"type": field_type, "subFields": parts}
+
+    def _sub_field(self, scope: Scope, place: Place) -> jaus.SubField:
+        bits = self._needed(place, "bit_range")
+        values = self._child(place, "value_set")
+        first, last = (
+            self._values.integer(scope, bits, name) if bits else None
+            for name in ("from_index", "to_index")
+        )
+        return self._builder.new(
+            jaus.SubField,
+            place,
+            name=self._values.text(place, "name"),
+            documentation=documentation(place.node, bits.node if bits else None),
+            lowBit=first,
+            highBit=last,
+            values=self._value_set(scope, values) if values else None,
+        )
+
+    def _fixed_length_string(self, scope: Scope, place: Place) -> Made:
+        length = self._values.integer(scope, place, "string_length", (1, INT[1]))
+        return jaus.FixedLengthString, {"length": length}
+
+    def _variable_length_string(self, scope: Scope, place: Place) -> Made:
+        return jaus.VariableLengthString, self._count(scope, place, "Length")
+
+    def _variable_length_field(self, scope: Scope, place: Place) -> Made:
+        data_format = self._values.text(place, "field_format") or None
+        return jaus.VariableLengthField, {
+            "format": data_format,
+            **self._count(scope, place, "Length"),
+        }
+
+    def _variable_format_field(self, scope: Scope, place: Place) -> Made:
+        choices = self._needed(place, "format_field")
+        formats = [
+            self._builder.new(
+                jaus.Format,
+                each,
+                name=self._values.text(each, "field_format"),
+                documentation=documentation(each.node),
+                index=self._values.integer(scope, each, "index"),
+            )
+            for each in (self._children(choices, "format_enum") if choices else [])
+        ]
+        if choices and not formats:
+            self._findings.report("JML604", choices, f"{_name(place)} has no format")
+        features = self._count(scope, place, "Length")
+        said = joined(documentation(choices.node if choices else None), features["documentation"])
+        return jaus.VariableFormatField, {
+            **features,
+            "formats": formats,
+            "documentation": said,
+        }
+
+    def _count(self, scope: Scope, place: Place, what: str) -> dict[str, Any]:
+        """Returns the features of a count: its type and its bounds."""
+        count = self._needed(place, "count_field")
+        if count is None:
+            return {"documentation": None}
+        count_type = self._values.unsigned_type(count)
+        minimum = self._values.integer(scope, count, "min_count", (0, LONG[1]))
+        # 2^64 - 1 means no bound: the model's numbers end at 2^63 - 1.
+        maximum = self._values.integer(scope, count, "max_count", (0, 2**64 - 1))
+        if maximum == 0:
+            message = f"{_name(place)} is always empty"
+            hint = "0 means no bound in the model; leave the field out, or allow 1"
+            self._findings.report("JML613", count.at("max_count"), message, hint)
+        elif maximum is not None and (
+            (count_type and maximum == largest(count_type)) or maximum > LONG[1]
+        ):
+            maximum = None
+        return {
+            "countType": count_type,
+            f"minimum{what}": minimum or None,
+            f"maximum{what}": maximum,
+            "documentation": documentation(count.node),
+        }
+
+    # -- children --------------------------------------------------------------------------------
+
+    def _parts(self, place: Place, kinds: Sequence[str]) -> list[Place]:
+        tags = {*kinds, *(f"{_DECLARED}{kind}" for kind in kinds)}
+        return [Place(place.document, c) for c in place.node.children if c.tag in tags]
+
+    def _children(self, place: Place, tag: str) -> list[Place]:
+        return [Place(place.document, c) for c in place.node.children if c.tag == tag]
+
+    def _child(self, place: Place, tag: str) -> Place | None:
+        found = self._children(place, tag)
+        for second in found[1:]:
+            self._findings.report("JML602", second, f"second <{tag}> of {_name(place)}")
+        return found[0] if found else None
+
+    def _needed(self, place: Place, tag: str) -> Place | None:
+        found = self._child(place, tag)
+        if found is None:
+            self._findings.report(
+                "JML604", place, f"<{place.node.tag}> {_name(place)} has no <{tag}>"
+            )
+        return found
+
+    def _only(self, place: Place, found: Sequence[Place], what: str) -> Place | None:
+        if len(found) == 1:
+            return found[0]
+        message = f"<{place.node.tag}> {_name(place)} has {len(found)} {what}s, not one"
+        if found:
+            self._findings.report("JML602", found[1], message)
+        else:
+            self._findings.report("JML604", place, message)
+        return None
+
+
+def _name(place: Place) -> str:
+    return show(folded(place.node.get("name")))

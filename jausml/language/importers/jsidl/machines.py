@@ -1,0 +1,76 @@
+"""Inherited machines: how the machines of all services extend one another."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, cast
+
+from jausml.language.importers.jsidl.lineage import bases_first
+from jausml.language.model.values import show, suggest
+from jausml.language.semantics.inherited_machines import CORE_STATES, Machine, machines_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from jausml.language.importers.jsidl.findings import Findings
+    from jausml.language.importers.jsidl.services import ImportedService
+    from jausml.language.metamodel.classes import jaus
+    from jausml.language.model.model import Model
+
+
+def finish_machines(services: Iterable[ImportedService], model: Model, findings: Findings) -> None:
+    """Takes out transitions to states that do not exist, and marks missing initial states.
+
+    Args:
+        services: The imported services, with what they inherit.
+        model: Knows where elements come from.
+        findings: Where findings go.
+    """
+    for machine in machines_of(bases_first(each.service for each in services)):
+        _check_targets(machine, model, findings)
+        _check_initial(machine, model, findings)
+
+
+def _check_targets(machine: Machine, model: Model, findings: Findings) -> None:
+    for path, node in machine.nodes.items():
+        for state in node.elements:
+            for transitions in (state.transitions, state.defaults):
+                written = cast("list[jaus.Transition]", transitions)
+                for transition in tuple(written):
+                    target = transition.target
+                    if target and machine.resolve(path, target) is None:
+                        message = f"machine '{machine.name}' has no state {show(target)}"
+                        hint = suggest(target, [*machine.nodes, *machine.children("")])
+                        findings.report("JML622", model.location(transition), message, hint)
+                        written.remove(transition)
+
+
+def _check_initial(machine: Machine, model: Model, findings: Findings) -> None:
+    for path in ["", *machine.nodes]:
+        inside = machine.children(path)
+        if machine.extends_core and any(each in CORE_STATES for each in inside):
+            continue  # the core decides
+        where = f"state '{path}'" if path else f"machine '{machine.name}'"
+        marked = [each for each in inside if machine.nodes[each].is_initial]
+        if len(inside) > 1 and not marked:
+            element = _first_element(machine, inside)
+            if element is not None:
+                element.initial = True
+                message = f"{where} does not say which state is entered first"
+                hint = f"'{element.name}' was taken"
+                findings.report("JML625", model.location(element), message, hint)
+        for other in marked[1:]:
+            # The states of heirs stand behind those of the service that they inherit.
+            for element in machine.nodes[other].elements:
+                if element.initial:
+                    element.initial = False
+                    message = f"{where} enters '{marked[0]}' first, as in the inherited service"
+                    hint = f"'{element.name}' is not initial"
+                    findings.report("JML624", model.location(element), message, hint)
+
+
+def _first_element(machine: Machine, paths: Iterable[str]) -> jaus.State | None:
+    for path in paths:
+        node = machine.nodes.get(path)
+        if node is not None and node.elements:
+            return node.elements[0]
+    return None

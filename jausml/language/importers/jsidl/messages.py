@@ -1,0 +1,171 @@
+"""Messages and internal events: JSIDL elements become elements of the model."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from jausml.language.importers.jsidl.findings import Findings, Place
+from jausml.language.importers.jsidl.scopes import Declaration, Scope, Scopes
+from jausml.language.importers.jsidl.values import Values, documentation, folded, joined
+from jausml.language.importers.jsidl.vocabulary import CONTAINERS
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model.values import show
+
+if TYPE_CHECKING:
+    from jausml.language.importers.jsidl.building import Builder
+    from jausml.language.importers.jsidl.fields import FieldBuilder
+
+_HEADER_NOT_FOUND = "JML628"
+_CODE = re.compile("(?:0[xX])?([0-9A-Fa-f]{1,4})")
+_CONTAINERS = frozenset([*CONTAINERS, *(f"declared_{name}" for name in CONTAINERS)])
+
+
+class MessageBuilder:
+    """Makes messages and internal events.
+
+    Args:
+        builder: Makes elements.
+        fields: Makes fields.
+        scopes: Knows declarations.
+        findings: Where findings go.
+    """
+
+    def __init__(
+        self, builder: Builder, fields: FieldBuilder, scopes: Scopes, findings: Findings
+    ) -> None:
+        self._builder = builder
+        self._fields = fields
+        self._findings = findings
+        self._values = Values(scopes, findings)
+
+    def message(self, scope: Scope, place: Place) -> jaus.MessageDef | None:
+        """Makes a message.
+
+        Args:
+            scope: The service that takes or sends it.
+            place: Its definition, or the reference to a declared one.
+
+        Returns:
+            The message; None when what is wrong with it was reported.
+        """
+        target = self._fields.resolve(Declaration(scope, place))
+        if target is None:
+            return None
+        code = self._code(target.place)
+        self._check_header(target)
+        self._check_footer(target)
+        body, said = self._body(target)
+        return self._builder.new(
+            jaus.MessageDef,
+            place,
+            name=self._values.text(place, "name"),
+            documentation=self._said(place, target.place, said),
+            code=code,
+            isCommand=self._values.flag(target.place, "is_command") or None,
+            body=body,
+        )
+
+    def event(self, scope: Scope, place: Place) -> jaus.InternalEvent | None:
+        """Makes an internal event; arguments and result as for `message`."""
+        target = self._fields.resolve(Declaration(scope, place))
+        if target is None:
+            return None
+        self._check_empty(target, "header")
+        self._check_footer(target)
+        body, said = self._body(target)
+        return self._builder.new(
+            jaus.InternalEvent,
+            place,
+            name=self._values.text(place, "name"),
+            documentation=self._said(place, target.place, said),
+            body=body,
+        )
+
+    def _said(self, place: Place, target: Place, further: str | None) -> str | None:
+        own = documentation(place.node) if place != target else None
+        descriptions = [each for each in target.node.children if each.tag == "description"]
+        said = own or documentation(target.node, *descriptions)
+        return joined(said, further)
+
+    def _code(self, place: Place) -> str | None:
+        text = "".join(folded(place.node.get("message_id")).split())
+        match = _CODE.fullmatch(text)
+        if match is not None:
+            return f"0x{int(match.group(1), 16):04X}"
+        if text:
+            message = f"'message_id' {show(text)} is no message code"
+            hint = "write up to four hexadecimal digits, as 4404"
+            self._findings.report("JML605", place.at("message_id"), message, hint)
+        return None
+
+    def _part(self, target: Declaration, tag: str, missing: str = "JML608") -> Declaration | None:
+        """Returns header, body or footer of a message with what a reference stands for."""
+        tags = (tag, f"declared_{tag}")
+        found = [child for child in target.place.node.children if child.tag in tags]
+        for second in found[1:]:
+            place = Place(target.place.document, second)
+            self._findings.report("JML602", place, f"second <{tag}> of {_name(target.place)}")
+        if not found:
+            return None
+        place = Place(target.place.document, found[0])
+        return self._fields.resolve(Declaration(target.scope, place), missing)
+
+    def _container(self, part: Declaration) -> Place | None:
+        document = part.place.document
+        found = [Place(document, c) for c in part.place.node.children if c.tag in _CONTAINERS]
+        for second in found[1:]:
+            message = f"<{part.place.node.tag}> has a second container, <{second.node.tag}>"
+            self._findings.report("JML602", second, message, "put both into a sequence")
+        return found[0] if found else None
+
+    def _body(self, target: Declaration) -> tuple[jaus.Field | None, str | None]:
+        body = self._part(target, "body")
+        if body is None:
+            return None, None
+        said = documentation(body.place.node)
+        container = self._container(body)
+        return (self._fields.field(body.scope, container) if container else None), said
+
+    def _check_header(self, target: Declaration) -> None:
+        """Sees that the header is the message code alone, which is what codecs write.
+
+        Published sets refer to headers that they do not declare: each would be the same.
+        """
+        header = self._part(target, "header", _HEADER_NOT_FOUND)
+        container = self._container(header) if header else None
+        if header is None or container is None:
+            return
+        record = self._fields.resolve(Declaration(header.scope, container), _HEADER_NOT_FOUND)
+        if record is None:
+            return
+        fields = [c for c in record.place.node.children if c.tag != "presence_vector"]
+        is_code = (
+            record.place.node.tag == "record"
+            and len(record.place.node.children) == 1
+            and fields[0].tag.removeprefix("declared_") == "fixed_field"
+        )
+        if is_code:
+            place = Place(record.place.document, fields[0])
+            field = self._fields.resolve(Declaration(record.scope, place), _HEADER_NOT_FOUND)
+            if field is None:
+                return
+            is_code = folded(field.place.node.get("field_type")) == "unsigned short integer"
+        if not is_code:
+            message = f"the header of {_name(target.place)} is not the message code alone"
+            hint = "a header is one fixed_field of type unsigned short integer"
+            self._findings.report("JML613", record.place, message, hint)
+
+    def _check_footer(self, target: Declaration) -> None:
+        self._check_empty(target, "footer")
+
+    def _check_empty(self, target: Declaration, tag: str) -> None:
+        part = self._part(target, tag)
+        container = self._container(part) if part else None
+        if container is not None:
+            message = f"the {tag} of {_name(target.place)} has fields"
+            self._findings.report("JML613", container, message, "put them into the body")
+
+
+def _name(place: Place) -> str:
+    return show(folded(place.node.get("name")))

@@ -1,0 +1,302 @@
+"""Scopes of names in JSIDL: sets of types and constants, and the references to them."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from jausml.language.importers.jsidl.findings import Findings, Place
+from jausml.language.importers.jsidl.numbers import NumberError, evaluate
+from jausml.language.model.diagnostics import Related
+from jausml.language.model.values import show, suggest
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+    from fractions import Fraction
+
+    from jausml.language.model.documents import Document
+    from jausml.language.model.xmi.parsing import Node
+
+_SETS = ("declared_type_set", "declared_const_set")
+_MESSAGE_SETS = ("message_set", "input_set", "output_set", "internal_events_set")
+_DEEPEST_CONSTANT = 20
+_REFERENCES = tuple(f"{kind}_ref" for kind in _SETS)
+
+
+@dataclass(eq=False, slots=True)
+class Scope:
+    """A service, a set of types or a set of constants: what names mean inside it.
+
+    Attributes:
+        place: Its element.
+        outer: The service around a set of its own, else None.
+        declarations: Declared types, messages and constants by name.
+        sets: Sets by the name with which a dotted path names them; None for a set that is missing,
+            which was reported.
+    """
+
+    place: Place
+    outer: Scope | None = None
+    declarations: dict[str, Place] = field(default_factory=dict)
+    sets: dict[str, Scope | None] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """Its name as messages show it."""
+        return f"{self.place.node.tag} {show(self.place.node.get('name') or '')}"
+
+
+@dataclass(frozen=True, slots=True)
+class Declaration:
+    """A declared type, message or constant, and the scope in which its own names are looked up."""
+
+    scope: Scope
+    place: Place
+
+
+class MissingError(LookupError):
+    """A path leads to nothing.
+
+    Attributes:
+        hint: What may have been meant.
+        is_known: True when the cause was reported already.
+    """
+
+    def __init__(self, message: str, hint: str = "", *, is_known: bool = False) -> None:
+        super().__init__(message)
+        self.hint = hint
+        self.is_known = is_known
+
+
+class Scopes:
+    """The scopes of all files.
+
+    Args:
+        findings: Where findings go.
+    """
+
+    def __init__(self, findings: Findings) -> None:
+        self._findings = findings
+        self._by_id: dict[str, dict[str, dict[str, Scope]]] = {kind: {} for kind in _SETS}
+        self._all: list[Scope] = []
+        self._used: set[Place] = set()
+        self._evaluating: list[Place] = []
+        self.services: list[Scope] = []
+
+    def add(self, document: Document, root: Node) -> None:
+        """Adds the sets and services of a file."""
+        pending = [root]
+        while pending:
+            node = pending.pop(0)
+            if node.tag == "service_set":
+                pending += node.children
+            elif node.tag == "service_def":
+                self._add_service(Place(document, node))
+            elif node.tag in _SETS:
+                self._add_set(Place(document, node), None)
+
+    def _add_service(self, place: Place) -> None:
+        service = Scope(place)
+        self.services.append(service)
+        for child in place.node.children:
+            if child.tag in _SETS:
+                own = self._add_set(Place(place.document, child), service)
+                service.sets.setdefault(child.get("name") or "", own)
+
+    def _add_set(self, place: Place, outer: Scope | None) -> Scope:
+        scope = Scope(place, outer)
+        self._all.append(scope)
+        for child in place.node.children:
+            name = child.get("name")
+            if child.tag in _REFERENCES or child.tag == "description" or not name:
+                continue
+            first = scope.declarations.setdefault(name, Place(place.document, child))
+            if first.node is not child:
+                self._report_twice(Place(place.document, child), first, f"{show(name)}")
+        identifier, version = place.node.get("id"), place.node.get("version")
+        if identifier and version:
+            versions = self._by_id[place.node.tag].setdefault(identifier, {})
+            first_set = versions.setdefault(version, scope)
+            if first_set is not scope:
+                what = f"<{place.node.tag}> {identifier} version {version}"
+                self._report_twice(place.at("id"), first_set.place, what)
+        return scope
+
+    def _report_twice(self, place: Place, first: Place, what: str) -> None:
+        related = (Related(first.location, "the first declaration"),)
+        self._findings.report("JML606", place, f"{what} is declared twice", related=related)
+
+    def link(self) -> None:
+        """Finds the sets that references name, once all files are there."""
+        for scope in self._all:
+            for child in scope.place.node.children:
+                if child.tag in _REFERENCES:
+                    place = Place(scope.place.document, child)
+                    target = self._find_set(place)
+                    scope.sets.setdefault(child.get("name") or "", target)
+        for service in self.services:
+            # A service sees what its own sets see.
+            for own in [each for each in service.sets.values() if each is not None]:
+                for name, target in own.sets.items():
+                    service.sets.setdefault(name, target)
+                for name, place in own.declarations.items():
+                    service.declarations.setdefault(name, place)
+
+    def _find_set(self, place: Place) -> Scope | None:
+        node = place.node
+        kind = node.tag.removesuffix("_ref")
+        identifier, version = node.get("id") or "", node.get("version") or ""
+        if not identifier or not version:
+            return None  # reported as missing
+        versions = self._by_id[kind].get(identifier)
+        if versions is None:
+            message = f"no file declares <{kind}> {identifier}"
+            hint = suggest(identifier, self._by_id[kind])
+            hint = hint or "give the importer the file or folder that does, too"
+            self._findings.report("JML607", place.at("id"), message, hint)
+            return None
+        found = pick_version(version, versions)
+        if found != version and not matches(version, found):
+            message = f"{identifier} is there in version {found}, not {version}"
+            self._findings.report("JML620", place.at("version"), message, f"{found} was taken")
+        return versions[found]
+
+    def find(self, scope: Scope, path: str) -> Declaration:
+        """Returns what a dotted path means in a scope.
+
+        Args:
+            scope: The set or service in which the path is written.
+            path: For example `core.commandClass.SetAuthority`.
+
+        Raises:
+            MissingError: It means nothing.
+        """
+        *sets, name = path.split(".")
+        at: Scope | None = scope
+        for step in sets:
+            at = self._step(at, step, path)
+        while at is not None:
+            place = at.declarations.get(name)
+            if place is not None:
+                self._used.add(place)
+                return Declaration(at, place)
+            if at.outer is None or sets:
+                break
+            at = at.outer
+        if at is None:
+            raise MissingError(path, is_known=True)
+        raise MissingError(
+            f"{show(path)} leads to no declaration: {at.name} has no {show(name)}",
+            suggest(name, at.declarations),
+        )
+
+    def _step(self, at: Scope | None, step: str, path: str) -> Scope | None:
+        known: set[str] = set()
+        outer = at
+        while outer is not None:
+            if step in outer.sets:
+                return outer.sets[step]
+            known |= outer.sets.keys()
+            outer = outer.outer
+        if at is None:
+            return None
+        message = f"{show(path)} leads to no declaration: {at.name} refers to no set {show(step)}"
+        raise MissingError(message, suggest(step, known))
+
+    def constant(self, scope: Scope, path: str) -> Fraction:
+        """Returns the value of a constant.
+
+        Args:
+            scope: The set in which the constant is used.
+            path: For example `basicConsts.PI`.
+
+        Raises:
+            NumberError: There is no such constant, or it has no value.
+        """
+        try:
+            found = self.find(scope, path)
+        except MissingError as error:
+            if error.is_known:
+                raise
+            hint = f" ({error.hint})" if error.hint else ""
+            raise NumberError(f"has an unknown constant: {error}{hint}") from error
+        node = found.place.node
+        if node.tag != "const_def":
+            raise NumberError(f"has '{path}', which is a {node.tag} and no constant")
+        if found.place in self._evaluating:
+            raise NumberError(f"needs itself by the constant '{path}'")
+        if len(self._evaluating) > _DEEPEST_CONSTANT:
+            raise NumberError("is nested too deeply in constants")
+        self._evaluating.append(found.place)
+        try:
+            return self.number(found.scope, node.get("const_value") or "")
+        except NumberError as error:
+            raise NumberError(f"has '{path}', whose value {error}") from error
+        finally:
+            self._evaluating.pop()
+
+    def number(self, scope: Scope, text: str) -> Fraction:
+        """Returns the value of an expression.
+
+        Args:
+            scope: The set in which it is written.
+            text: The expression.
+
+        Raises:
+            NumberError: It has none.
+            MissingError: It needs a set whose absence was reported.
+        """
+        return evaluate(text, lambda path: self.constant(scope, path))
+
+    def declared_names(self) -> frozenset[str]:
+        """Returns the names of the messages and events in the services of all files."""
+        found = set()
+        pending = [scope.place.node for scope in self.services]
+        while pending:
+            node = pending.pop()
+            pending += [child for child in node.children if child.tag in _MESSAGE_SETS]
+            if node.tag.removeprefix("declared_") in ("message_def", "event_def"):
+                found.add(node.get("name") or "")
+            elif node.tag in _MESSAGE_SETS:
+                pending += node.children
+        return frozenset(found)
+
+    def unused(self) -> Iterator[tuple[Scope, Place]]:
+        """Yields the declared types that nothing referred to, with the scopes of their names."""
+        for scope in self._all:
+            if scope.place.node.tag == "declared_type_set":
+                for place in scope.declarations.values():
+                    if place not in self._used:
+                        yield scope, place
+
+
+def pick_version(wanted: str, versions: Iterable[str]) -> str:
+    """Returns the version of something that is there which fits best.
+
+    Args:
+        wanted: The version asked for; `*` in it stands for anything.
+        versions: The versions that are there, at least one.
+    """
+    known = sorted(versions, key=_version_key)
+    fitting = [version for version in known if matches(wanted, version)]
+    return (fitting or known)[-1]
+
+
+def matches(wanted: str, version: str) -> bool:
+    """Tells whether a version is one that is asked for; `*` stands for anything."""
+    if "*" not in wanted:
+        return wanted == version
+    start, *middle, end = wanted.split("*")
+    if not (version.startswith(start) and version.endswith(end)):
+        return False
+    rest = version[len(start) : len(version) - len(end)]
+    for part in middle:
+        _, found, rest = rest.partition(part) if part else ("", "*", rest)
+        if not found:
+            return False
+    return len(version) >= len(start) + len(end)
+
+
+def _version_key(version: str) -> tuple[list[int], str]:
+    return [int(part[:9]) for part in re.findall("[0-9]+", version)], version

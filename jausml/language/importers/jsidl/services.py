@@ -1,0 +1,296 @@
+"""Services with what they inherit, and the sets that they belong to."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
+
+from jausml.language.importers.jsidl.findings import Findings, Place
+from jausml.language.importers.jsidl.scopes import matches, pick_version
+from jausml.language.importers.jsidl.values import Values, documentation, folded, joined
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model.diagnostics import Related
+from jausml.language.model.values import show, suggest
+from jausml.language.model.words import snake_case
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Hashable, Iterable, Mapping
+
+    from jausml.language.importers.jsidl.building import Builder
+    from jausml.language.importers.jsidl.messages import MessageBuilder
+    from jausml.language.importers.jsidl.scopes import Scope
+    from jausml.language.metamodel.classes.ecore import EObject
+
+MadeT = TypeVar("MadeT")
+
+_VERSION = re.compile("[0-9]{1,3}[.][0-9]{1,3}")
+
+ByUrn: TypeAlias = "dict[str, dict[str, jaus.Service]]"
+"""Services by URN and version."""
+
+
+_WORDS_OF_ALL = ("urn", "jaus", "jss", "service", "services")
+"""Parts of URNs that tell no service set from another."""
+
+
+@dataclass(eq=False, slots=True)
+class ImportedService:
+    """A service and the element of JSIDL that it was made of."""
+
+    scope: Scope
+    service: jaus.Service
+
+    @property
+    def place(self) -> Place:
+        """Its element."""
+        return self.scope.place
+
+
+class ServiceBuilder:
+    """Makes services without what they inherit and without their behaviour.
+
+    Args:
+        builder: Makes elements.
+        messages: Makes messages and events.
+        values: Reads attributes.
+        findings: Where findings go.
+    """
+
+    def __init__(
+        self, builder: Builder, messages: MessageBuilder, values: Values, findings: Findings
+    ) -> None:
+        self._builder = builder
+        self._messages = messages
+        self._values = values
+        self._findings = findings
+
+    def service(self, scope: Scope) -> ImportedService:
+        """Makes a service.
+
+        Args:
+            scope: Its element, and where its names are looked up.
+        """
+        place = scope.place
+        make = self._messages.message
+        inputs = _made(scope, ("message_set", "input_set"), "message_def", make)
+        outputs = _made(scope, ("message_set", "output_set"), "message_def", make)
+        events = _made(scope, ("internal_events_set",), "event_def", self._messages.event)
+        self._report_clients(place)
+        made = self._builder.new(
+            jaus.Service,
+            place,
+            name=self._values.text(place, "name"),
+            documentation=_said(place),
+            urn=self._values.text(place, "id"),
+            version=self._version(place),
+            inputs=inputs,
+            outputs=outputs,
+            events=events,
+        )
+        return ImportedService(scope, made)
+
+    def _version(self, place: Place) -> str | None:
+        version = self._values.text(place, "version")
+        if version and not _VERSION.fullmatch(version):
+            message = f"'version' {show(version)} of a service is not major.minor"
+            self._findings.report("JML605", place.at("version"), message, "write 1.0")
+            return None
+        return version or None
+
+    def _report_clients(self, place: Place) -> None:
+        for references in _children(place, "references"):
+            for client in _children(references, "client_of"):
+                message = f"a model does not say that {show(self._values.text(place, 'name'))}"
+                message += f" is a client of {self._values.text(client, 'id')}"
+                hint = "a component says it, in the feature 'uses'"
+                self._findings.report("JML626", client, message, hint)
+
+
+def _made(
+    scope: Scope,
+    path: Iterable[str],
+    kind: str,
+    make: Callable[[Scope, Place], MadeT | None],
+) -> list[MadeT]:
+    places = [scope.place]
+    for tag in path:
+        places = [each for place in places for each in _children(place, tag)]
+    tags = (kind, f"declared_{kind}")
+    found = [
+        make(scope, Place(place.document, child))
+        for place in places
+        for child in place.node.children
+        if child.tag in tags
+    ]
+    return [each for each in found if each is not None]
+
+
+def find_inherited(
+    service: ImportedService,
+    imported: ByUrn,
+    library: Callable[[], ByUrn],
+    findings: Findings,
+) -> jaus.Service | None:
+    """Returns the service that a service inherits, None without one or after a report.
+
+    A service of the very version is taken from the files, then from the library; then another
+    version of the files, then of the library.
+
+    Args:
+        service: The heir.
+        imported: The services of the files.
+        library: Returns those of the library.
+        findings: Where findings go.
+    """
+    found = [
+        place
+        for references in _children(service.place, "references")
+        for place in _children(references, "inherits_from")
+    ]
+    for second in found[1:]:
+        message = "a service inherits one service"
+        findings.report("JML602", second, f"second <inherits_from>: {message}")
+    if not found:
+        return None
+    place = found[0]
+    urn, version = folded(place.node.get("id")), folded(place.node.get("version"))
+    if not urn or not version:
+        return None  # reported as missing
+    versions = imported.get(urn, {})
+    for candidates in (versions, {} if version in versions else library().get(urn, {})):
+        fitting = [each for each in candidates if matches(version, each)]
+        if fitting:
+            return candidates[pick_version(version, fitting)]
+    candidates = versions or library().get(urn, {})
+    if not candidates:
+        message = f"neither the files nor the library have the service {urn}"
+        hint = suggest(urn, {**imported, **library()})
+        findings.report("JML611", place.at("id"), message, hint or "import its file as well")
+        return None
+    taken = pick_version(version, candidates)
+    message = f"{urn} is there in version {taken}, not {version}"
+    findings.report("JML620", place.at("version"), message, f"{taken} was taken")
+    return candidates[taken]
+
+
+def index(services: Iterable[ImportedService], findings: Findings) -> ByUrn:
+    """Returns services by URN and version, and reports those that are there twice."""
+    found: ByUrn = {}
+    first: dict[tuple[str, str], Place] = {}
+    for each in services:
+        urn, version = each.service.urn, each.service.version
+        if not urn:
+            continue
+        found.setdefault(urn, {}).setdefault(version, each.service)
+        place = first.setdefault((urn, version), each.place)
+        if place is not each.place:
+            message = f"service {urn} version {version} is declared twice"
+            related = (Related(place.location, "the first declaration"),)
+            findings.report("JML606", each.place.at("id"), message, related=related)
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class SetOfServices:
+    """Services that become one service set.
+
+    Attributes:
+        name: Name of the set.
+        version: Version of the set.
+        place: The element of JSIDL that stands for it: a service_set, or its first service.
+        services: The services.
+    """
+
+    name: str
+    version: str
+    place: Place
+    services: list[jaus.Service]
+
+
+def grouped(services: Iterable[ImportedService]) -> list[SetOfServices]:
+    """Returns services as sets, in the order of their first services.
+
+    A service_set of a file is a set. Other services belong together by their URN: what stands
+    before its last colon. Versions of one service become sets of their own.
+    """
+    groups: dict[Hashable, list[ImportedService]] = {}
+    taken: set[tuple[Hashable, str]] = set()
+    for each in services:
+        owner = each.place.node.parent
+        key: Hashable = owner if owner is not None else str(each.service.urn).rpartition(":")[0]
+        if (key, each.service.name) in taken:
+            key = (key, each.service.version)
+        taken.add((key, each.service.name))
+        groups.setdefault(key, []).append(each)
+    return [_group(members) for members in groups.values()]
+
+
+def _group(members: list[ImportedService]) -> SetOfServices:
+    place = members[0].place
+    versions = Counter(each.service.version for each in members)
+    version = pick_version("", [v for v, n in versions.items() if n == max(versions.values())])
+    owner = place.node.parent
+    name = _name_in(str(members[0].service.urn))
+    if owner is not None:
+        place = Place(place.document, owner)
+        name = folded(owner.get("name")) or name
+        own_version = folded(owner.get("version"))
+        version = own_version if _VERSION.fullmatch(own_version) else version
+    return SetOfServices(
+        snake_case(name) or "services", version, place, [each.service for each in members]
+    )
+
+
+def _name_in(urn: str) -> str:
+    """Returns what names a set in the URN of a service: `acme` in `urn:acme:jaus:Sampler`.
+
+    It is the last part before the name of the service that tells one set from others; the service
+    itself where there is none.
+    """
+    *before, service = urn.split(":")
+    telling = [each for each in before if each and each.lower() not in _WORDS_OF_ALL]
+    return telling[-1] if telling else service
+
+
+def identifiers(sets: Iterable[tuple[jaus.ServiceSet, SetOfServices]]) -> Mapping[EObject, str]:
+    """Returns the ids of sets, services and messages, each unique within a document.
+
+    Args:
+        sets: The elements of the sets with what they were made of.
+    """
+    found: dict[EObject, str] = {}
+    taken: set[str] = set()
+
+    def name(element: EObject, wanted: str) -> str:
+        identifier, number = wanted, 1
+        while identifier in taken:
+            number += 1
+            identifier = f"{wanted}.{number}"
+        taken.add(identifier)
+        found[element] = identifier
+        return identifier
+
+    pairs = list(sets)
+    for element, group in pairs:
+        own = name(element, group.name)
+        prefix = f"{own}." if len(pairs) > 1 else ""
+        for service in group.services:
+            at = name(service, f"{prefix}{service.name}")
+            for message in (*service.inputs, *service.outputs):
+                name(message, f"{at}.{message.name}")
+    return found
+
+
+def _said(place: Place) -> str | None:
+    texts = [
+        documentation(each.node)
+        for tag in ("description", "assumptions")
+        for each in _children(place, tag)
+    ]
+    return joined(*texts)
+
+
+def _children(place: Place, tag: str) -> list[Place]:
+    return [Place(place.document, child) for child in place.node.children if child.tag == tag]

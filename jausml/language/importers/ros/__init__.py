@@ -1,0 +1,17 @@
+"""Importer of ROS 2 interface definitions: .msg, .srv and .action files."""
+
+from jausml.language.importers.ros.importing import ImportResult, import_packages
+from jausml.language.importers.ros.placing import placed
+from jausml.language.importers.ros.rules import ROS_RULES
+from jausml.language.importers.ros.sources import PackageSource, Source, installed_source, package_sources
+
+__all__ = [
+    "ROS_RULES",
+    "ImportResult",
+    "PackageSource",
+    "Source",
+    "import_packages",
+    "installed_source",
+    "package_sources",
+    "placed",
+]

@@ -1,0 +1,282 @@
+"""Import of ROS 2 interfaces: one or several packages, all findings in one run."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from jausml.language.importers.ros.building import Builder, Use
+from jausml.language.importers.ros.rules import ROS_RULES
+from jausml.language.importers.ros.sources import PackageSource, Source, installed_source
+from jausml.language.interfaces.parsing import PARTS, parse_definition
+from jausml.language.interfaces.types import is_package_name, is_type_name
+from jausml.language.metamodel import load_metamodels
+from jausml.language.metamodel.classes import ros
+from jausml.language.model.diagnostics import Diagnostic, Location, Severity
+from jausml.language.model.documents import Document
+from jausml.language.model.model import Model
+from jausml.language.model.reading.reader import read_models
+from jausml.language.model.rules import READER_RULES
+from jausml.language.model.uris import library_root
+from jausml.language.model.values import suggest
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from jausml.language.interfaces.installed import Installation
+
+MOST_BYTES = 1024 * 1024
+"""A definition file that is larger is none."""
+
+_HEADER = "Header"
+
+
+@dataclass(frozen=True, slots=True)
+class ImportResult:
+    """The outcome of an import.
+
+    Attributes:
+        model: The elements, which know their places in the files; with the documents of the
+            library when a field is of a type of it.
+        packages: The packages (`ros.InterfacePackage`), those asked for first.
+        diagnostics: The findings, sorted by place.
+    """
+
+    model: Model
+    packages: list[ros.InterfacePackage]
+    diagnostics: list[Diagnostic]
+
+    @property
+    def has_errors(self) -> bool:
+        """True when the packages are not what the files say."""
+        return any(each.severity is Severity.ERROR for each in self.diagnostics)
+
+
+def import_packages(
+    sources: Iterable[PackageSource],
+    *,
+    installation: Installation | None = None,
+    library: bool = True,
+    comments: bool = True,
+) -> ImportResult:
+    """Imports packages of ROS 2 interfaces.
+
+    Message types of other packages are taken from the shipped library, else their packages are
+    imported along from where they are installed. Every problem becomes a diagnostic with its
+    place; nothing that a file holds raises.
+
+    Args:
+        sources: The packages.
+        installation: Where packages are installed; None imports none along.
+        library: False leaves the shipped library out of sight.
+        comments: False drops all comments.
+    """
+    run = _Import(installation, with_library=library, comments=comments)
+    return run.run(list(sources))
+
+
+class _Import:
+    """One import.
+
+    Message types are known by package and name.
+    """
+
+    def __init__(
+        self, installation: Installation | None, *, with_library: bool, comments: bool
+    ) -> None:
+        self._installation = installation
+        self._with_library = with_library
+        self._model = Model([], load_metamodels())
+        self._builder = Builder(self._model, comments=comments)
+        self._types: dict[tuple[str, str], ros.MessageType] = {}
+        self._library: dict[tuple[str, str], ros.MessageType] | None = None
+        self._packages: dict[str, ros.InterfacePackage] = {}
+        self._found: dict[Diagnostic, None] = {}
+
+    def run(self, sources: list[PackageSource]) -> ImportResult:
+        for source in sources:
+            self._read(source)
+        while self._builder.uses:
+            uses, self._builder.uses = self._builder.uses, []
+            for use in uses:
+                self._link(use)
+        self._report_cycles()
+        packages = list(self._packages.values())
+        return ImportResult(self._model, packages, sorted(self._found))
+
+    # -- files -----------------------------------------------------------------------------------
+
+    def _read(self, source: PackageSource) -> None:
+        first = Location(source.files[0].path if source.files else source.name)
+        if not is_package_name(source.name):
+            hint = "put the file into <package>/msg, or write a package.xml"
+            self._report("JML641", first, f"{source.name!a} is no name of a package", hint)
+        if not source.files and not source.idl:
+            self._report("JML651", first, f"package {source.name!a} defines no interface")
+        for path in source.idl:
+            self._report("JML661", Location(path), "interfaces in IDL are not read")
+        package = None
+        taken: set[tuple[str, str]] = set()
+        for file in source.files:
+            document = _document(file)
+            self._model.documents.append(document)
+            if package is None:
+                package = self._builder.package(source.name, document)
+            if (file.kind, file.name) in taken:
+                message = f"package {source.name!a} has two definitions of {file.name!a}"
+                self._report("JML647", Location(file.path), message)
+                continue
+            taken.add((file.kind, file.name))
+            self._define(package, file, document)
+        self._packages[source.name] = package or self._builder.package(source.name, None)
+
+    def _define(self, package: ros.InterfacePackage, file: Source, document: Document) -> None:
+        place = Location(file.path)
+        if file.data is None:
+            self._report("JML001", place, file.fault)
+            return
+        if len(file.data) > MOST_BYTES:
+            self._report("JML002", place, f"the file is larger than {MOST_BYTES // 1024} KiB")
+            return
+        if not is_type_name(file.name):
+            hint = "CamelCase without underscores"
+            self._report("JML641", place, f"{file.name!a} is no name of an interface", hint)
+        try:
+            text = file.data.decode("utf-8")
+        except UnicodeDecodeError as error:
+            line = file.data.count(b"\n", 0, error.start) + 1
+            column = error.start - file.data.rfind(b"\n", 0, error.start)
+            message = f"byte 0x{file.data[error.start]:02X} is no UTF-8"
+            self._report("JML642", Location(file.path, line, column), message)
+            return
+        definition = parse_definition(text, file.kind)
+        for fault in definition.faults:
+            at = Location(file.path, fault.line, fault.column)
+            self._report(fault.rule, at, fault.message, fault.hint)
+        if len(definition.sections) != len(PARTS[file.kind]):
+            return
+        element = self._builder.interface(package, file.name, file.kind, definition, document)
+        if isinstance(element, ros.MessageType):
+            self._types[package.name, file.name] = element
+
+    # -- message types ---------------------------------------------------------------------------
+
+    def _link(self, use: Use) -> None:
+        kind = use.field.type
+        place = Location(use.document.display, use.field.line, use.field.column)
+        package = kind.package or use.package
+        if not kind.package and kind.name == _HEADER and (package, _HEADER) not in self._types:
+            package = "std_msgs"
+            self._report("JML660", place, "Header is std_msgs/Header", "write std_msgs/Header")
+        target = self._type(package, kind.name, place)
+        if target is None:
+            hint = suggest(kind.name, [name for owner, name in self._known if owner == package])
+            known = sorted({owner for owner, _ in self._known})
+            if package not in known:
+                installed = self._installation.packages() if self._installation else []
+                hint = _remedy(package, suggest(package, [*known, *installed]))
+            message = f"no message type {package}/{kind.name} is known"
+            self._report("JML648", place, message, hint)
+            return
+        self._builder.set(use.element, "messageType", target)
+
+    def _type(self, package: str, name: str, place: Location) -> ros.MessageType | None:
+        """Returns a message type: imported, of the library, or of a package imported along."""
+        if package not in self._packages and (package, name) not in self._shipped:
+            self._import_along(package, place)
+        return self._types.get((package, name)) or self._shipped.get((package, name))
+
+    def _import_along(self, package: str, place: Location) -> None:
+        folder = self._installation.folder(package) if self._installation else None
+        if folder is not None:
+            self._report("JML662", place, f"{package} is imported along from {folder}")
+            self._read(installed_source(package, folder))
+
+    @property
+    def _known(self) -> list[tuple[str, str]]:
+        return [*self._types, *self._shipped]
+
+    @property
+    def _shipped(self) -> dict[tuple[str, str], ros.MessageType]:
+        """The message types of the library, which is read when a field needs one of it."""
+        if self._library is None:
+            self._library = {}
+            if self._with_library:
+                self._library = library_types(self._model)
+        return self._library
+
+    def _report_cycles(self) -> None:
+        done: set[ros.MessageType] = set()
+        for (package, name), message in self._types.items():
+            cycle = _cycle(message, done)
+            if cycle:
+                path = " -> ".join(str(each.name) for each in cycle)
+                place = self._model.location(message)
+                self._report("JML650", place, f"{package}/{name} contains itself: {path}")
+
+    def _report(self, rule: str, place: Location, message: str, hint: str = "") -> None:
+        severity = (ROS_RULES.get(rule) or READER_RULES[rule]).severity
+        self._found[Diagnostic(rule, severity, place, message, hint)] = None
+
+
+def library_types(model: Model) -> dict[tuple[str, str], ros.MessageType]:
+    """Returns the message types of the shipped library by package and name.
+
+    Args:
+        model: The model that the documents of the library join.
+    """
+    folder = library_root() / "ros"
+    shipped = read_models(sorted(folder.glob("*.xmi")), project_root=folder).model
+    for document in shipped.documents:
+        document.given = False
+        model.documents.append(document)
+        for node in document.root_nodes:
+            pending = [node]
+            while pending:
+                each = pending.pop()
+                pending += each.children
+                if each.obj is not None:
+                    model.adopt(document, each)
+                    identifier = shipped.identifier(each.obj)
+                    if identifier is not None:
+                        model.name_by_id(each.obj, identifier)
+    packages = shipped.instances(ros.InterfacePackage)
+    return {(each.name, message.name): message for each in packages for message in each.messages}
+
+
+def _remedy(package: str, near: str) -> str:
+    """Returns what helps where a package is not known, beside the question for a near name."""
+    remedy = f"name the folder of {package} in the same command, or install {package}"
+    return f"{near} Else {remedy}" if near else remedy
+
+
+def _document(file: Source) -> Document:
+    document = Document(Path(os.path.realpath(file.path)), file.path, is_library=False, given=True)
+    document.data = file.data or b""
+    document.readable = file.data is not None
+    return document
+
+
+def _cycle(start: ros.MessageType, done: set[ros.MessageType]) -> list[ros.MessageType]:
+    """Returns the message types from one to itself, first and last the same; empty without."""
+    path: list[ros.MessageType] = [start]
+    pending = [iter(_held(start))]
+    while pending:
+        held = next(pending[-1], None)
+        if held is None:
+            done.add(path.pop())
+            pending.pop()
+        elif held is start:
+            done.update(path)
+            return [*path, start]
+        elif held not in done and held not in path:
+            path.append(held)
+            pending.append(iter(_held(held)))
+    return []
+
+
+def _held(message: ros.MessageType) -> list[ros.MessageType]:
+    fields = [each for each in message.fields if isinstance(each, ros.MessageField)]
+    return [each.messageType for each in fields if each.messageType is not None]

@@ -1,0 +1,156 @@
+"""Filling of pyecore objects without notification.
+
+pyecore's setters check types, notify and search containers for each value, which a reader that has
+checked everything itself need not pay for. What this module writes is exactly the state that the
+setters would leave behind (pyecore 0.15), so objects can be changed by the setters afterwards;
+tests/metamodel compares the two.
+"""
+
+# The state behind the setters is private to pyecore.
+# ruff: noqa: SLF001
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ordered_set import OrderedSet
+from pyecore.innerutils import InternalSet
+from pyecore.valuecontainer import ECollection, EList, EValue
+
+from jausml.language.metamodel.tables import ClassTable, FeatureKind, FeatureTable
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+
+def new_object(table: ClassTable) -> Any:
+    """Makes an element of a class that is not abstract, with all features at their defaults.
+
+    It is not among pyecore's `allInstances`, whose weak references would take most of the time.
+    """
+    made = object.__new__(table.eclass.python_class)
+    made.__dict__ = {
+        "_internal_id": None,
+        "_isset": InternalSet(),
+        "_container": None,
+        "_containment_feature": None,
+        "_eresource": None,
+        "listeners": [],
+        "_eternal_listener": [],
+        "_inverse_rels": set(),
+        "_staticEClass": False,
+        "dyn_inst": made,
+    }
+    return made
+
+
+def set_value(obj: Any, table: FeatureTable, value: Any) -> None:
+    """Sets a single-valued attribute."""
+    holder = EValue.__new__(EValue)
+    holder.owner = obj
+    holder.feature = table.feature
+    holder.is_ref = holder.is_cont = False
+    holder.generic_type = None
+    holder._value = value
+    obj.__dict__[table.name] = holder
+    obj._isset[table.feature] = None
+
+
+def set_values(obj: Any, table: FeatureTable, values: Iterable[Any]) -> None:
+    """Adds values to a multi-valued attribute."""
+    _extend(_collection(obj, table), values)
+    obj._isset[table.feature] = None
+
+
+def link(obj: Any, table: FeatureTable, target: Any) -> None:
+    """Sets a single-valued reference or adds to a multi-valued one; opposites are kept.
+
+    Args:
+        obj: The element that refers or owns.
+        table: A reference of its class.
+        target: The element referred to or owned.
+    """
+    _store(obj, table, target)
+    if table.kind is FeatureKind.CONTAINMENT:
+        target._container = obj
+        target._containment_feature = table.feature
+    opposite = table.opposite
+    if opposite is None:
+        target._inverse_rels.add((obj, table.feature))
+    else:
+        _store(target, opposite, obj)
+
+
+def point(obj: Any, table: FeatureTable, target: Any) -> None:
+    """Has a sketch of an element refer to an element that is not to know of it."""
+    _store(obj, table, target)
+
+
+def hang(obj: Any, owner: Any, table: FeatureTable) -> None:
+    """Gives a sketch of an element an owner that is not to know of it."""
+    obj._container = owner
+    obj._containment_feature = table.feature
+
+
+def _store(obj: Any, table: FeatureTable, target: Any) -> None:
+    if table.many:
+        collection = _collection(obj, table)
+        if target not in collection:
+            _extend(collection, (target,))
+    else:
+        holder = EValue.__new__(EValue)
+        holder.owner = obj
+        holder.feature = table.feature
+        holder.is_ref = True
+        holder.is_cont = table.kind is FeatureKind.CONTAINMENT
+        holder.generic_type = None
+        holder._value = target
+        obj.__dict__[table.name] = holder
+    obj._isset[table.feature] = None
+
+
+def _collection(obj: Any, table: FeatureTable) -> Any:
+    collection = obj.__dict__.get(table.name)
+    if collection is None:
+        collection = obj.__dict__[table.name] = ECollection.create(obj, table.feature)
+    return collection
+
+
+def _extend(collection: Any, values: Iterable[Any]) -> None:
+    # The base classes' methods: those of pyecore's collections notify.
+    if isinstance(collection, EList):
+        list.extend(collection, values)
+    else:
+        for value in values:
+            OrderedSet.add(collection, value)
+
+
+def count(obj: Any, table: FeatureTable) -> int:
+    """Returns how many values a feature has; unset and None count as none."""
+    holder = obj.__dict__.get(table.name)
+    if holder is None:
+        return 0
+    return len(holder) if table.many else int(holder._value is not None)
+
+
+def contents(obj: Any, table: FeatureTable) -> Sequence[Any]:
+    """Returns the values of a feature; unlike asking for it, that leaves no empty value behind."""
+    holder = obj.__dict__.get(table.name)
+    if holder is None:
+        return ()
+    if table.many:
+        return list(holder)
+    return () if holder._value is None else (holder._value,)
+
+
+def is_set(obj: Any, table: FeatureTable) -> bool:
+    """Tells whether a feature was given a value, be it the default."""
+    return table.name in obj.__dict__ and table.feature in obj._isset
+
+
+def holds(obj: Any, table: FeatureTable, value: Any) -> bool:
+    """Tells whether a feature has a value already."""
+    holder = obj.__dict__.get(table.name)
+    if holder is None:
+        return False
+    return value in holder if table.many else holder._value is value

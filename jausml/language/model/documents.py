@@ -1,0 +1,101 @@
+"""Documents: the files of a model, parsed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.language.model.diagnostics import Location
+from jausml.language.model.xmi.scanning import attribute_positions
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.notation import Notation, Written
+    from jausml.language.model.xmi.parsing import Node
+
+_FEW = 8
+
+
+class Document:
+    """One file of a model.
+
+    Attributes:
+        path: The file; absolute, symbolic links followed.
+        display: The file as messages name it.
+        is_library: True when it belongs to the shipped library.
+        given: True when the user named it, False when an href led to it.
+        data: Its bytes.
+        encoding: Their encoding.
+        root_nodes: The XML elements of its root elements.
+        roots: Its root elements.
+        ids: XML elements by xmi:id, and by the identifying attribute of their class.
+        readable: False when the file could not be parsed.
+        notation: The notation of a document that is no XMI, else None.
+        written: What the notation made of it, None for XMI.
+        imports: The documents whose names it uses.
+        lacks_imports: True when a document that it imports could not be read.
+        is_shared: True when other models may have its elements too.
+    """
+
+    def __init__(self, path: Path, display: str, *, is_library: bool, given: bool) -> None:
+        self.path = path
+        self.display = display
+        self.is_library = is_library
+        self.given = given
+        self.data = b""
+        self.encoding = "utf-8"
+        self.root_nodes: list[Node] = []
+        self.ids: dict[str, Node] = {}
+        self.readable = False
+        self.notation: Notation | None = None
+        self.written: Written | None = None
+        self.imports: list[Document] = []
+        self.lacks_imports = False
+        self.is_shared = False
+        self._by_tag: dict[Node, dict[str, list[Node]]] = {}
+        self._root_positions: dict[EObject, int] | None = None
+        self._positions: dict[Node, dict[tuple[str, str], tuple[int, int]]] = {}
+
+    def __repr__(self) -> str:
+        return f"<document {self.display}>"
+
+    @property
+    def is_xml(self) -> bool:
+        """Whether the document is XMI."""
+        return self.notation is None
+
+    @property
+    def roots(self) -> list[EObject]:
+        """The root elements that could be built, in order."""
+        return [node.obj for node in self.root_nodes if node.obj is not None]
+
+    def root_position(self, obj: EObject) -> int | None:
+        """Returns the position of a root element among the roots, None for other elements."""
+        if self._root_positions is None:
+            self._root_positions = {root: index for index, root in enumerate(self.roots)}
+        return self._root_positions.get(obj)
+
+    def location(self, node: Node, attribute: tuple[str, str] | None = None) -> Location:
+        """Returns the place of an XML element, or of its attribute (namespace, local name).
+
+        Other notations give each value an element of its own.
+        """
+        if attribute is None or not self.is_xml:
+            return Location(self.display, node.line, node.column)
+        known = self._positions.get(node)
+        if known is None:
+            known = self._positions[node] = attribute_positions(self.data, self.encoding, node)
+        return Location(self.display, *known.get(attribute, (node.line, node.column)))
+
+    def children(self, node: Node, tag: str) -> list[Node]:
+        """Returns the child elements of a name, in order."""
+        if len(node.children) <= _FEW:
+            return [child for child in node.children if child.tag == tag]
+        index = self._by_tag.get(node)
+        if index is None:
+            index = {}
+            for child in node.children:
+                index.setdefault(child.tag, []).append(child)
+            self._by_tag[node] = index  # whole: another thread may ask meanwhile
+        return index.get(tag, [])

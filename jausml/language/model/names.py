@@ -1,0 +1,333 @@
+"""Finder of elements by name: from the inside of a document out, in its imports, in the library.
+
+A name stands for the elements whose containment path by names is the name or ends with it:
+`ReportLocalPose`, `LocalPoseSensor.ReportLocalPose`, `geometry_msgs/Twist`. The parts of services
+and actions of ROS go by what they are too: `std_srvs/SetBool.request`.
+"""
+
+from __future__ import annotations
+
+import re
+from difflib import get_close_matches
+from functools import cache
+from typing import TYPE_CHECKING
+
+from jausml.language.metamodel import FeatureKind
+from jausml.language.metamodel.classes import jaus, ros
+from jausml.language.model.documents import Document
+from jausml.language.model.uris import LIBRARY_URI, library_root
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Mapping
+
+    from jausml.language.metamodel import ClassTable, Metamodels
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.diagnostics import Location
+    from jausml.language.model.model import Model
+    from jausml.language.model.uris import UriFault
+
+_CODE = re.compile(r'\bcode="0x([0-9A-Fa-f]{4})"')
+_VERSION = re.compile(r"([0-9]{1,9})\.([0-9]{1,9})")
+_NAMED = re.compile(r'<(services|inputs|outputs|types|messages|actions)\s[^<]*?\bname="([^"<]*)"')
+"""What of the library is referred to by name: its containment feature and its name."""
+_PARTS = {
+    "request": ros.ServiceType,
+    "response": ros.ServiceType,
+    "goal": ros.ActionType,
+    "result": ros.ActionType,
+    "feedback": ros.ActionType,
+}
+"""The features whose names stand for the message types that a service or an action consists of."""
+_WHOLES = frozenset({"services", "actions"})
+
+
+class NameFinder:
+    """Finds elements by name.
+
+    Args:
+        model: The model whose documents are searched.
+        open_library: How to get the document of a URI of the library.
+    """
+
+    def __init__(self, model: Model, open_library: Callable[[str], Document | UriFault]) -> None:
+        self._model = model
+        self._open = open_library
+        self._indices: dict[Document, dict[str, list[EObject]]] = {}
+
+    def forget(self, document: Document) -> None:
+        """Has the names of a document looked up anew, since it was given further elements."""
+        self._indices.pop(document, None)
+
+    def find(
+        self, name: str, wanted: ClassTable, document: Document, owner: EObject | None
+    ) -> list[EObject]:
+        """Returns the elements that a name may mean: those of the nearest scope that has any.
+
+        Of one service in several versions the newest is meant.
+
+        Args:
+            name: The name as written.
+            wanted: The class of the elements.
+            document: The document in which it stands.
+            owner: The element that refers, None for the document as a whole.
+        """
+        referred = self._in_what_owners_refer_to(name, wanted, owner)
+        if referred:
+            return referred
+        own = self._innermost(self._in_document(document, name, wanted), owner)
+        if own:
+            return own
+        imported = self._within(document.imports, name, wanted)
+        return newest(imported or self._within(self._library(name, wanted), name, wanted))
+
+    def alike(self, name: str, wanted: ClassTable, document: Document) -> list[str]:
+        """Returns known names of a class that are much like a name, the nearest first."""
+        known: dict[str, None] = {}
+        for each in (document, *document.imports):
+            for elements in self._index(each).values():
+                known.update((name_of(o), None) for o in elements if self._is_a(o, wanted))
+        known.update(dict.fromkeys(_library_names(_tags(self._model.metamodels, wanted))))
+        last = _last_step(_normal(name))
+        folded = [each for each in known if each.lower() == last.lower()]
+        return folded or get_close_matches(last, known, n=3, cutoff=0.6)
+
+    def others(self, name: str, document: Document) -> list[EObject]:
+        """Returns the elements of any class that a name means in a document and its imports."""
+        text = _normal(name)
+        found = (
+            self._index(each).get(_last_step(text), ()) for each in (document, *document.imports)
+        )
+        return [each for elements in found for each in elements if _matches(each, text)]
+
+    def label(self, element: EObject) -> str:
+        """Returns how messages name an element that is one of several: its names and its file."""
+        document = self._model.document_of(element)
+        file_name = document.path.name if document is not None else ""
+        return f"{qualified_name(element)} ({file_name})"
+
+    def how_to_choose(self, elements: list[EObject]) -> str:
+        """Returns what makes one of several elements the one that is meant."""
+        documents = [self._model.document_of(each) for each in elements]
+        if len({qualified_name(each) for each in elements}) < len(elements) and len(
+            set(documents)
+        ) < len(elements):
+            return "rename one of them"
+        shipped = [each.path for each in documents if each is not None and each.is_library]
+        if len(set(shipped)) < len(elements):
+            return "write enough of the name, or import the document that is meant"
+        path = shipped[-1].relative_to(library_root().resolve()).with_suffix("")
+        return f"import the document that is meant, for example: import `{'.'.join(path.parts)}`"
+
+    def kind(self, element: EObject) -> str:
+        """Returns the class of an element with its package."""
+        return self._model.metamodels.class_of(element).qualified_name
+
+    def location(self, element: EObject) -> Location:
+        """Returns where an element is written."""
+        return self._model.location(element)
+
+    def _library(self, name: str, wanted: ClassTable) -> list[Document]:
+        """Returns the documents of the library that may know a name, read at the first call."""
+        text = _normal(name)
+        tags = _tags(self._model.metamodels, wanted)
+        files: Iterable[tuple[str, str]] = library_index().get(_last_step(text), ())
+        whole = _whole_of(text)
+        if whole:
+            tags |= _WHOLES
+            files = (*files, *library_index().get(_last_step(whole), ()))
+        found = (self._open(f"{LIBRARY_URI}{path}") for path, tag in files if tag in tags)
+        return list(dict.fromkeys(each for each in found if isinstance(each, Document)))
+
+    def _within(
+        self, documents: Iterable[Document], name: str, wanted: ClassTable
+    ) -> list[EObject]:
+        return [each for one in documents for each in self._in_document(one, name, wanted)]
+
+    def _in_document(self, document: Document, name: str, wanted: ClassTable) -> list[EObject]:
+        text = _normal(name)
+        index = self._index(document)
+        candidates = [each for each in index.get(_last_step(text), ()) if _matches(each, text)]
+        whole = _whole_of(text)
+        if whole:
+            owners = [each for each in index.get(_last_step(whole), ()) if _matches(each, whole)]
+            candidates += _parts(owners, _last_step(text))
+        return [each for each in candidates if self._is_a(each, wanted)]
+
+    def _in_what_owners_refer_to(
+        self, name: str, wanted: ClassTable, owner: EObject | None
+    ) -> list[EObject]:
+        """Returns the elements that stand in what the owners of an element refer to.
+
+        A topic names a join of the map that its connection refers to, wherever that map stands.
+        """
+        text = _normal(name)
+        for scope in _lineage(owner)[1:]:
+            found = [
+                each
+                for target in self._referred(scope)
+                for each in target.eAllContents()
+                if self._is_a(each, wanted) and _matches(each, text)
+            ]
+            if found:
+                return found
+        return []
+
+    def _referred(self, element: EObject) -> list[EObject]:
+        """Returns what the references of an element that take one value refer to."""
+        features = self._model.metamodels.class_of(element).features.values()
+        single = [
+            each for each in features if each.kind is FeatureKind.CROSS_REFERENCE and not each.many
+        ]
+        values = (getattr(element, each.name) for each in single)
+        return [value for value in values if value is not None]
+
+    @staticmethod
+    def _innermost(candidates: list[EObject], owner: EObject | None) -> list[EObject]:
+        others = [each for each in candidates if each is not owner]
+        around = {id(each): set(map(id, _lineage(each))) for each in others}
+        for scope in _lineage(owner):
+            inside = [each for each in others if id(scope) in around[id(each)]]
+            if inside:
+                return inside
+        return others
+
+    def _is_a(self, element: EObject, wanted: ClassTable) -> bool:
+        return self._model.metamodels.class_of(element) in wanted.subtypes
+
+    def _index(self, document: Document) -> dict[str, list[EObject]]:
+        index = self._indices.get(document)
+        if index is None:
+            index = self._indices[document] = {}
+            for element in self._model.elements_of(document):
+                name = name_of(element)
+                if name:
+                    index.setdefault(_last_step(_normal(name)), []).append(element)
+        return index
+
+
+def newest(elements: list[EObject]) -> list[EObject]:
+    """Returns the newest of elements that are one in several versions of a JAUS service.
+
+    Versions of one service with the same major number understand each other; others are as far
+    apart as different services. What is not that comes back as it is.
+    """
+    versions = [_version_of(each) for each in elements]
+    whose = {None if each is None else each[0] for each in versions}
+    if len(whose) != 1 or None in whose:
+        return elements
+    best = max(each[1] for each in versions if each is not None)
+    return [
+        element
+        for element, version in zip(elements, versions, strict=True)
+        if version is not None and version[1] == best
+    ]
+
+
+def _version_of(element: EObject) -> tuple[tuple[str, int], int] | None:
+    """Returns URN and major version of the service that an element is or stands in, and the minor.
+
+    None when it stands in no service with such a version.
+    """
+    for owner in _lineage(element):
+        if isinstance(owner, jaus.Service):
+            match = _VERSION.fullmatch(owner.version or "")
+            return ((owner.urn or "", int(match[1])), int(match[2])) if match else None
+    return None
+
+
+def qualified_name(element: EObject) -> str:
+    """Returns the names of an element and of its owners, joined by dots."""
+    names = map(name_of, _lineage(element))
+    return ".".join(reversed([name for name in names if name]))
+
+
+def depth(element: EObject) -> int:
+    """Returns how many owners an element has, and itself."""
+    return len(_lineage(element))
+
+
+@cache
+def library_index() -> Mapping[str, list[tuple[str, str]]]:
+    """Returns where the library has elements that are referred to by name.
+
+    Returns:
+        Files (relative, with forward slashes) and containment features, by simple name.
+    """
+    index: dict[str, set[tuple[str, str]]] = {}
+    for path, text in _library_texts():
+        for tag, name in _NAMED.findall(text):
+            index.setdefault(_last_step(name), set()).add((path, tag))
+    return {name: sorted(places) for name, places in index.items()}
+
+
+@cache
+def library_codes() -> frozenset[int]:
+    """Returns the codes of all messages of the library."""
+    return frozenset(int(c, 16) for _, text in _library_texts() for c in _CODE.findall(text))
+
+
+def _library_texts() -> Iterator[tuple[str, str]]:
+    root = library_root()
+    for path in sorted(root.rglob("*.xmi")):
+        yield path.relative_to(root).as_posix(), path.read_text(encoding="utf-8")
+
+
+def _library_names(tags: frozenset[str]) -> list[str]:
+    return sorted(
+        name for name, places in library_index().items() if any(tag in tags for _, tag in places)
+    )
+
+
+@cache
+def _tags(metamodels: Metamodels, wanted: ClassTable) -> frozenset[str]:
+    """Returns the containment features that may hold an element of a class."""
+    return frozenset(
+        feature.name
+        for table in metamodels.classes.values()
+        for feature in table.features.values()
+        if feature.kind is FeatureKind.CONTAINMENT
+        and feature.target is not None
+        and (feature.target in wanted.supertypes or wanted in feature.target.supertypes)
+    )
+
+
+def _normal(name: str) -> str:
+    """Returns a name with one kind of separator: ROS writes `geometry_msgs/msg/Twist`."""
+    for folder in ("/msg/", "/srv/", "/action/"):
+        name = name.replace(folder, "/")
+    return name.replace("/", ".")
+
+
+def _last_step(name: str) -> str:
+    return name.rpartition(".")[2]
+
+
+def _whole_of(text: str) -> str:
+    """Returns the name of the service or action whose part a name may mean, else nothing."""
+    whole, _, part = text.rpartition(".")
+    return whole if part in _PARTS else ""
+
+
+def _parts(owners: Iterable[EObject], part: str) -> list[EObject]:
+    """Returns the parts of services and actions that go by what they are."""
+    parts = [getattr(each, part) for each in owners if isinstance(each, _PARTS[part])]
+    return [each for each in parts if each is not None]
+
+
+def _matches(element: EObject, text: str) -> bool:
+    path = _normal(qualified_name(element))
+    return path == text or path.endswith(f".{text}")
+
+
+def name_of(element: EObject) -> str:
+    """Returns the name of an element, empty when it has none."""
+    return getattr(element, "name", None) or ""
+
+
+def _lineage(element: EObject | None) -> list[EObject]:
+    """Returns an element and its owners, from the inside out."""
+    found = []
+    while element is not None:
+        found.append(element)
+        element = element.eContainer()
+    return found

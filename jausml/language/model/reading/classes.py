@@ -1,0 +1,149 @@
+"""Finder of classes by the qualified names that documents use."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, cast
+
+from jausml.language.model.reading.problems import NodePlace, Problems
+from jausml.language.model.values import show, suggest
+
+if TYPE_CHECKING:
+    from jausml.language.metamodel import ClassTable, FeatureTable, Metamodels, PackageTable
+    from jausml.language.model.documents import Document
+    from jausml.language.model.xmi.parsing import Node
+
+XSI = "http://www.w3.org/2001/XMLSchema-instance"
+ECORE = "http://www.eclipse.org/emf/2002/Ecore"
+_XMI_NAMESPACES = (
+    "http://www.omg.org/XMI",
+    "http://www.omg.org/spec/XMI/",
+    "http://schema.omg.org/spec/XMI/",
+)
+
+
+def is_xmi(namespace: str) -> bool:
+    """Tells whether a namespace is one of the versions of XMI."""
+    return namespace.startswith(_XMI_NAMESPACES)
+
+
+def target_class(feature: FeatureTable) -> ClassTable:
+    """Returns the class of a reference."""
+    return cast("ClassTable", feature.target)
+
+
+class ClassFinder:
+    """Finds the classes that one document names, and reports names that stand for none."""
+
+    def __init__(self, metamodels: Metamodels, problems: Problems, document: Document) -> None:
+        self._metamodels = metamodels
+        self._problems = problems
+        self._document = document
+
+    def of_root(self, node: Node) -> ClassTable | None:
+        """Returns the class of a root element, which its tag names."""
+        place = NodePlace(self._document, node)
+        if not node.namespace:
+            names = ", ".join(sorted(each.name for each in self._metamodels.packages.values()))
+            self._problems.report(
+                "JML101",
+                place,
+                f"root element {show(node.tag)} has no namespace",
+                f"write the prefix of its metamodel ({names}) and declare it by xmlns",
+            )
+            return None
+        package = self._package(place, node.namespace)
+        table = self._class(place, package, node.tag) if package is not None else None
+        return table if table is not None and self._is_concrete(place, table) else None
+
+    def of_feature(self, node: Node, feature: FeatureTable, owner: str) -> ClassTable | None:
+        """Returns the class of a child element: that of xsi:type, else that of the feature.
+
+        Args:
+            node: The child element, which contains or refers to an element.
+            feature: The feature that its tag names.
+            owner: Name of the class of the enclosing element, for messages.
+
+        Returns:
+            A class that fits the feature and is not abstract, or None after a report.
+        """
+        table = target_class(feature)
+        attribute = _type_attribute(node)
+        place = NodePlace(self._document, node, attribute)
+        if attribute is not None:
+            named = self.of_name(place, node.get(" ".join(attribute)) or "")
+            if named is None:
+                return None
+            if named not in table.subtypes:
+                self._problems.report(
+                    "JML113",
+                    place,
+                    f"{named.qualified_name} is no {feature.type_name}, which feature"
+                    f" '{feature.name}' of {owner} takes",
+                    f"write {concrete_names(table)}",
+                )
+                return None
+            table = named
+        return table if self._is_concrete(place, table) else None
+
+    def of_name(self, place: NodePlace, written: str) -> ClassTable | None:
+        """Returns the class of a qualified name such as `jaus:Component`."""
+        prefix, _, name = written.strip().rpartition(":")
+        namespace = place.node.prefixes.get(prefix)
+        if not namespace:
+            known = sorted(each.name for each in self._metamodels.packages.values())
+            message = f"prefix '{prefix}' of {show(written)} is not declared"
+            hint = f'declare xmlns:{prefix}="..." on the root element'
+            if not prefix:
+                message, hint = f"{show(written)} has no prefix", f"write {', '.join(known)}"
+            self._problems.report("JML101", place, message, hint)
+            return None
+        package = self._package(place, namespace)
+        return self._class(place, package, name) if package is not None else None
+
+    def _package(self, place: NodePlace, namespace: str) -> PackageTable | None:
+        package = self._metamodels.packages.get(namespace)
+        if package is None:
+            message = f"unknown namespace '{namespace}'"
+            self._problems.report("JML101", place, message, self._namespace_hint(namespace))
+        return package
+
+    def _namespace_hint(self, namespace: str) -> str:
+        if namespace == ECORE:
+            return "this is a metamodel, not a model"
+        family, _, theirs = namespace.rpartition("/")
+        for known in self._metamodels.packages:
+            if family and known.rpartition("/")[0] == family:
+                ours = known.rpartition("/")[2]
+                return f"the model is for version {theirs}, this tool reads version {ours}"
+        known_names = sorted(self._metamodels.packages)
+        return suggest(namespace, known_names) or f"known are {', '.join(known_names)}"
+
+    def _class(self, place: NodePlace, package: PackageTable, name: str) -> ClassTable | None:
+        table = package.classes.get(name)
+        if table is None:
+            message = f"unknown class {show(name)} of the {package.name} metamodel"
+            self._problems.report("JML102", place, message, suggest(name, package.classes))
+        return table
+
+    def _is_concrete(self, place: NodePlace, table: ClassTable) -> bool:
+        if table.abstract:
+            hint = f"name a concrete class by xsi:type: {concrete_names(table)}"
+            message = f"class {table.qualified_name} is abstract"
+            self._problems.report("JML104", place, message, hint)
+        return not table.abstract
+
+
+def concrete_names(table: ClassTable) -> str:
+    """Returns the names of the classes that can stand for a class, for a hint."""
+    names = sorted(each.qualified_name for each in table.subtypes if not each.abstract)
+    return ", ".join(name.replace(".", ":") for name in names)
+
+
+def _type_attribute(node: Node) -> tuple[str, str] | None:
+    """Returns namespace and name of the xsi:type or xmi:type of an element, if it has one."""
+    for name in node.attributes[::2]:
+        if name.endswith(" type"):
+            namespace = name[: -len(" type")]
+            if namespace == XSI or is_xmi(namespace):
+                return namespace, "type"
+    return None

@@ -1,0 +1,420 @@
+"""Builder of elements from light nodes: classes, containment, ids, values and references.
+
+Values are converted and set. References are only noted (`Reference`), since what they name may not
+be read yet.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, cast
+
+from jausml.language.metamodel import ClassTable, DataTypeTable, FeatureKind, FeatureTable, Metamodels
+from jausml.language.metamodel.filling import holds, link, new_object, set_value, set_values
+from jausml.language.model.diagnostics import Related
+from jausml.language.model.notation import BY_NAME
+from jausml.language.model.reading.classes import XSI, ClassFinder, is_xmi, target_class
+from jausml.language.model.reading.problems import NodePlace, Problems, XmlAttribute
+from jausml.language.model.values import convert, nearest, show
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.documents import Document
+    from jausml.language.model.model import Model
+    from jausml.language.model.xmi.parsing import Node
+
+
+_TRUE = ("true", "1")
+
+
+@dataclass(slots=True)
+class Reference:
+    """A reference that is written in a document.
+
+    Attributes:
+        place: Where.
+        owner: The element that refers.
+        feature: The reference.
+        uri: URI of the document referred to, without fragment; empty for this document.
+        fragment: The fragment or id.
+        name: The name, where the reference is one by name.
+        direct: The contained element itself, which waits for its place among others.
+    """
+
+    place: NodePlace
+    owner: EObject
+    feature: FeatureTable
+    uri: str = ""
+    fragment: str = ""
+    name: str = ""
+    direct: Any = None
+
+
+@dataclass(slots=True)
+class Mention:
+    """A document that one refers to which was read before.
+
+    Attributes:
+        place: Somewhere in the document that refers.
+        uri: URI of the document referred to, without fragment.
+        name: Nothing: it is no reference by name.
+    """
+
+    place: NodePlace
+    uri: str
+    name: str = ""
+
+
+class ElementBuilder:
+    """Builds the elements of one document.
+
+    Args:
+        metamodels: The metamodels of the elements.
+        model: The model that adopts them.
+        problems: Where findings go.
+        references: Where the references of the document are added, in document order.
+        document: The document.
+    """
+
+    def __init__(
+        self,
+        metamodels: Metamodels,
+        model: Model,
+        problems: Problems,
+        references: list[Reference | Mention],
+        document: Document,
+    ) -> None:
+        self._packages = metamodels.packages
+        self._model = model
+        self._problems = problems
+        self._references = references
+        self._document = document
+        self._classes = ClassFinder(metamodels, problems, document)
+
+    def build(self, root: Node) -> None:
+        """Builds the elements from the XML root element."""
+        self._check_schema_location(root)
+        self._check_prefixes(root)
+        document = self._document
+        if is_xmi(root.namespace) and root.tag == "XMI":
+            document.root_nodes = list(root.children)
+            if not root.children:
+                self._report("JML011", root, "the document has no model element")
+        else:
+            document.root_nodes = [root]
+        self.build_roots(document.root_nodes)
+
+    def build_roots(self, nodes: Sequence[Node]) -> None:
+        """Builds the elements of root nodes of the document."""
+        for node in nodes:
+            table = self._classes.of_root(node)
+            if table is not None:
+                self._element(node, table)
+
+    def _element(self, node: Node, table: ClassTable) -> None:
+        node.obj = new_object(table)
+        self._model.adopt(self._document, node)
+        given: set[str] = set()
+        attributes = node.attributes
+        features = table.features
+        for index in range(0, len(attributes), 2):
+            name = attributes[index]
+            feature = features.get(name)
+            if feature is None:
+                self._other_attribute(node, table, name, attributes[index + 1])
+            elif self._accepts(node, table, feature, ("", name), node):
+                given.add(name)
+                self._assign_attribute(node, feature, attributes[index + 1])
+        if node.children or node.text:
+            self._children(node, table, given)
+        if table.id_feature is not None and table.id_feature.name in given:
+            identifier = getattr(node.obj, table.id_feature.name)
+            if identifier is not None:
+                self._identify(node, str(identifier), None)
+
+    def _other_attribute(self, node: Node, table: ClassTable, name: str, value: str) -> None:
+        """Handles an XML attribute that is no feature."""
+        namespace, _, local = name.rpartition(" ")
+        if is_xmi(namespace):
+            if local in ("id", "uuid"):
+                self._identify(node, value, (namespace, local))
+        elif namespace != XSI:
+            self._unknown_feature(node, table, node, local, (namespace, local))
+
+    def _unknown_feature(
+        self,
+        owner: Node,
+        table: ClassTable,
+        node: Node,
+        name: str,
+        attribute: XmlAttribute | None = None,
+    ) -> None:
+        near = nearest(name, table.features)
+        if near:
+            # A misspelt feature is one error, not a missing feature as well.
+            self._problems.spoil(owner.obj, near)
+        hint = f"did you mean '{near}'?" if near else ""
+        self._report("JML103", node, f"unknown feature '{name}' of {table.name}", hint, attribute)
+
+    def _identify(self, node: Node, identifier: str, attribute: XmlAttribute | None) -> None:
+        self._model.name_by_id(node.obj, identifier)
+        holder = self._document.ids.setdefault(identifier, node)
+        if holder is not node:
+            first = Related(self._document.location(holder), "the first element of this id")
+            place = NodePlace(self._document, node, attribute)
+            message = f"duplicate id {show(identifier)}"
+            self._problems.report("JML201", place, message, related=(first,))
+
+    def _children(self, node: Node, table: ClassTable, given: set[str]) -> None:
+        if node.text and not node.text.isspace():
+            message = f"text {show(node.text.strip())} has no meaning in {table.name}"
+            hint = "put documentation into an attribute; Eclipse drops this text"
+            self._report("JML012", node, message, hint)
+        waiting: set[str] = set()
+        for child in node.children:
+            if child.prefixes is not node.prefixes:
+                self._check_prefixes(child)
+            feature = table.features.get(child.tag)
+            if feature is None or (child.namespace and child.namespace not in self._packages):
+                self._unknown_feature(node, table, child, child.tag)
+            elif self._accepts(child, table, feature, None, node):
+                if feature.many or feature.name not in given:
+                    given.add(feature.name)
+                    self._child(node, child, feature, waiting)
+                else:
+                    self._problems.spoil(node.obj, feature.name)
+                    message = f"second value of the single-valued feature '{feature.name}'"
+                    self._report("JML111", child, f"{message} of {table.name}")
+
+    def _child(self, node: Node, child: Node, feature: FeatureTable, waiting: set[str]) -> None:
+        if feature.kind is FeatureKind.ATTRIBUTE:
+            self._assign_value(node, child, feature)
+        elif feature.kind is FeatureKind.CONTAINMENT:
+            self._contained(node, child, feature, waiting)
+        else:
+            self._assign_reference(node, child, feature)
+
+    def _contained(self, node: Node, child: Node, feature: FeatureTable, waiting: set[str]) -> None:
+        href = child.get("href")
+        if href is not None and not self._document.is_xml:
+            waiting.add(feature.name)
+            self._href(node, child, feature, href)
+            return
+        table = self._classes.of_feature(child, feature, str(node.obj.eClass.name))
+        if table is None:
+            self._problems.spoil(node.obj, feature.name)
+            return
+        if href is not None and "href" not in table.features:
+            waiting.add(feature.name)
+            self._href(node, child, feature, href)
+            return
+        self._element(child, table)
+        if feature.name in waiting:
+            # Its place is behind an element of another document, which is not there yet.
+            place = NodePlace(self._document, child)
+            self._references.append(Reference(place, node.obj, feature, direct=child.obj))
+        else:
+            link(node.obj, feature, child.obj)
+
+    def _accepts(
+        self,
+        node: Node,
+        table: ClassTable,
+        feature: FeatureTable,
+        attribute: XmlAttribute | None,
+        owner: Node,
+    ) -> bool:
+        if not feature.settable:
+            self._problems.spoil(owner.obj, feature.name)
+            message = f"feature '{feature.name}' of {table.name} cannot be set"
+            hint = "remove it: its value follows from the rest of the model"
+            self._report("JML112", node, message, hint, attribute)
+        return feature.settable
+
+    def _assign_attribute(self, node: Node, feature: FeatureTable, text: str) -> None:
+        """Takes the value of an XML attribute."""
+        attribute = ("", feature.name)
+        if feature.kind is FeatureKind.ATTRIBUTE:
+            texts = text.split() if feature.many else [text]
+            self._set(node, attribute, node.obj, feature, texts)
+        elif feature.kind is FeatureKind.CONTAINMENT:
+            self._problems.spoil(node.obj, feature.name)
+            message = f"feature '{feature.name}' of {_class(node)} owns its elements"
+            place = NodePlace(self._document, node, attribute)
+            self._problems.report("JML114", place, message, "write them as child elements")
+        else:
+            self._note_all(NodePlace(self._document, node, attribute), node.obj, feature, text)
+
+    def _assign_value(self, node: Node, child: Node, feature: FeatureTable) -> None:
+        """Takes the text of a child element as the value of an attribute."""
+        if _is_nil(child):
+            # As in EMF, a number or enumeration cannot be null: it keeps its default.
+            if not feature.many and cast("DataTypeTable", feature.data_type).nullable:
+                set_value(node.obj, feature, None)
+        elif child.children:
+            self._problems.spoil(node.obj, feature.name)
+            inner = NodePlace(self._document, child.children[0])
+            message = f"attribute '{feature.name}' of {_class(node)} has a value, no elements"
+            self._problems.report("JML103", inner, message)
+        else:
+            self._set(child, None, node.obj, feature, [child.text])
+
+    def _assign_reference(self, node: Node, child: Node, feature: FeatureTable) -> None:
+        """Takes a child element of a reference: `href`, `xmi:idref` or xsi:nil."""
+        href = child.get("href")
+        identifier = _idref(child)
+        name = child.get(BY_NAME)
+        if name is not None:
+            place = NodePlace(self._document, child)
+            self._references.append(Reference(place, node.obj, feature, name=name))
+        elif href is not None and not self._document.is_xml:
+            self._href(node, child, feature, href)
+        elif href is not None:
+            if self._classes.of_feature(child, feature, _class(node)) is None:
+                self._problems.spoil(node.obj, feature.name)
+            else:
+                self._href(node, child, feature, href)
+        elif identifier is not None:
+            attribute, value = identifier
+            place = NodePlace(self._document, child, attribute)
+            self._note(place, node.obj, feature, "", value.strip())
+        elif not _is_nil(child):
+            self._problems.spoil(node.obj, feature.name)
+            self._problems.report(
+                "JML115",
+                NodePlace(self._document, child),
+                f"feature '{feature.name}' of {_class(node)} refers to elements, it owns none",
+                f'write {feature.name}="fragment" or <{feature.name} href="file#fragment"/>',
+            )
+
+    def _href(self, node: Node, child: Node, feature: FeatureTable, href: str) -> None:
+        """Notes the href of a child element."""
+        uri, _, fragment = href.strip().partition("#")
+        place = NodePlace(self._document, child, ("", "href"))
+        self._note(place, node.obj, feature, uri, fragment)
+
+    def _note_all(self, place: NodePlace, obj: EObject, feature: FeatureTable, text: str) -> None:
+        """Notes blank-separated references: `id`, `//@a.0`, `#id` or `prefix:Class file#id`."""
+        found: list[tuple[str, str]] = []
+        typed = False
+        for token in text.split():
+            uri, hash_sign, fragment = token.partition("#")
+            if hash_sign:
+                if uri and not typed and not self._can_stand_in(place, obj, feature):
+                    return
+                found.append((uri, fragment))
+                typed = False
+            elif ":" in token and "/" not in token:
+                typed = True
+                if self._classes.of_name(place, token) is None:
+                    self._problems.spoil(obj, feature.name)
+                    return
+            else:
+                found.append(("", token))
+        if len(found) > 1 and not feature.many:
+            self._problems.spoil(obj, feature.name)
+            what = f"the single-valued feature '{feature.name}' of {obj.eClass.name}"
+            self._problems.report("JML111", place, f"{len(found)} values for {what}")
+            return
+        for uri, fragment in found:
+            self._note(place, obj, feature, uri, fragment)
+
+    def _can_stand_in(self, place: NodePlace, obj: EObject, feature: FeatureTable) -> bool:
+        """EMF makes a placeholder of the feature's class for `file#id` without a class."""
+        if not target_class(feature).abstract:
+            return True
+        self._problems.spoil(obj, feature.name)
+        message = f"class {feature.type_name} is abstract"
+        hint = "write prefix:Class before the file, or a child element with xsi:type and href"
+        self._problems.report("JML104", place, message, hint)
+        return False
+
+    def _note(
+        self, place: NodePlace, obj: EObject, feature: FeatureTable, uri: str, fragment: str
+    ) -> None:
+        self._references.append(Reference(place, obj, feature, uri, fragment))
+
+    def _set(
+        self,
+        node: Node,
+        attribute: XmlAttribute | None,
+        obj: EObject,
+        feature: FeatureTable,
+        texts: list[str],
+    ) -> None:
+        data_type = cast("DataTypeTable", feature.data_type)
+        values = []
+        for text in texts:
+            value, fault = convert(text, data_type)
+            if fault is None:
+                values.append(value)
+            else:
+                self._problems.spoil(obj, feature.name)
+                place = NodePlace(self._document, node, attribute)
+                what = f"wrong value of '{feature.name}' of {obj.eClass.name}"
+                self._problems.report(fault.rule, place, f"{what}: {fault.reason}", fault.hint)
+        if feature.many:
+            if feature.unique:
+                self._check_repeated(
+                    NodePlace(self._document, node, attribute), obj, feature, values
+                )
+            set_values(obj, feature, values)
+        elif values:
+            set_value(obj, feature, values[0])
+
+    def _check_repeated(
+        self, place: NodePlace, obj: EObject, feature: FeatureTable, values: list[Any]
+    ) -> None:
+        """Reports a value that the set of a unique feature will hold once only."""
+        seen: list[Any] = []
+        for value in values:
+            if value in seen or holds(obj, feature, value):
+                message = f"feature '{feature.name}' of {obj.eClass.name} lists '{value}' twice"
+                self._problems.report("JML213", place, message)
+            seen.append(value)
+
+    def _check_schema_location(self, root: Node) -> None:
+        words = (root.get(f"{XSI} schemaLocation") or "").split()
+        for namespace, place in zip(words[::2], words[1::2], strict=False):
+            package = self._packages.get(namespace)
+            file_name = place.partition("#")[0].rpartition("/")[2]
+            if package is not None and file_name != package.file_name:
+                message = f"schemaLocation names {show(place)} for {namespace}"
+                hint = f"jausml uses its own {package.file_name}"
+                self._report("JML010", root, message, hint, (XSI, "schemaLocation"))
+
+    def _check_prefixes(self, node: Node) -> None:
+        """EMF knows xsi and xmi by these very prefixes."""
+        for prefix, belongs in (("xsi", XSI.__eq__), ("xmi", is_xmi)):
+            other = [name for name, uri in node.prefixes.items() if belongs(uri)]
+            if other and prefix not in other:
+                message = f"Eclipse does not take prefix '{other[0]}' for '{prefix}'"
+                self._report("JML013", node, message, f"rename '{other[0]}' to '{prefix}'")
+
+    def _report(
+        self,
+        rule: str,
+        node: Node,
+        message: str,
+        hint: str = "",
+        attribute: XmlAttribute | None = None,
+    ) -> None:
+        self._problems.report(rule, NodePlace(self._document, node, attribute), message, hint)
+
+
+def _class(node: Node) -> str:
+    return str(node.obj.eClass.name)
+
+
+def _is_nil(node: Node) -> bool:
+    return (node.get(f"{XSI} nil") or "").strip() in _TRUE
+
+
+def _idref(node: Node) -> tuple[XmlAttribute, str] | None:
+    for index in range(0, len(node.attributes), 2):
+        namespace, _, local = node.attributes[index].rpartition(" ")
+        if local == "idref" and is_xmi(namespace):
+            return (namespace, local), node.attributes[index + 1]
+    return None

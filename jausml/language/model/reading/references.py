@@ -1,0 +1,263 @@
+"""Resolution of references once all documents are built; those that lead nowhere are reported."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from itertools import islice
+from typing import TYPE_CHECKING, Any
+
+from jausml.language.metamodel import FeatureKind, Metamodels
+from jausml.language.metamodel.filling import holds, link, point
+from jausml.language.model.diagnostics import Related
+from jausml.language.model.documents import Document
+from jausml.language.model.names import depth
+from jausml.language.model.reading.elements import Mention
+from jausml.language.model.reading.shelf import NotShareableError
+from jausml.language.model.uris import UriFault
+from jausml.language.model.values import show
+from jausml.language.model.xmi.fragments import Found, FragmentFinder
+
+if TYPE_CHECKING:
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.model import Model
+    from jausml.language.model.reading.elements import Reference
+    from jausml.language.model.reading.problems import Problems
+    from jausml.language.model.reading.references_by_name import NameResolution
+    from jausml.language.model.xmi.parsing import Node
+
+Open = Callable[[str, Document], "Document | UriFault"]
+"""Opens the document that a URI names, seen from another document."""
+
+_FEW_RELATED = 10
+_FEW_SUGGESTIONS = 50
+_DEEPEST = 100
+_ENDLESS = f"leads back to itself, or through more than {_DEEPEST} elements"
+
+
+@dataclass(slots=True)
+class _Absent:
+    """A file that references name in vain, and those references."""
+
+    fault: UriFault
+    references: list[Reference] = field(default_factory=list)
+
+
+class Resolution:
+    """Resolves the references of all documents.
+
+    Args:
+        model: The model whose documents are built.
+        problems: Where findings go.
+        open_document: How to get the document that a URI names.
+        names: How to find what is referred to by name.
+    """
+
+    def __init__(
+        self, model: Model, problems: Problems, open_document: Open, names: NameResolution
+    ) -> None:
+        self._model = model
+        self._names = names
+        self._metamodels: Metamodels = model.metamodels
+        self._problems = problems
+        self._open = open_document
+        self._finder = FragmentFinder(model.metamodels, self._follow)
+        self._absent: dict[tuple[str, str], _Absent] = {}
+        self._following: set[Node] = set()
+        self._circular: set[Node] = set()
+        self._suggestions = 0
+        self.lost: list[Reference] = []
+        """The references that lead to no element, in the order in which they were resolved."""
+
+    def run(self, references: Sequence[Reference | Mention]) -> None:
+        """Resolves references, in the order in which they are written.
+
+        Single names wait for those of owners: they are looked for in what these mean.
+
+        Args:
+            references: They become more while names open documents of the library.
+        """
+        waiting: list[Reference] = []
+        done = 0
+        for done, reference in enumerate(references, 1):  # noqa: B007 - counts for what follows
+            if isinstance(reference, Mention):
+                self._open(reference.uri, reference.place.document)
+            elif reference.name and not reference.feature.many:
+                waiting.append(reference)
+            else:
+                self._resolve(reference)
+        for reference in sorted(waiting, key=lambda each: depth(each.owner)):
+            self._resolve(reference)
+        for reference in islice(references, done, None):
+            if isinstance(reference, Mention):
+                self._open(reference.uri, reference.place.document)
+            else:
+                self._resolve(reference)
+        for absent in self._absent.values():
+            self._report_absent(absent)
+
+    def _resolve(self, reference: Reference) -> None:
+        target = reference.direct or self._target(reference)
+        if target is None:
+            self._problems.spoil(reference.owner, reference.feature.name)
+            self.lost.append(reference)
+        elif reference.feature.kind is FeatureKind.CONTAINMENT:
+            self._contain(reference, target)
+        elif reference.feature.kind is FeatureKind.CONTAINER:
+            self._check_container(reference, target)
+        elif holds(reference.owner, reference.feature, target):
+            self._report_repeated(reference)
+        elif self._is_of_others(reference, target):
+            point(reference.owner, reference.feature, target)
+        else:
+            link(reference.owner, reference.feature, target)
+
+    def _is_of_others(self, reference: Reference, target: EObject) -> bool:
+        """Tells whether a target is an element of other models too, which must not change."""
+        document = self._model.document_of(target)
+        is_shared = document is not None and document.is_shared
+        return is_shared and not reference.place.document.is_shared
+
+    def _target(self, reference: Reference) -> EObject | None:
+        """Returns the element referred to, None when a finding explains why there is none."""
+        document = reference.place.document
+        if reference.name:
+            return self._names.target(reference)
+        if reference.uri:
+            opened = self._open(reference.uri, document)
+            if isinstance(opened, UriFault):
+                key = (opened.rule, opened.message)
+                self._absent.setdefault(key, _Absent(opened)).references.append(reference)
+                return None
+            document = opened
+        if not document.readable:
+            return None
+        found = self._finder.find(document, reference.fragment)
+        if found is None:
+            self._report_unresolved(reference, document)
+            return None
+        target: EObject | None = found.node.obj
+        if found.node in self._circular:
+            what = f"{show(reference.fragment)} of {_where(reference)}"
+            self._problems.spoil(reference.owner, reference.feature.name)
+            self._report("JML202", reference, f"reference {what} {_ENDLESS}")
+        if target is not None and not self._fits(reference, target):
+            return None
+        if target is not None and found.by_name:
+            message = f"Eclipse cannot resolve {show(reference.fragment)} of {_where(reference)}"
+            self._report("JML214", reference, message, f"write {self._model.path_of(target)}")
+        return target
+
+    def _follow(self, document: Document, node: Node) -> Found | None:
+        """Steps from a child element with an href to the element that it stands for."""
+        uri, _, fragment = (node.get("href") or "").strip().partition("#")
+        if node in self._following:
+            self._circular.add(node)
+        if node.obj is not None or node in self._following:
+            return None
+        if len(self._following) >= _DEEPEST:
+            self._circular.add(node)
+            return None
+        opened = self._open(uri, document) if uri else document
+        if isinstance(opened, UriFault) or not opened.readable:
+            return None
+        self._following.add(node)
+        try:
+            return self._finder.find(opened, fragment)
+        finally:
+            self._following.discard(node)
+
+    def _fits(self, reference: Reference, target: EObject) -> bool:
+        wanted = reference.feature.target
+        actual = self._metamodels.class_of(target)
+        if wanted is None or actual in wanted.subtypes:
+            return True
+        self._report(
+            "JML205",
+            reference,
+            f"{_where(reference)} refers to {_label(target)}, but takes {wanted.qualified_name}",
+            f"{show(reference.fragment)} is a {actual.qualified_name}",
+        )
+        return False
+
+    def _contain(self, reference: Reference, target: EObject) -> None:
+        if self._is_of_others(reference, target):
+            raise NotShareableError
+        owner: Any = reference.owner
+        container = target.eContainer()
+        if container is not None and reference.direct is None:
+            self._problems.spoil(reference.owner, reference.feature.name)
+            self._report(
+                "JML207", reference, f"{_label(target)} is already contained in {_label(container)}"
+            )
+            return
+        while owner is not None:
+            if owner is target:
+                message = f"{_where(reference)} makes {_label(target)} contain itself"
+                self._report("JML206", reference, message)
+                self._problems.spoil(reference.owner, reference.feature.name)
+                return
+            owner = owner.eContainer()
+        link(reference.owner, reference.feature, target)
+
+    def _check_container(self, reference: Reference, target: EObject) -> None:
+        """The owner of an element follows from its place; writing it again changes nothing."""
+        if reference.owner.eContainer() is not target:
+            self._report(
+                "JML207",
+                reference,
+                f"{_where(reference)} refers to {_label(target)}, which does not contain it",
+                "remove the reference: the owner follows from the place in the file",
+            )
+
+    def _report_repeated(self, reference: Reference) -> None:
+        opposite = reference.feature.opposite
+        if opposite is None:
+            what = show(reference.name or reference.fragment)
+            message = f"{_where(reference)} lists {what} twice"
+            self._report("JML213", reference, message)
+
+    def _report_unresolved(self, reference: Reference, document: Document) -> None:
+        hint = self._similar_id(reference.fragment, document)
+        what = show(reference.fragment)
+        if document is reference.place.document:
+            message = f"unresolved reference {what} of {_where(reference)}"
+            self._report("JML202", reference, message, hint)
+        elif not reference.fragment:
+            message = f"{_where(reference)} names the file {document.display}, but no element"
+            self._report("JML204", reference, message, "add #/ for its root element")
+        else:
+            message = f"{document.display} has no element {what} for {_where(reference)}"
+            self._report("JML204", reference, message, hint)
+
+    def _similar_id(self, fragment: str, document: Document) -> str:
+        """Returns a hint for a misspelt id, for the first few: each costs a walk over all ids."""
+        self._suggestions += 1
+        if self._suggestions > _FEW_SUGGESTIONS:
+            return ""
+        known = get_close_matches(fragment, document.ids, n=1, cutoff=0.7)
+        return f"did you mean '{known[0]}'?" if known else ""
+
+    def _report_absent(self, absent: _Absent) -> None:
+        first, *others = absent.references
+        message = absent.fault.message
+        if others:
+            message += f" ({len(absent.references)} references)"
+        related = tuple(
+            Related(each.place.location, "referenced here too") for each in others[:_FEW_RELATED]
+        )
+        fault = absent.fault
+        self._problems.report(fault.rule, first.place, message, fault.hint, related)
+
+    def _report(self, rule: str, reference: Reference, message: str, hint: str = "") -> None:
+        self._problems.report(rule, reference.place, message, hint)
+
+
+def _where(reference: Reference) -> str:
+    return f"feature '{reference.feature.name}' of {_label(reference.owner)}"
+
+
+def _label(obj: EObject) -> str:
+    name = getattr(obj, "name", None)
+    return f"{obj.eClass.name} '{name}'" if name else str(obj.eClass.name)

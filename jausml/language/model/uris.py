@@ -1,0 +1,258 @@
+"""Targets of hrefs: files under the project root and models of the shipped library.
+
+EMF resolves relative hrefs against the file in which they stand, and percent-decodes them. Here
+nothing leads to the network, and nothing out of the project unless allowed.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING
+from urllib.parse import unquote, urlsplit
+
+from jausml.language.model.inputs import read_input
+from jausml.language.model.values import suggest
+from jausml.language.model.xmi.eclipse import enclosing_project, projects_around, projects_in
+
+if TYPE_CHECKING:
+    from collections.abc import Container, Iterable, Mapping
+
+    from jausml.language.model.documents import Document
+
+LIBRARY_URI = "http://www.jausml.org/library/"
+
+_SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):")
+_WINDOWS = re.compile(r"[A-Za-z]:[\\/]|.*\\")
+_SCHEMA_LOCATION = re.compile(rb' xsi:schemaLocation="[^"<]*"')
+_PLATFORM = "platform:/resource/"
+
+
+@dataclass(frozen=True, slots=True)
+class FileTarget:
+    """A file that an href names, and how messages name it."""
+
+    path: Path
+    display: str
+    is_library: bool
+
+
+@dataclass(frozen=True, slots=True)
+class UriFault:
+    """Why an href names no file: rule id, message and hint."""
+
+    rule: str
+    message: str
+    hint: str = ""
+
+
+def library_root() -> Path:
+    """Returns the folder of the shipped library."""
+    return Path(str(files("jausml.models"))) / "library"
+
+
+def shipped_as(path: Path) -> Path | None:
+    """Returns the file of the shipped library of which a file is a copy, None for any other.
+
+    Eclipse needs copies in its workspace; they may say there where the metamodels are.
+
+    Args:
+        path: The file, in a folder `library/<set>/`.
+    """
+    library = Path(os.path.realpath(library_root()))
+    if path.parent.parent.name != library.name:
+        return None
+    shipped = library / path.parent.name / path.name
+    try:
+        copied = _SCHEMA_LOCATION.sub(b"", read_input(path), count=1)
+        return shipped if read_input(shipped) == copied else None
+    except (OSError, ValueError):
+        return None
+
+
+def copy_in_project(place: str, folder: Path, root: Path) -> Path | None:
+    """Returns the copy of a file of the shipped library that a project has, None without one.
+
+    Args:
+        place: The file, relative to the library with forward slashes.
+        folder: The folder of the file that refers to it; the copy is at or above it.
+        root: The folder that references may not leave.
+    """
+    for each in (folder, *folder.parents):
+        if not each.is_relative_to(root):
+            return None
+        copy = each / "library" / place
+        if shipped_as(copy) is not None:
+            return copy
+    return None
+
+
+def find_project_root(paths: Iterable[Path]) -> Path:
+    """Returns the folder that hrefs may not leave, when the user names none.
+
+    It is the nearest folder above the first file that is a Git checkout; else the Eclipse project
+    that holds the file; else the current folder, when all files lie in it; else the folder that all
+    files share.
+    """
+    real = [Path(os.path.realpath(path)) for path in paths]
+    folders = [path.parent for path in real]
+    if not folders:
+        return Path.cwd()
+    for folder in (folders[0], *folders[0].parents):
+        if (folder / ".git").exists():
+            return folder
+    project = enclosing_project(real[0])
+    if project is not None:
+        return project
+    here = Path.cwd()
+    if all(folder.is_relative_to(here) for folder in folders):
+        return here
+    return Path(os.path.commonpath(folders))
+
+
+class UriResolver:
+    """Resolves the URIs of hrefs, without their fragments.
+
+    Args:
+        project_root: The folder that hrefs may not leave.
+        allow_outside: True when they may.
+        projects: Folders of Eclipse projects by name, for platform:/resource/ URIs. Projects in the
+            root, and beside the one that holds a document, are found by themselves.
+    """
+
+    def __init__(
+        self, project_root: Path, *, allow_outside: bool, projects: Mapping[str, Path]
+    ) -> None:
+        self._root = Path(os.path.realpath(project_root))
+        self._allow_outside = allow_outside
+        self._projects = projects
+        self._library = Path(os.path.realpath(library_root()))
+        self._known: set[Path] = set()
+        self._around: dict[Path, dict[str, Path]] = {}
+
+    def given(self, path: str, contents: Container[Path] = ()) -> FileTarget:
+        """Returns the target for a file that the user named; hrefs may then lead to it.
+
+        Args:
+            path: The file.
+            contents: Files that an editor holds, by real path: what is stored says nothing of them.
+        """
+        real = Path(os.path.realpath(path))
+        self._known.add(real)
+        if real.is_relative_to(self._library):
+            return FileTarget(real, path, is_library=True)
+        shipped = shipped_as(real) if real not in contents else None
+        return FileTarget(shipped or real, path, is_library=shipped is not None)
+
+    def resolve(self, uri: str, base: Document) -> FileTarget | UriFault:
+        """Resolves the URI of an href.
+
+        Args:
+            uri: The URI, percent-encoded, without fragment.
+            base: The document in which it stands.
+
+        Returns:
+            The file, which need not exist, or the reason why the URI names none.
+        """
+        if "\0" in unquote(uri):
+            return UriFault("JML211", "the href has a NUL character")
+        if uri.startswith(LIBRARY_URI):
+            return self._in_library(unquote(uri[len(LIBRARY_URI) :]))
+        if _WINDOWS.match(uri):
+            return UriFault(
+                "JML211",
+                f"'{uri}' is a Windows path, not a URI",
+                "write a relative path with forward slashes",
+            )
+        scheme = _SCHEME.match(uri)
+        if scheme is None:
+            return self._file(unquote(uri), base)
+        return self._with_scheme(scheme.group(1).lower(), uri, base)
+
+    def _with_scheme(self, scheme: str, uri: str, base: Document) -> FileTarget | UriFault:
+        if scheme in ("http", "https", "ftp"):
+            return UriFault(
+                "JML208",
+                f"'{uri}' is not fetched from the network",
+                "refer to a local file by a relative path",
+            )
+        if scheme == "file":
+            try:
+                parts = urlsplit(uri)
+            except ValueError:
+                return UriFault("JML211", f"'{uri}' is not a URI")
+            if parts.netloc not in ("", "localhost"):
+                return UriFault("JML208", f"'{uri}' names a file of another machine")
+            return self._file(unquote(parts.path), base)
+        if uri.startswith(_PLATFORM):
+            return self._in_workspace(unquote(uri[len(_PLATFORM) :]), base)
+        # What is of the workspace is followed; what is of a plug-in is not.
+        kind = "/".join(uri.split("/")[:2]) if scheme == "platform" else scheme
+        return UriFault(
+            "JML211",
+            f"'{uri}' is of the unsupported scheme '{kind}'",
+            "refer to a file by a relative path, or by platform:/resource/<project>/",
+        )
+
+    def _file(self, path: str, base: Document) -> FileTarget | UriFault:
+        # Not by pathlib: `a/../b` must lose its dots before symbolic links are followed.
+        display = os.path.normpath(Path(base.display).parent / path)
+        return self._checked(display, path, base)
+
+    def _checked(self, display: str, written: str, base: Document) -> FileTarget | UriFault:
+        real = Path(os.path.realpath(display))
+        if real.is_relative_to(self._library):
+            return FileTarget(real, display, is_library=True)
+        allowed = self._allow_outside or real in self._known or real.is_relative_to(self._root)
+        if not (allowed or any(map(real.is_relative_to, self._projects_of(base).values()))):
+            return UriFault(
+                "JML209",
+                f"'{written}' lies outside the project root {self._root}",
+                "name another one by --project-root, or use --allow-outside",
+            )
+        shipped = shipped_as(real)
+        if shipped is not None:
+            return FileTarget(shipped, display, is_library=True)
+        return FileTarget(real, display, is_library=False)
+
+    def _projects_of(self, base: Document) -> dict[str, Path]:
+        """The Eclipse projects that a document may refer to, by name."""
+        document = Path(os.path.realpath(base.display))
+        if document.parent not in self._around:
+            given = {name: Path(os.path.realpath(each)) for name, each in self._projects.items()}
+            found = {**projects_around(document), **projects_in(self._root), **given}
+            self._around[document.parent] = found
+        return self._around[document.parent]
+
+    def _in_workspace(self, path: str, base: Document) -> FileTarget | UriFault:
+        """Finds a file of an Eclipse project, or of a folder of the root that has its name."""
+        project, _, rest = path.partition("/")
+        projects = self._projects_of(base)
+        if project in projects:
+            folder = projects[project]
+        elif os.path.isdir(self._root / project):  # noqa: PTH112 -- a name may be too long
+            folder = self._root / project
+        elif self._root.name == project:
+            folder = self._root
+        else:
+            return UriFault(
+                "JML210",
+                f"no Eclipse project '{project}' is known",
+                f"say where it is by --project {project}=FOLDER",
+            )
+        return self._file(os.path.relpath(folder / rest, Path(base.display).parent), base)
+
+    def _in_library(self, path: str) -> FileTarget | UriFault:
+        real = Path(os.path.realpath(self._library / path))
+        if real.is_relative_to(self._library) and os.path.isfile(real):  # noqa: PTH113 -- as above
+            return FileTarget(real, _shown(real), is_library=True)
+        known = [str(each.relative_to(self._library)) for each in self._library.rglob("*.xmi")]
+        return UriFault("JML212", f"the library has no model '{path}'", suggest(path, known))
+
+
+def _shown(path: Path) -> str:
+    here = Path.cwd()
+    return str(path.relative_to(here)) if path.is_relative_to(here) else str(path)

@@ -1,0 +1,354 @@
+"""Writer of models as XMI 2.0, byte for byte as EMF saves them.
+
+What Eclipse saves again is then what stands in the file already, so that edits show as small
+differences: attributes in the order of the metamodel, values that equal their default left out,
+`xsi:type` only where the class is not that of the feature, numbers as Java prints them.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+import re
+import shutil
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+from urllib.parse import quote
+
+from jausml.language.metamodel import DataTypeTable, FeatureKind, FeatureTable, ValueKind
+from jausml.language.metamodel.filling import count, is_set
+from jausml.language.model.uris import LIBRARY_URI, library_root
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from jausml.language.metamodel import ClassTable
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.model import Model
+
+_ESCAPES = {"&": "&amp;", "<": "&lt;", '"': "&quot;", "\n": "&#xA;", "\r": "&#xD;", "\t": "&#x9;"}
+_ESCAPED = re.compile('[&<"\n\r\t]')
+_TEXT_ESCAPES = {"&": "&amp;", "<": "&lt;", "\r": "&#xD;", "]]>": "]]&gt;"}
+_TEXT_ESCAPED = re.compile("[&<\r]|]]>")
+_NOT_XML = re.compile("[\0-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
+# Other texts mean something else, or nothing, where references stand side by side.
+_REFERABLE = re.compile(r"[^\s/#:?%][^\s#:?%]*")
+_XMI = ' xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"'
+_XSI = ' xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"'
+
+
+class UnwritableError(ValueError):
+    """A model holds what XMI cannot say: a character, or a reference to no document."""
+
+
+def to_xmi(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]) -> str:
+    """Returns root elements with all that they own as an XMI document.
+
+    Args:
+        roots: The root elements of the document. Several are written inside `xmi:XMI`.
+        model: Knows their ids, and where elements of other documents stand.
+        path: The file that the text is meant for. Hrefs to other documents are relative to it;
+            the library is named by its URI, but by a path in the shipped models themselves.
+
+    Raises:
+        UnwritableError: A text has a character that XML cannot hold, or a reference leads to an
+            element that neither the roots nor a document of the model own.
+    """
+    return _DocumentWriter(roots, model, Path(path)).text()
+
+
+def write_model(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]) -> None:
+    """Writes root elements to a file, which is either old or new at any moment.
+
+    Args:
+        roots: The root elements of the document.
+        model: Knows their ids, and where elements of other documents stand.
+        path: The file.
+
+    Raises:
+        UnwritableError: As `to_xmi` says; the file is left alone.
+        OSError: The file cannot be written; it is left as it was.
+    """
+    replace_file(Path(path), to_xmi(roots, model, path).encode("utf-8"))
+
+
+def replace_file(path: Path, data: bytes) -> None:
+    """Writes a file so that it is either old or new at any moment.
+
+    Args:
+        path: The file; a symbolic link is followed. A file that is there keeps its permissions.
+        data: Its new content.
+
+    Raises:
+        OSError: The file cannot be written; it is left as it was.
+    """
+    real = Path(os.path.realpath(path))
+    temporary = real.with_name(f".{real.name}.{os.getpid()}.jausml-tmp")
+    try:
+        temporary.write_bytes(data)
+        if real.exists():
+            shutil.copymode(real, temporary)
+        temporary.replace(real)
+    except BaseException as error:
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            # Nobody but this function knows the temporary file.
+            error.filename, error.filename2 = str(path), None
+        raise
+
+
+class _DocumentWriter:
+    """Writes one document."""
+
+    def __init__(self, roots: Sequence[EObject], model: Model, path: Path) -> None:
+        self._roots = list(roots)
+        self._model = model
+        self._home = model.document_of(self._roots[0]) if self._roots else None
+        self._class_of = model.metamodels.class_of
+        self._folder = Path(os.path.realpath(path)).parent
+        self._fragments: dict[EObject, str] = {}
+        self._identifiers: set[str] = set()
+        self._prefixes: set[str] = set()
+        self._has_types = False
+
+    def text(self) -> str:
+        several = len(self._roots) != 1
+        for position, root in enumerate(self._roots):
+            self._name_fragments(root, f"/{position}" if several else "/")
+        lines: list[str] = []
+        for root in self._roots:
+            table = self._class_of(root)
+            tag = self._tag(table)
+            # The namespaces are known only when all is written: they replace this mark.
+            mark = "" if several else "\0"
+            lines += self._element(root, table, tag, mark, "  " if several else "")
+        head = _XMI + (_XSI if self._has_types else "") + "".join(self._namespaces())
+        if several:
+            end = [*lines, "</xmi:XMI>"] if lines else []
+            lines = [f"<xmi:XMI{head}{'' if lines else '/'}>", *end]
+        else:
+            lines[0] = lines[0].replace("\0", head, 1)
+        return "\n".join(['<?xml version="1.0" encoding="UTF-8"?>', *lines, ""])
+
+    def _namespaces(self) -> Iterator[str]:
+        packages = self._model.metamodels.packages.values()
+        for name, uri in sorted((each.name, each.ns_uri) for each in packages):
+            if name in self._prefixes:
+                yield f' xmlns:{name}="{attribute_text(uri)}"'
+
+    def _name_fragments(self, root: EObject, path: str) -> None:
+        """Notes how an element and all below it are referred to: by id, else by path."""
+        pending = [(root, path)]
+        while pending:
+            obj, at = pending.pop()
+            identifier = self._model.identifier(obj) or self._identifying_value(obj)
+            is_free = identifier not in self._identifiers and _REFERABLE.fullmatch(identifier or "")
+            self._fragments[obj] = identifier if identifier and is_free else at
+            self._identifiers.add(identifier or "")
+            for feature in self._class_of(obj).features.values():
+                if feature.kind is FeatureKind.CONTAINMENT and count(obj, feature):
+                    value = getattr(obj, feature.name)
+                    steps = [(value, f"{at}/@{feature.name}")]
+                    if feature.many:
+                        steps = [(e, f"{at}/@{feature.name}.{i}") for i, e in enumerate(value)]
+                    pending += [step for step in reversed(steps) if not self._is_apart(step[0])]
+
+    def _is_apart(self, obj: EObject) -> bool:
+        """Tells whether an owned element is the root of another document, which keeps it."""
+        document = self._model.document_of(obj)
+        if document is None or document is self._home:
+            return False
+        return document.root_position(obj) is not None
+
+    def _identifying_value(self, obj: EObject) -> str | None:
+        """Returns the value of the attribute that identifies an element, None without one."""
+        feature = self._class_of(obj).id_feature
+        value = getattr(obj, feature.name) if feature is not None else None
+        return str(value) if value is not None else None
+
+    def _tag(self, table: ClassTable) -> str:
+        self._prefixes.add(table.package.name)
+        return table.qualified_name.replace(".", ":")
+
+    def _element(
+        self, obj: EObject, table: ClassTable, tag: str, head: str, indent: str
+    ) -> Iterator[str]:
+        """Yields the lines of an element."""
+        identifier = self._model.identifier(obj)
+        if identifier is not None and identifier != self._identifying_value(obj):
+            head += f' xmi:id="{attribute_text(identifier)}"'
+        attributes = [head]
+        features = []
+        for feature in table.features.values():
+            text = self._as_attribute(obj, feature)
+            if text is None:
+                features.append(feature)
+            elif text:
+                attributes.append(text)
+        lines = (line for each in features for line in self._children(obj, each, indent + "  "))
+        first = next(lines, None)
+        if first is None:
+            yield f"{indent}<{tag}{''.join(attributes)}/>"
+            return
+        yield f"{indent}<{tag}{''.join(attributes)}>"
+        yield first
+        yield from lines
+        yield f"{indent}</{tag.partition(' ')[0]}>"
+
+    def _as_attribute(self, obj: EObject, feature: FeatureTable) -> str | None:
+        """Returns ` name="value"`; empty when nothing is written, None for child elements."""
+        if feature.kind is FeatureKind.CONTAINER or not is_written(obj, feature):
+            return ""
+        value = getattr(obj, feature.name)
+        if feature.kind is FeatureKind.CONTAINMENT:
+            return None
+        if feature.kind is FeatureKind.ATTRIBUTE:
+            if feature.many or value is None:
+                return None
+            return f' {feature.name}="{attribute_text(lexical(value, feature))}"'
+        targets = list(value) if feature.many else [value]
+        if not all(target in self._fragments for target in targets):
+            return None
+        return f' {feature.name}="{attribute_text(" ".join(self._fragments[t] for t in targets))}"'
+
+    def _children(self, obj: EObject, feature: FeatureTable, indent: str) -> Iterator[str]:
+        """Yields the child elements of a feature."""
+        name = feature.name
+        value = getattr(obj, name)
+        for each in value if feature.many else [value]:
+            if each is None:
+                self._has_types = True
+                yield f'{indent}<{name} xsi:nil="true"/>'
+            elif feature.kind is FeatureKind.ATTRIBUTE:
+                yield f"{indent}<{name}>{element_text(lexical(each, feature))}</{name}>"
+            else:
+                table = self._class_of(each)
+                tag = name + self._type_attribute(table, feature)
+                if feature.kind is FeatureKind.CONTAINMENT and not self._is_apart(each):
+                    yield from self._element(each, table, tag, "", indent)
+                else:
+                    yield f'{indent}<{tag} href="{attribute_text(self._href(each))}"/>'
+
+    def _type_attribute(self, table: ClassTable, feature: FeatureTable) -> str:
+        if table is feature.target:
+            return ""
+        self._has_types = True
+        return f' xsi:type="{self._tag(table)}"'
+
+    def _href(self, target: EObject) -> str:
+        if target in self._fragments:
+            return f"#{self._fragments[target]}"
+        return external_href(target, self._model, self._folder)
+
+
+def external_href(target: EObject, model: Model, folder: Path) -> str:
+    """Returns the URI and fragment by which files name an element of another document.
+
+    Args:
+        target: The element.
+        model: Knows its document.
+        folder: The folder of the file, symbolic links followed. Within the shipped models, the
+            library is named by a path.
+
+    Raises:
+        UnwritableError: No document of the model owns the element.
+    """
+    document = model.document_of(target)
+    fragment = model.fragment(target)
+    if document is None or not fragment:
+        name = getattr(target, "name", None) or target.eClass.name
+        raise UnwritableError(f"'{name}' is referred to, but stands in no document")
+    library = Path(os.path.realpath(library_root()))
+    if document.is_library and not folder.is_relative_to(library.parent):
+        place = document.path.relative_to(library).as_posix()
+        return f"{LIBRARY_URI}{quote(place)}#{fragment}"
+    place = Path(os.path.relpath(document.path, folder)).as_posix()
+    return f"{quote(place)}#{fragment}"
+
+
+def is_written(obj: EObject, feature: FeatureTable) -> bool:
+    """Tells whether a feature must be written: reading without it would not yield its value.
+
+    Args:
+        obj: An element.
+        feature: A feature of its class.
+    """
+    if feature.many:
+        return count(obj, feature) > 0
+    if feature.unsettable:
+        return is_set(obj, feature)
+    return _differs(getattr(obj, feature.name), feature.default)
+
+
+def _differs(value: Any, default: Any) -> bool:
+    if isinstance(value, float) and isinstance(default, float):
+        # As Java compares doubles: NaN is itself, and 0.0 is not -0.0.
+        return java_double(value) != java_double(default)
+    return bool(value != default)
+
+
+def lexical(value: Any, feature: FeatureTable) -> str:
+    """Returns a value of an attribute as EMF writes it.
+
+    Args:
+        value: The value, as the reader makes it.
+        feature: The attribute.
+    """
+    kind = cast("DataTypeTable", feature.data_type).kind
+    if kind is ValueKind.ENUMERATION:
+        return str(value.literal or value.name) if hasattr(value, "name") else str(value)
+    if kind is ValueKind.BOOLEAN:
+        return "true" if value else "false"
+    if kind is ValueKind.REAL:
+        return java_double(float(value))
+    return str(value)
+
+
+def java_double(value: float) -> str:
+    """Returns a number as Java's `Double.toString` and so EMF writes it.
+
+    Args:
+        value: Any number.
+    """
+    if math.isnan(value):
+        return "NaN"
+    if math.isinf(value):
+        return "Infinity" if value > 0 else "-Infinity"
+    if value == 0 or 1e-3 <= abs(value) < 1e7:
+        text = repr(value)
+        if "e" not in text:
+            return text
+    mantissa, _, exponent = f"{value!r}".partition("e")
+    sign = "-" if mantissa.startswith("-") else ""
+    whole, _, fraction = mantissa.lstrip("-").partition(".")
+    digits = (whole + fraction).lstrip("0")
+    point = int(exponent or 0) + len(whole) - (len(whole + fraction) - len(digits))
+    digits = digits.rstrip("0")
+    return f"{sign}{digits[0]}.{digits[1:] or '0'}E{point - 1}"
+
+
+def attribute_text(text: str) -> str:
+    """Returns a text as it stands between the quotation marks of an XML attribute.
+
+    Raises:
+        UnwritableError: XML cannot hold one of its characters.
+    """
+    return _ESCAPED.sub(lambda match: _ESCAPES[match.group()], _checked(text))
+
+
+def element_text(text: str) -> str:
+    """Returns a text as it stands in an XML element.
+
+    Raises:
+        UnwritableError: XML cannot hold one of its characters.
+    """
+    return _TEXT_ESCAPED.sub(lambda match: _TEXT_ESCAPES[match.group()], _checked(text))
+
+
+def _checked(text: str) -> str:
+    wrong = _NOT_XML.search(text)
+    if wrong:
+        raise UnwritableError(f"XML cannot hold the character {wrong.group()!a}")
+    return text

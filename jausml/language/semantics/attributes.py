@@ -1,0 +1,132 @@
+"""Attributes at the end of paths: what a path of a map leads to, and why one leads nowhere."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from typing import TypeAlias
+
+    from jausml.language.metamodel.classes import jaus, ros
+
+    JausPart: TypeAlias = jaus.Field | jaus.SubField | jaus.Alternative
+    Part: TypeAlias = JausPart | ros.Field
+
+NUMBER = "number"
+NUMBERS = "numbers"
+BOOL = "bool"
+TEXT = "text"
+OCTETS = "octets"
+LIST = "list"
+TIME_STAMP = "TimeStamp"
+TIME = "builtin_interfaces/Time"
+
+LARGEST_SINGLE = 3.4028234663852886e38
+UNSTATED = "unstated"
+
+_INTEGER_ROS = {
+    **{f"int{n}": (-(2 ** (n - 1)), 2 ** (n - 1) - 1) for n in (8, 16, 32, 64)},
+    **{f"uint{n}": (0, 2**n - 1) for n in (8, 16, 32, 64)},
+    "char": (0, 255),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Attribute:
+    """The end of a path: the attribute that it leads to.
+
+    Attributes:
+        kind: `number`, `numbers`, `bool`, `text`, `octets`, `list`, `TimeStamp`, the full name of a
+            ROS type (`geometry_msgs/Quaternion`), or empty for what no assignment can fill or read.
+        name: How messages call it, such as `a list` or `geometry_msgs/Pose`.
+        integral: Whether a number is an integer.
+        lower: Smallest legal number, None for no limit.
+        upper: Largest legal number, None for no limit.
+        values: Legal integers and ranges of a JAUS value set, empty for no restriction.
+        length: Largest number of bytes or characters of a text, None for no limit.
+        encoding: Encoding of a text on the wire.
+        optional: Whether it is a JAUS field that a message may leave out.
+        named: Whether the value set of a number gives single values a meaning.
+        step: Distance between neighbouring numbers: 1 for integers, the least significant bit of
+            scaled JAUS fields; None for floating point.
+        is_single: Whether it is a number of single precision.
+        units: Unit of its numbers as the model writes it, empty when none is known.
+        frame: Name of the `Frame` literal of its numbers.
+        label: Name of the innermost member, which tells the axis: `Yaw`, `x`.
+        constants: Names of single values, with the values as text.
+        carries: Whether it is a JAUS field that may carry a whole JAUS message.
+        count: Number of elements of a fixed array, None for others.
+        is_ros: Whether it belongs to a ROS message.
+        field: The field or sub-field of the model, None where there is none.
+    """
+
+    kind: str
+    name: str
+    integral: bool = False
+    lower: float | None = None
+    upper: float | None = None
+    values: tuple[tuple[float, float], ...] = ()
+    length: int | None = None
+    encoding: str = "utf-8"
+    optional: bool = False
+    named: bool = False
+    step: float | None = None
+    is_single: bool = False
+    units: str = ""
+    frame: str = UNSTATED
+    label: str = ""
+    constants: tuple[tuple[str, str], ...] = ()
+    carries: bool = False
+    count: int | None = None
+    is_ros: bool = False
+    field: Part | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class PathFault:
+    """Why a path leads nowhere."""
+
+    message: str
+    hint: str = ""
+
+
+Found = Attribute | PathFault | None
+"""None: what the path leads through was not read, so nothing can be said."""
+
+
+def nearest_name(name: str, fields: Iterable[Part]) -> str:
+    """Returns a hint for a name that is not among those of some fields.
+
+    Args:
+        name: The name.
+        fields: Elements with names.
+    """
+    known = [field.name for field in fields if field.name]
+    near = [k for k in known if k.lower() == name.lower()] or get_close_matches(name, known, n=1)
+    if near:
+        return f"did you mean '{near[0]}'?"
+    return f"it has {', '.join(known)}" if 0 < len(known) <= 8 else ""
+
+
+def primitive(kind: str) -> Attribute:
+    """Returns what a value of a ROS primitive type is.
+
+    Args:
+        kind: Name of the type, such as `float64`.
+    """
+    if kind == "bool":
+        return Attribute(BOOL, "a bool")
+    if kind in ("string", "wstring"):
+        return Attribute(TEXT, "text")
+    if kind in _INTEGER_ROS:
+        lower, upper = _INTEGER_ROS[kind]
+        return Attribute(NUMBER, "a number", integral=True, lower=lower, upper=upper, step=1)
+    if kind == "float32":
+        limit = LARGEST_SINGLE
+        return Attribute(NUMBER, "a number", lower=-limit, upper=limit, is_single=True)
+    if kind == "float64":
+        return Attribute(NUMBER, "a number")
+    return Attribute("", f"a {kind}")

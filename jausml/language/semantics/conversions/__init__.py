@@ -1,0 +1,59 @@
+"""Conversions by meaning, one class for each literal of `bridge.ConversionKind`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.language.semantics.conversions import angles, authored, grids, numbers, orientations, times
+from jausml.language.semantics.conversions.conversion import (
+    ANY,
+    VALUE,
+    Argument,
+    ArgumentKind,
+    Conversion,
+    NoValueError,
+    UnitEffect,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from jausml.language.metamodel.classes import bridge
+
+__all__ = [
+    "ANY",
+    "CONVERSIONS",
+    "VALUE",
+    "Argument",
+    "ArgumentKind",
+    "Conversion",
+    "NoValueError",
+    "UnitEffect",
+    "conversion_of",
+    "conversions_between",
+]
+
+_MODULES = (numbers, angles, orientations, times, grids, authored)
+CONVERSIONS: Mapping[str, Conversion] = {
+    each.name: each for module in _MODULES for each in module.CONVERSIONS
+}
+"""All conversions by name."""
+
+
+def conversion_of(element: bridge.Conversion) -> Conversion:
+    """Returns what a conversion of a model means."""
+    return CONVERSIONS[element.kind.name]
+
+
+def conversions_between(inputs: Sequence[str], output: str) -> list[str]:
+    """Returns the names of the conversions that lead from some kinds to another.
+
+    Args:
+        inputs: Kinds of the values at hand.
+        output: The kind that is wanted.
+    """
+    return [
+        each.name
+        for each in CONVERSIONS.values()
+        if each.inputs == tuple(inputs) and each.outputs == (output,)
+    ]

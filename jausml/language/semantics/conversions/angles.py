@@ -1,0 +1,117 @@
+"""Conversions of one angle."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from jausml.language.semantics.conversions.conversion import (
+    DEGREE,
+    RADIAN,
+    Conversion,
+    linear_interval,
+)
+from jausml.language.semantics.conversions.orientations import TURN
+from jausml.language.semantics.frame_names import ENU, NED
+
+if TYPE_CHECKING:
+    from jausml.language.attributes.intervals import Interval
+
+
+def _direction(angle: float) -> float:
+    """The angle of the vector that an angle points to, in [-pi, pi]."""
+    if not math.isfinite(angle):
+        return math.nan
+    return math.atan2(math.sin(angle), math.cos(angle))
+
+
+class DegreesToRadians(Conversion):
+    """Degrees to radians."""
+
+    name = "degrees_to_radians"
+    formula = "math.radians({0})"
+    units = (DEGREE, RADIAN)
+    inverse = "radians_to_degrees"
+    keeps_sign = keeps_quantity = True
+
+    def forward(self, value: float) -> float:
+        """By half a turn."""
+        return value * math.pi / 180
+
+    def interval(self, value: Interval) -> Interval:
+        """Both ends."""
+        return linear_interval(value, math.radians(1.0))
+
+
+class RadiansToDegrees(Conversion):
+    """Radians to degrees."""
+
+    name = "radians_to_degrees"
+    formula = "math.degrees({0})"
+    units = (RADIAN, DEGREE)
+    inverse = "degrees_to_radians"
+    keeps_sign = keeps_quantity = True
+
+    def forward(self, value: float) -> float:
+        """By half a turn."""
+        return value * 180 / math.pi
+
+    def interval(self, value: Interval) -> Interval:
+        """Both ends."""
+        return linear_interval(value, math.degrees(1.0))
+
+
+class NedHeadingToEnuYaw(Conversion):
+    """Heading clockwise from north to yaw counter-clockwise from east, wrapped to [-pi, pi]."""
+
+    name = "ned_heading_to_enu_yaw"
+    units = (RADIAN, RADIAN)
+    frames = (NED, ENU)
+    takes_axes = gives_axes = ("z",)
+    inverse = "enu_yaw_to_ned_heading"
+    limits = (TURN,)
+    is_of_turns = True
+
+    def forward(self, value: float) -> float:
+        """The rest to a quarter turn."""
+        return _direction(math.pi / 2 - value)
+
+
+class EnuYawToNedHeading(Conversion):
+    """Yaw counter-clockwise from east to heading clockwise from north, wrapped to [-pi, pi]."""
+
+    name = "enu_yaw_to_ned_heading"
+    units = (RADIAN, RADIAN)
+    frames = (ENU, NED)
+    takes_axes = gives_axes = ("z",)
+    inverse = "ned_heading_to_enu_yaw"
+    limits = (TURN,)
+    is_of_turns = True
+
+    def forward(self, value: float) -> float:
+        """The rest to a quarter turn."""
+        return _direction(math.pi / 2 - value)
+
+
+class WrapAngle(Conversion):
+    """An angle in radians wrapped to [-pi, pi]."""
+
+    name = "wrap_angle"
+    is_of_need = True
+    units = (RADIAN, RADIAN)
+    limits = (TURN,)
+    is_of_turns = True
+    keeps_sign = keeps_quantity = True
+
+    def forward(self, value: float) -> float:
+        """The angle of the vector that it points to."""
+        return _direction(value)
+
+
+CONVERSIONS = (
+    DegreesToRadians(),
+    RadiansToDegrees(),
+    NedHeadingToEnuYaw(),
+    EnuYawToNedHeading(),
+    WrapAngle(),
+)

@@ -1,0 +1,144 @@
+"""Authored conversions: what they do stands in the model or in the skeleton."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from jausml.language.attributes import intervals
+from jausml.language.attributes.expressions import (
+    EvaluationError,
+    evaluate,
+    interval,
+    variables,
+)
+from jausml.language.attributes.intervals import EVERYTHING, Interval
+from jausml.language.semantics.conversions.conversion import (
+    ANY,
+    VALUE,
+    Argument,
+    ArgumentKind,
+    Conversion,
+    NoValueError,
+    UnitEffect,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from typing import TypeAlias
+
+    from jausml.language.attributes import expressions
+
+    Scalar: TypeAlias = float | str
+    Pairs: TypeAlias = Sequence[tuple[Scalar, Scalar]]
+
+_NOT_NEGATIVE = (0.0, float("inf"))
+
+
+@dataclass(frozen=True, slots=True)
+class Formula:
+    """An expression of the model.
+
+    Attributes:
+        expression: The expression.
+        names: What its names stand for: positions of inputs, -1 for a counter of list elements.
+    """
+
+    expression: expressions.Expression
+    names: Mapping[str, int]
+
+
+class WithUnits(Conversion):
+    """States the units of the value at this point where its type has none; no number is changed."""
+
+    name = "with_units"
+    arguments = (Argument("units", ArgumentKind.TEXT),)
+    units = UnitEffect.STATED
+    inverse = "with_units"
+    changes_nothing = is_in_place = True
+    keeps_sign = keeps_integers = keeps_quantity = True
+
+    def forward(self, value: float, _units: str = "") -> float:
+        """The value itself."""
+        return value
+
+    def interval(self, value: Interval, _units: str = "") -> Interval:
+        """Its range itself."""
+        return value
+
+
+class LookUp(Conversion):
+    """The counterpart of the value in a table of the map.
+
+    It is that of the JAUS value towards ROS, of the ROS value towards JAUS. A value that the table
+    lacks drops the message.
+    """
+
+    name = "look_up"
+    inputs = outputs = (VALUE,)
+    arguments = (Argument("table", ArgumentKind.TABLE),)
+
+    def forward(self, value: Scalar, table: Pairs) -> Scalar:
+        """The other one of the first pair that has the value."""
+        for found, other in table:
+            if found == value:
+                return other
+        raise NoValueError(self.name)
+
+    def interval(self, _value: Interval, table: Pairs) -> Interval:
+        """From the least to the greatest counterpart."""
+        found = [other for _, other in table]
+        numbers = [each for each in found if not isinstance(each, str)]
+        if not numbers or len(numbers) < len(found):
+            return EVERYTHING
+        return min(numbers), max(numbers)
+
+
+class Expression(Conversion):
+    """The value of an arithmetic expression over the sources."""
+
+    name = "expression"
+    inputs = ("number+",)
+    arguments = (Argument("expression", ArgumentKind.FORMULA),)
+    is_in_place = may_be_truth = True
+
+    def forward(self, *given: Any) -> float:
+        """The value for the inputs, then the formula."""
+        *values, formula = given
+        try:
+            known = {name: values[at] for name, at in formula.names.items() if at >= 0}
+            return evaluate(formula.expression, known)
+        except (EvaluationError, KeyError, IndexError) as error:
+            raise NoValueError(self.name) from error
+
+    def interval(self, *given: Any) -> Interval:
+        """The range for those of the inputs, then the formula."""
+        *known, formula = given
+        names = formula.names
+        used = variables(formula.expression)
+        if not all(name in names and names[name] < len(known) for name in used):
+            return EVERYTHING
+        ranges = {
+            name: known[at] if at >= 0 else _NOT_NEGATIVE
+            for name, at in names.items()
+            if name in used
+        }
+        found = interval(formula.expression, ranges)
+        return intervals.EMPTY if found is None else found
+
+
+class User(Conversion):
+    """A method of the skeleton of the bridge, which the user writes."""
+
+    name = "user"
+    inputs = (f"{ANY}+",)
+    outputs = (ANY,)
+    arguments = (Argument("method", ArgumentKind.METHOD),)
+    is_in_place = True
+
+    def forward(self, *_given: Any) -> Any:
+        """Nobody but the user knows."""
+        raise NoValueError(self.name)
+
+
+CONVERSIONS = (WithUnits(), LookUp(), Expression(), User())

@@ -1,0 +1,262 @@
+"""Base of all conversions: what the toolchain knows of one."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from jausml.language.attributes.intervals import EMPTY, EVERYTHING, Interval, is_empty, product, total
+from jausml.language.semantics.attributes import BOOL, LIST, NUMBER, NUMBERS, TEXT
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+ANY = "any"
+VALUE = "value"
+QUATERNION = "geometry_msgs/Quaternion"
+RADIAN, DEGREE, PERCENT, ONE = "radian", "degree", "percent", "1"
+OWN = "same"
+"""Stands for the unit of the quantity that a conversion refers to."""
+
+_INSTANCES = {VALUE: (NUMBER, BOOL, TEXT), NUMBERS: (LIST,), NUMBER: (VALUE,)}
+
+
+class NoValueError(ValueError):
+    """An input that a conversion has no result for, or that it cuts off on purpose."""
+
+
+class ArgumentKind(Enum):
+    """What an argument of a conversion is: a formula is a text that is an expression."""
+
+    NUMBER = "number"
+    TEXT = "text"
+    FORMULA = "formula"
+    METHOD = "method"
+    TABLE = "table"
+
+
+_REFERRED = {ArgumentKind.NUMBER: "bridge.Quantity", ArgumentKind.TABLE: "bridge.ValueTable"}
+
+
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """A parameter of a conversion; each is required.
+
+    Attributes:
+        name: How documentation and messages call it.
+        kind: What it is. A number may be a quantity of the map too.
+    """
+
+    name: str
+    kind: ArgumentKind = ArgumentKind.NUMBER
+
+    @property
+    def feature(self) -> str:
+        """The feature of `bridge.Conversion` that holds it."""
+        return "arguments" if self.kind is ArgumentKind.NUMBER else self.name
+
+    @property
+    def refers_to(self) -> str:
+        """The class of the elements that a name in its place refers to; empty for none."""
+        return _REFERRED.get(self.kind, "")
+
+    @property
+    def is_text(self) -> bool:
+        """Whether it is written in quotes."""
+        return self.kind in (ArgumentKind.TEXT, ArgumentKind.FORMULA)
+
+
+MAXIMUM = Argument("maximum")
+"""What values are measured against or limited by: a number above zero."""
+
+
+class UnitEffect(Enum):
+    """What becomes of the unit of a number, where a conversion is not from one unit to another."""
+
+    SAME = "same"
+    ANY = "any"
+    SQUARE = "square"
+    ROOT = "root"
+    STATED = "stated"
+
+
+class Conversion(ABC):
+    """What one literal of `bridge.ConversionKind` means.
+
+    The runtime has a function of the same name, which bridges call; here stands what the toolchain
+    knows of it. `forward` computes the same on another way, so that generated tests and the tests
+    of the runtime compare two computations.
+
+    Attributes:
+        name: Name of the literal.
+        inputs: Kinds of the values that it takes; a `+` behind one stands for one or more.
+        outputs: Kinds of the values that it yields.
+        arguments: Its parameters, in the order in which they are written.
+        units: What becomes of the unit, or the units that it takes and yields.
+        frames: Frames that it takes and yields, empty when it has nothing to do with frames.
+        takes_axes: Axes of what a conversion between frames takes; empty text for an orientation.
+        gives_axes: Axes of what a conversion between frames yields.
+        inverse: Name of the conversion that leads back, with the same arguments; may be empty.
+        limits: Ranges of the results when they do not depend on the inputs, else empty.
+        is_of_turns: Whether whole turns of its result do not count.
+        changes_nothing: Whether it only states something about the value.
+        keeps_sign: Whether a result has the sign of its input, or is zero.
+        keeps_integers: Whether it makes integers of integers.
+        keeps_size: Whether integers that it makes have no more digits than those that it gets.
+        keeps_quantity: Whether the result measures the same, perhaps in another unit: of a standard
+            deviation it makes no variance.
+        is_in_place: Whether generated code has something else than a call of the runtime for it.
+        needs_clock: Whether the function of the runtime is told the present time, as `near`.
+        may_be_truth: Whether a bool takes its result, as 1 or 0.
+        turns_sign: Whether it changes the sign and nothing else.
+        takes_factor: Whether its argument is a factor, which the author of a map alone knows.
+        is_of_need: Whether it is meant only where nothing simpler fits, since what it makes is no
+            longer the quantity or the order that the input has.
+        formula: The arithmetic of the runtime's function, as Python text with `{0}` for the first
+            of its parameters; empty where that is more than an expression.
+    """
+
+    name: ClassVar[str]
+    formula: ClassVar[str] = ""
+    inputs: ClassVar[tuple[str, ...]] = (NUMBER,)
+    outputs: ClassVar[tuple[str, ...]] = (NUMBER,)
+    arguments: ClassVar[tuple[Argument, ...]] = ()
+    units: ClassVar[UnitEffect | tuple[str, str]] = UnitEffect.ANY
+    frames: ClassVar[tuple[str, ...]] = ()
+    takes_axes: ClassVar[tuple[str, ...]] = ()
+    gives_axes: ClassVar[tuple[str, ...]] = ()
+    inverse: ClassVar[str] = ""
+    limits: ClassVar[tuple[Interval, ...]] = ()
+    is_of_turns: ClassVar[bool] = False
+    changes_nothing: ClassVar[bool] = False
+    keeps_sign: ClassVar[bool] = False
+    keeps_integers: ClassVar[bool] = False
+    keeps_size: ClassVar[bool] = True
+    keeps_quantity: ClassVar[bool] = False
+    is_in_place: ClassVar[bool] = False
+    needs_clock: ClassVar[bool] = False
+    may_be_truth: ClassVar[bool] = False
+    turns_sign: ClassVar[bool] = False
+    takes_factor: ClassVar[bool] = False
+    is_of_need: ClassVar[bool] = False
+
+    @abstractmethod
+    def forward(self, *given: Any, **named: Any) -> Any:
+        """Returns the result: a tuple of parts for messages and for several outputs.
+
+        Args:
+            given: The inputs, then the arguments.
+            named: The present time, where the conversion needs it.
+
+        Raises:
+            NoValueError: There is none.
+        """
+
+    def interval(self, *_given: Any, **_named: Any) -> Interval:
+        """Returns the range of the result, never narrower than the truth.
+
+        Args:
+            _given: Ranges of the inputs, none of which is empty, then the arguments.
+            _named: Nothing.
+        """
+        return EVERYTHING
+
+    def back(self, *_given: Any, **_named: Any) -> float:
+        """Returns the only input that gives a result, where no other conversion leads back.
+
+        Args:
+            _given: The result, then the arguments.
+            _named: Nothing.
+        """
+        raise NoValueError(self.name)
+
+    def leads_back(self, *_arguments: Any) -> bool:
+        """Tells whether each number that it yields comes from one number alone."""
+        is_plain = self.inputs == self.outputs == (NUMBER,) and not self.is_of_turns
+        return bool(self.inverse) and is_plain
+
+    def loses(self, *_given: Any, **_named: Any) -> bool:
+        """Tells whether it takes something of an input away on purpose.
+
+        Args:
+            _given: The inputs, then the arguments.
+            _named: Nothing.
+        """
+        return False
+
+    def sign(self, *_arguments: Any) -> int | None:
+        """Returns what it makes of the sign of a number: 1, -1, or None where nothing is known."""
+        return 1 if self.keeps_sign else None
+
+    def fault(self, *_arguments: Any, **_named: Any) -> str:
+        """Says what is wrong with finite arguments; empty when nothing is."""
+        return ""
+
+    @property
+    def numbers(self) -> tuple[Argument, ...]:
+        """The arguments that are numbers."""
+        return tuple(each for each in self.arguments if each.kind is ArgumentKind.NUMBER)
+
+    @property
+    def own_argument(self) -> Argument | None:
+        """The argument that is no number, for which the model has a feature of its own."""
+        found = (each for each in self.arguments if each.kind is not ArgumentKind.NUMBER)
+        return next(found, None)
+
+    @property
+    def call(self) -> str:
+        """How it is written, such as `scale(factor)`."""
+        names = ", ".join(each.name for each in self.arguments)
+        return f"{self.name}({names})" if names else self.name
+
+    @property
+    def signature(self) -> str:
+        """How it is written, with what it takes and yields."""
+        units = self.units.value if isinstance(self.units, UnitEffect) else " ".join(self.units)
+        ends = f"{', '.join(self.inputs)} -> {', '.join(self.outputs)}"
+        return f"{self.call}: {ends}, units {units}"
+
+    @property
+    def documentation(self) -> str:
+        """What it does, as the literal says it too."""
+        return " ".join((self.__doc__ or "").split())
+
+    def ranges(self, known: Sequence[Interval], arguments: Sequence[Any]) -> list[Interval]:
+        """Returns the range of each result.
+
+        Args:
+            known: Ranges of the inputs; those of what is no number are infinite.
+            arguments: The arguments.
+        """
+        if self.limits:
+            return list(self.limits)
+        if any(map(is_empty, known)):
+            return [EMPTY]
+        if len(known) != len(self.inputs) and not self._takes_several:
+            return [EVERYTHING]
+        return [self.interval(*known, *arguments)]
+
+    def takes(self, kinds: Sequence[str]) -> bool:
+        """Tells whether values of some kinds are what it takes."""
+        if self._takes_several:
+            # The truth of a bool counts as 1 in expressions.
+            known = [NUMBER if kind == BOOL else kind for kind in kinds]
+            return bool(kinds) and all(_matches(kind, self.inputs[0][:-1]) for kind in known)
+        return len(kinds) == len(self.inputs) and all(map(_matches, kinds, self.inputs))
+
+    @property
+    def _takes_several(self) -> bool:
+        return self.inputs[-1].endswith("+")
+
+
+def _matches(kind: str, wanted: str) -> bool:
+    return wanted == ANY or kind == wanted or kind in _INSTANCES.get(wanted, ())
+
+
+def linear_interval(value: Interval, factor: float, offset: float = 0.0) -> Interval:
+    """Returns the range of the value times a factor plus an offset."""
+    if factor == 0.0:
+        return offset, offset
+    return total(product(value, (factor, factor)), (offset, offset))

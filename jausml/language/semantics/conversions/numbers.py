@@ -1,0 +1,327 @@
+"""Conversions of numbers."""
+
+from __future__ import annotations
+
+import math
+
+from jausml.language.attributes import intervals
+from jausml.language.attributes.intervals import EVERYTHING, Interval
+from jausml.language.semantics.attributes import NUMBER
+from jausml.language.semantics.conversions.conversion import (
+    MAXIMUM,
+    OWN,
+    PERCENT,
+    Argument,
+    Conversion,
+    NoValueError,
+    UnitEffect,
+    linear_interval,
+)
+
+
+class Negate(Conversion):
+    """The value with the opposite sign.
+
+    It is for y, z, pitch, yaw and their rates between JAUS axes (x forward, y right, z down) and
+    ROS axes (REP 103: x forward, y left, z up).
+    """
+
+    name = "negate"
+    turns_sign = True
+    formula = "-{0}"
+    units = UnitEffect.SAME
+    inverse = "negate"
+    keeps_integers = keeps_quantity = True
+
+    def forward(self, value: float) -> float:
+        """-1 times the value."""
+        return -1 * value
+
+    def interval(self, value: Interval) -> Interval:
+        """Both ends change places."""
+        return intervals.negated(value)
+
+    def sign(self) -> int:
+        """The opposite one."""
+        return -1
+
+
+class Scale(Conversion):
+    """The value times a factor."""
+
+    name = "scale"
+    takes_factor = True
+    formula = "{0} * {1}"
+    arguments = (Argument("factor"),)
+    keeps_quantity = True
+
+    def forward(self, value: float, factor: float) -> float:
+        """The product."""
+        return factor * value
+
+    def interval(self, value: Interval, factor: float) -> Interval:
+        """Both ends times the factor."""
+        return linear_interval(value, factor)
+
+    def back(self, value: float, factor: float) -> float:
+        """The quotient."""
+        return value / factor
+
+    def leads_back(self, factor: float) -> bool:
+        """Unless everything becomes zero."""
+        return factor != 0.0
+
+    def sign(self, factor: float) -> int | None:
+        """That of the factor."""
+        return int(math.copysign(1, factor)) if factor != 0.0 else None
+
+
+class Linear(Conversion):
+    """The value times a factor plus an offset."""
+
+    name = "linear"
+    formula = "{0} * {1} + {2}"
+    arguments = (Argument("factor"), Argument("offset"))
+    keeps_quantity = True
+
+    def forward(self, value: float, factor: float, offset: float) -> float:
+        """The sum."""
+        return offset + factor * value
+
+    def interval(self, value: Interval, factor: float, offset: float) -> Interval:
+        """Both ends times the factor, and moved."""
+        return linear_interval(value, factor, offset)
+
+    def back(self, value: float, factor: float, offset: float) -> float:
+        """The quotient of what is left without the offset."""
+        return (value - offset) / factor
+
+    def leads_back(self, factor: float, offset: float) -> bool:  # noqa: ARG002
+        """Unless everything becomes the offset."""
+        return factor != 0.0
+
+    def sign(self, factor: float, offset: float) -> int | None:
+        """That of the factor, where nothing is added."""
+        return int(math.copysign(1, factor)) if factor != 0.0 == offset else None
+
+
+class Clamp(Conversion):
+    """The value limited to a range, from minimum to maximum."""
+
+    name = "clamp"
+    arguments = (Argument("minimum"), Argument("maximum"))
+    units = UnitEffect.SAME
+    keeps_sign = keeps_integers = keeps_quantity = True
+
+    def forward(self, value: float, minimum: float, maximum: float) -> float:
+        """The one in the middle; not a number stays so."""
+        return min(max(value, minimum), maximum)
+
+    def interval(self, value: Interval, minimum: float, maximum: float) -> Interval:
+        """Both ends, limited."""
+        return min(max(value[0], minimum), maximum), max(min(value[1], maximum), minimum)
+
+    def loses(self, value: float, minimum: float, maximum: float) -> bool:
+        """Whether it is outside of the range."""
+        return not minimum <= value <= maximum
+
+    def fault(self, minimum: float, maximum: float) -> str:
+        """A range has its ends in order."""
+        if minimum > maximum:
+            return f"clamp has minimum {minimum:g} above maximum {maximum:g}"
+        return ""
+
+
+class Limit(Conversion):
+    """The value limited to a maximum in both directions, from minus the maximum to the maximum."""
+
+    name = "limit"
+    arguments = (MAXIMUM,)
+    units = (OWN, OWN)
+    keeps_sign = keeps_quantity = True
+
+    def forward(self, value: float, maximum: float) -> float:
+        """The one in the middle; not a number stays so."""
+        return sorted((-maximum, value, maximum))[1] if value == value else value
+
+    def interval(self, value: Interval, maximum: float) -> Interval:
+        """Both ends, limited."""
+        return max(-maximum, min(value[0], maximum)), min(maximum, max(value[1], -maximum))
+
+    def loses(self, value: float, maximum: float) -> bool:
+        """Whether its magnitude is above the maximum."""
+        return abs(value) > maximum
+
+    def fault(self, maximum: float) -> str:
+        """A maximum is above zero."""
+        return _maximum_fault(self.name, maximum)
+
+
+class Deadband(Conversion):
+    """Zero when the magnitude is below a width, else the value.
+
+    It hides the half step by which scaled integers miss zero.
+    """
+
+    name = "deadband"
+    arguments = (Argument("width"),)
+    units = UnitEffect.SAME
+    keeps_sign = keeps_integers = keeps_quantity = True
+
+    def forward(self, value: float, width: float) -> float:
+        """The value, unless it is near zero."""
+        return 0.0 if -width < value < width else value
+
+    def interval(self, value: Interval, width: float) -> Interval:
+        """With zero, where the band is touched."""
+        reaches = value[0] < width and value[1] > -width
+        return intervals.hull(value, (0.0, 0.0)) if reaches else value
+
+    def loses(self, value: float, width: float) -> bool:
+        """Whether it lies in the band."""
+        return abs(value) < width
+
+    def fault(self, width: float) -> str:
+        """A width is not negative."""
+        return f"deadband has the negative width {width:g}" if width < 0 else ""
+
+
+class Square(Conversion):
+    """The value squared: root mean square to variance."""
+
+    name = "square"
+    is_of_need = True
+    formula = "{0} * {0}"
+    units = UnitEffect.SQUARE
+    keeps_integers = True
+    keeps_size = False
+
+    def forward(self, value: float) -> float:
+        """The product with itself."""
+        return value * value
+
+    def interval(self, value: Interval) -> Interval:
+        """The squares."""
+        return intervals.power(value, (2.0, 2.0))
+
+
+class SquareRoot(Conversion):
+    """The square root of the value: variance to root mean square.
+
+    A negative value has none: ROS marks an unknown variance so.
+    """
+
+    name = "square_root"
+    is_of_need = True
+    units = UnitEffect.ROOT
+
+    def forward(self, value: float) -> float:
+        """The power of one half; not a number for negative ones."""
+        return value**0.5 if value >= 0 else math.nan
+
+    def interval(self, value: Interval) -> Interval:
+        """The roots of what is not negative."""
+        within = intervals.meet(value, (0.0, math.inf))
+        if intervals.is_empty(within):
+            return within
+        return math.sqrt(within[0]), math.sqrt(within[1])
+
+
+class CovarianceToRms(Conversion):
+    """The variances along three axes to one root mean square for each of the axes.
+
+    A negative variance, which ROS uses for unknown, gives no number.
+    """
+
+    name = "covariance_to_rms"
+    is_of_need = True
+    inputs = (NUMBER, NUMBER, NUMBER)
+    units = UnitEffect.ROOT
+
+    def forward(self, x: float, y: float, z: float) -> float:
+        """The length of the vector of deviations by the root of three."""
+        variances = (x, y, z)
+        if not all(each >= 0 for each in variances) or max(variances) == 0:
+            return math.nan
+        return math.hypot(*(each**0.5 for each in variances)) / math.sqrt(3)
+
+    def interval(self, x: Interval, y: Interval, z: Interval) -> Interval:
+        """The greatest of the three bounds their mean and their sum thrice."""
+        largest = max(0.0, x[1], y[1], z[1])
+        return 0.0, math.sqrt(3.0 * largest)
+
+
+class ValueToPercent(Conversion):
+    """The value in percent of a maximum."""
+
+    name = "value_to_percent"
+    takes_factor = True
+    arguments = (MAXIMUM,)
+    units = (OWN, PERCENT)
+    inverse = "percent_to_value"
+    keeps_sign = True
+
+    def forward(self, value: float, maximum: float) -> float:
+        """A hundred times the part of the maximum."""
+        if maximum == 0:
+            raise NoValueError(self.name)
+        return 100 * value / maximum
+
+    def interval(self, value: Interval, maximum: float) -> Interval:
+        """Both ends, in percent."""
+        return linear_interval(value, 100.0 / maximum) if maximum else EVERYTHING
+
+    def leads_back(self, maximum: float) -> bool:
+        """Unless nothing has a percentage."""
+        return maximum != 0.0
+
+    def fault(self, maximum: float) -> str:
+        """A maximum is above zero."""
+        return _maximum_fault(self.name, maximum)
+
+
+class PercentToValue(Conversion):
+    """Percent of a maximum to the value."""
+
+    name = "percent_to_value"
+    takes_factor = True
+    formula = "{0} / 100.0 * {1}"
+    arguments = (MAXIMUM,)
+    units = (PERCENT, OWN)
+    inverse = "value_to_percent"
+    keeps_sign = True
+
+    def forward(self, value: float, maximum: float) -> float:
+        """The hundredth of the product."""
+        return value * maximum / 100
+
+    def interval(self, value: Interval, maximum: float) -> Interval:
+        """Both ends times the hundredth of the maximum."""
+        return linear_interval(value, maximum / 100.0)
+
+    def leads_back(self, maximum: float) -> bool:
+        """Unless everything becomes zero."""
+        return maximum != 0.0
+
+    def fault(self, maximum: float) -> str:
+        """A maximum is above zero."""
+        return _maximum_fault(self.name, maximum)
+
+
+def _maximum_fault(name: str, maximum: float) -> str:
+    return f"{name} has the maximum {maximum:g}, which is not above 0" if maximum <= 0 else ""
+
+
+CONVERSIONS = (
+    Negate(),
+    Scale(),
+    Linear(),
+    Clamp(),
+    Limit(),
+    Deadband(),
+    Square(),
+    SquareRoot(),
+    CovarianceToRms(),
+    ValueToPercent(),
+    PercentToValue(),
+)

@@ -1,0 +1,101 @@
+"""Core services: which of them the runtime serves, and the codes of their messages (AS5710)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from jausml.language.metamodel.classes import jaus
+
+CORE = "urn:jaus:jss:core:"
+"""Prefix of the URNs of the core services (AS5710)."""
+
+SERVED_BY_RUNTIME = frozenset(
+    [
+        CORE + "AccessControl",
+        CORE + "Discovery",
+        CORE + "Events",
+        CORE + "ListManager",
+        CORE + "Liveliness",
+        CORE + "Liveness",
+        CORE + "Management",
+        CORE + "Time",
+        CORE + "Transport",
+        "urn:jaus:jss:iop:UnsolicitedHeartbeat",
+        "urn:jaus:jss:manipulator:ListManager",
+        "urn:jaus:jss:mobility:ListManager",
+    ]
+)
+"""Services whose messages and behaviour the runtime itself takes care of."""
+
+CORE_MESSAGES = {
+    "SetAuthority": 0x0001,
+    "Shutdown": 0x0002,
+    "Standby": 0x0003,
+    "Resume": 0x0004,
+    "Reset": 0x0005,
+    "SetEmergency": 0x0006,
+    "ClearEmergency": 0x0007,
+    "RequestControl": 0x000D,
+    "ReleaseControl": 0x000E,
+    "ConfirmControl": 0x000F,
+    "RejectControl": 0x0010,
+    "SetTime": 0x0011,
+    "CreateEvent": 0x01F0,
+    "UpdateEvent": 0x01F1,
+    "CancelEvent": 0x01F2,
+    "ConfirmEventRequest": 0x01F3,
+    "RejectEventRequest": 0x01F4,
+    "CreateCommandEvent": 0x01F6,
+    "SetElement": 0x041A,
+    "DeleteElement": 0x041B,
+    "ConfirmElementRequest": 0x041C,
+    "RejectElementRequest": 0x041D,
+    "RegisterServices": 0x0B00,
+    "QueryAuthority": 0x2001,
+    "QueryStatus": 0x2002,
+    "QueryTimeout": 0x2003,
+    "QueryControl": 0x200D,
+    "QueryTime": 0x2011,
+    "QueryEvents": 0x21F0,
+    "QueryEventTimeout": 0x21F2,
+    "QueryHeartbeatPulse": 0x2202,
+    "QueryElement": 0x241A,
+    "QueryElementList": 0x241B,
+    "QueryElementCount": 0x241C,
+    "QueryIdentification": 0x2B00,
+    "QueryConfiguration": 0x2B01,
+    "QuerySubsystemList": 0x2B02,
+    "QueryServices": 0x2B03,
+    "QueryServiceList": 0x2B04,
+    "ReportAuthority": 0x4001,
+    "ReportStatus": 0x4002,
+    "ReportTimeout": 0x4003,
+    "ReportControl": 0x400D,
+    "ReportTime": 0x4011,
+    "ReportEvents": 0x41F0,
+    "Event": 0x41F1,
+    "ReportEventTimeout": 0x41F2,
+    "CommandEvent": 0x41F6,
+    "ReportHeartbeatPulse": 0x4202,
+    "ReportElement": 0x441A,
+    "ReportElementList": 0x441B,
+    "ReportElementCount": 0x441C,
+    "ReportIdentification": 0x4B00,
+    "ReportConfiguration": 0x4B01,
+    "ReportSubsystemList": 0x4B02,
+    "ReportServices": 0x4B03,
+    "ReportServiceList": 0x4B04,
+}
+"""Codes of the messages that the runtime brings as `jausml_runtime.messages`, by name."""
+
+
+def is_core_message(message: jaus.MessageDef) -> bool:
+    """Tells whether the runtime brings the class of a message.
+
+    Args:
+        message: The message.
+    """
+    owner = message.eContainer()
+    of_core = owner is not None and str(owner.urn).startswith(CORE)
+    return of_core and CORE_MESSAGES.get(str(message.name)) == int(str(message.code), 16)

@@ -1,0 +1,165 @@
+"""Subject of the rules: a model, and which of its elements were read without an error."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from jausml.language.metamodel.classes import jaus, ros
+from jausml.language.model.diagnostics import Diagnostic, Severity
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Iterable, Mapping
+
+    from jausml.language.metamodel.classes.ecore import EClass, EObject
+    from jausml.language.model.model import Model
+
+ElementT = TypeVar("ElementT", bound="EObject")
+Fact = TypeVar("Fact")
+
+_Unread = frozenset[str] | None
+"""The features of an element that were not read; None where it may be any of them."""
+
+
+class Subject:
+    """A model as rules see it.
+
+    Features that could not be read have their defaults, which say nothing about the model: rules
+    look at elements of which all was read, or say which features they need. So one cause is one
+    error, and does not hide what else is wrong. The shipped library stays out of sight, unless
+    the user named one of its files.
+
+    Args:
+        model: The model.
+        diagnostics: What the reader found.
+    """
+
+    def __init__(self, model: Model, diagnostics: Iterable[Diagnostic] = ()) -> None:
+        self.model = model
+        self._by_class: dict[EClass, list[tuple[int, Any]]] = defaultdict(list)
+        self._count = 0
+        self._unread: dict[EObject, _Unread] = {}
+        self._damaged: set[EObject] = set()
+        self._facts: dict[Any, Any] = {}
+        errors: dict[str, dict[str, _Unread]] = defaultdict(dict)
+        for each in diagnostics:
+            if each.severity is Severity.ERROR and each.fragment and each.unread != frozenset():
+                of_file = errors[each.location.path]
+                of_file[each.fragment] = _joined(
+                    of_file.get(each.fragment, frozenset()), each.unread
+                )
+        for document in model.documents:
+            is_checked = document.given or not document.is_library
+            files_errors = errors.get(document.display, {})
+            if is_checked or files_errors:
+                self._index(document.roots, files_errors, is_checked=is_checked)
+
+    def _index(
+        self, roots: list[EObject], errors: Mapping[str, _Unread], *, is_checked: bool
+    ) -> None:
+        pending = list(reversed(roots))
+        while pending:
+            element = pending.pop()
+            if is_checked:
+                self._by_class[element.eClass].append((self._count, element))
+                self._count += 1
+            if errors and (fragment := self.model.fragment(element)) in errors:
+                self._mark(element, errors[fragment])
+            pending.extend(reversed(self.model.owned(element)))
+
+    def _mark(self, element: EObject, unread: _Unread) -> None:
+        self._unread[element] = unread
+        around: EObject | None = element
+        while around is not None:
+            self._damaged.add(around)
+            around = around.eContainer()
+
+    def instances(self, kind: type[ElementT], needs: Iterable[str] | None = None) -> list[ElementT]:
+        """Returns the sound elements of a class and of the classes that specialise it.
+
+        Args:
+            kind: The class, such as `jaus.Component`.
+            needs: The features that a rule cannot do without, where it looks at each of the others
+                by itself: of others that were not read it sees the defaults, and what it finds
+                there is dropped. By default all features were read.
+
+        Returns:
+            The elements in document order.
+        """
+        subtypes = self.model.metamodels.class_of(kind).subtypes
+        found = [pair for table in subtypes for pair in self._by_class.get(table.eclass, ())]
+        found.sort(key=lambda pair: pair[0])
+        if needs is None:
+            return [element for _, element in found if element not in self._unread]
+        names = frozenset(needs)
+        return [element for _, element in found if self.is_read(element, names)]
+
+    def once(self, find: Callable[[Subject], Fact]) -> Fact:
+        """Returns facts that several rules need, which are found when first asked for.
+
+        Args:
+            find: Finds them.
+        """
+        if find not in self._facts:
+            self._facts[find] = find(self)
+        found: Fact = self._facts[find]
+        return found
+
+    def is_read(self, element: EObject, needs: Iterable[str] | None = None) -> bool:
+        """Tells whether features of an element itself were read, all of them by default."""
+        unread = self._unread.get(element, frozenset())
+        if needs is None or unread is None:
+            return element not in self._unread
+        return unread.isdisjoint(needs)
+
+    def is_intact(self, *elements: EObject | None) -> bool:
+        """Tells whether elements are there and were read without an error, contents included."""
+        return all(each is not None and each not in self._damaged for each in elements)
+
+    def severity(self, element: EObject) -> Severity | None:
+        """Returns how grave a fault of an element's definition is: a warning in the library.
+
+        The library has the published services as they are. Whoever uses them cannot fix them,
+        and the other messages of the service are as good as any.
+
+        Returns:
+            Warning, or None where the rule decides.
+        """
+        return Severity.WARNING if self.model.is_library(element) else None
+
+    def assigned(self, element: EObject, values: Mapping[str, str]) -> str:
+        """Returns how the document of an element gives its features values, for a hint.
+
+        Args:
+            element: The element.
+            values: The values by feature.
+        """
+        document = self.model.document_of(element)
+        is_text = document is not None and document.notation is not None
+        form = "{}: {}" if is_text else '{}="{}"'
+        return " ".join(form.format(name, value) for name, value in values.items())
+
+    def path(self, element: EObject) -> str:
+        """Returns how messages name an element that stands elsewhere."""
+        return self.model.element_path(element)
+
+    def systems(
+        self, needs: Collection[str] | None = None
+    ) -> list[list[jaus.Component | ros.Node]]:
+        """Returns the components (bridges included) and nodes that live together.
+
+        They are those of one system; those without a system live together too.
+
+        Args:
+            needs: The features of theirs that a rule looks at, by default all.
+        """
+        groups: dict[EObject | None, list[jaus.Component | ros.Node]] = defaultdict(list)
+        for component in self.instances(jaus.Component, needs):
+            groups[component.eContainer()].append(component)
+        for node in self.instances(ros.Node, needs):
+            groups[node.eContainer()].append(node)
+        return list(groups.values())
+
+
+def _joined(first: _Unread, second: _Unread) -> _Unread:
+    return None if first is None or second is None else first | second

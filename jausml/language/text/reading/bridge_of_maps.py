@@ -1,0 +1,145 @@
+"""The bridge that carries all maps of a text, for those who say its address when they run a tool.
+
+So the paper runs its Figure 5: a file of maps, and the address and the frequency of a bridge.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.language.model.names import qualified_name
+from jausml.language.model.uris import LIBRARY_URI
+from jausml.language.semantics.ways import EVENT, MESSAGE, TO_JAUS, TO_ROS
+from jausml.language.text.reading.declaring.messages import message_feature
+from jausml.language.text.root_names import system_name
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from jausml.language.metamodel import Metamodels
+    from jausml.language.model.notation import Known
+    from jausml.language.model.xmi.parsing import Node
+    from jausml.language.text.bridge_options import BridgeOfMaps
+    from jausml.language.text.reading.declaring.declaring import Declarer
+    from jausml.language.text.reading.maps import WrittenEnd
+    from jausml.language.text.reading.nodes import NodeMaker
+    from jausml.language.text.tree import Span
+
+DISCOVERY = f"{LIBRARY_URI}jaus/core-1.1.xmi#Discovery"
+"""What every such bridge provides, so that those which search its services find it."""
+
+_BRIDGE = "_bridge"
+_INPUTS, _OUTPUTS = "inputs", "outputs"
+
+
+@dataclass(frozen=True, slots=True)
+class _MapWays:
+    """A map, the service that has its message, and where the connections go."""
+
+    name: str
+    span: Span
+    service: str
+    is_input: bool
+    to_ros: bool
+    to_jaus: bool
+
+
+def add_bridge(
+    options: BridgeOfMaps,
+    ends: Sequence[WrittenEnd],
+    declarer: Declarer,
+    known: Known,
+    nodes: NodeMaker,
+    metamodels: Metamodels,
+) -> list[Node]:
+    """Returns a system with a bridge that carries each map in the directions that it has.
+
+    The bridge provides the services whose messages it reports or takes, and finds components that
+    provide those of which it needs the other end.
+
+    Args:
+        options: What the bridge is.
+        ends: The ends of the maps of the text.
+        declarer: Knows which messages the text declares.
+        known: Knows the other messages.
+        nodes: Makes the nodes.
+        metamodels: The metamodels of the elements.
+    """
+    maps = list(_maps(ends, declarer, known))
+    if not maps:
+        return []
+    classes, span = metamodels.classes, maps[0].span
+    system = nodes.root(classes["system.System"], span)
+    name = system_name(options.path)
+    nodes.value(system, "name", name, span)
+    bridge = nodes.element(system, "bridges", classes["bridge.Bridge"], span)
+    nodes.value(bridge, "name", f"{name.removesuffix(_BRIDGE)}{_BRIDGE}", span)
+    nodes.value(bridge, "address", options.address, span)
+    if options.frequency is not None:
+        nodes.value(bridge, "frequency", f"{options.frequency!r}", span)
+    provided = dict.fromkeys(each.service for each in maps if _is_provided(each))
+    used = dict.fromkeys(each.service for each in maps if _is_used(each))
+    nodes.href(bridge, "provides", DISCOVERY, span)
+    for feature, services in (("provides", provided), ("uses", used)):
+        for service in services:
+            nodes.name(bridge, feature, service, span)
+    for each in maps:
+        for direction in (TO_ROS, TO_JAUS):
+            if each.to_ros if direction == TO_ROS else each.to_jaus:
+                _connection(bridge, each, direction, nodes, metamodels)
+    return [system]
+
+
+def _maps(ends: Sequence[WrittenEnd], declarer: Declarer, known: Known) -> Iterator[_MapWays]:
+    """Yields the maps whose service is known; what is wrong with the others is found elsewhere."""
+    for written in ends:
+        node, end = written.node, written.end
+        name = next((child.text for child in node.children if child.tag == "name"), "")
+        if not end.is_jaus or not name:
+            continue
+        directions = {child.tag for child in node.children} & {"toRos", "toJaus"}
+        directions = directions or {"toRos", "toJaus"}
+        if (found := _service_of(written, declarer, known)) is not None:
+            service, is_input = found
+            ways = ("toRos" in directions, "toJaus" in directions)
+            yield _MapWays(name, end.span, service, is_input, *ways)
+
+
+def _service_of(written: WrittenEnd, declarer: Declarer, known: Known) -> tuple[str, bool] | None:
+    """Returns the service of the message of an end, and whether it takes the message."""
+    declaring = declarer.declaration_of(written)
+    if declaring is not None:
+        return declarer.service.name, message_feature(declaring) == _INPUTS
+    found = known.find("jaus.MessageDef", written.end.type.text)
+    if len(found) != 1:
+        return None
+    service = qualified_name(found[0]).rpartition(".")[0]
+    return service, found[0].eContainmentFeature().name == _INPUTS
+
+
+def _is_provided(each: _MapWays) -> bool:
+    return each.to_ros if each.is_input else each.to_jaus
+
+
+def _is_used(each: _MapWays) -> bool:
+    return each.to_jaus if each.is_input else each.to_ros
+
+
+def _connection(
+    bridge: Node, each: _MapWays, direction: str, nodes: NodeMaker, metamodels: Metamodels
+) -> None:
+    classes, span = metamodels.classes, each.span
+    # What comes from ROS is told apart from what goes there, or it would come back.
+    word = {TO_ROS: "from_jaus", TO_JAUS: "to_jaus"}[direction]
+    is_single = not (each.to_ros and each.to_jaus)
+    node = nodes.element(bridge, "bridgeConnections", classes["bridge.Connection"], span)
+    nodes.value(node, "name", each.name if is_single else f"{each.name}_{word}", span)
+    nodes.name(node, "map", each.name, span)
+    nodes.value(node, "direction", direction, span)
+    nodes.value(node, "exchange", MESSAGE if each.is_input else EVENT, span)
+    if each.is_input == (direction == TO_JAUS):
+        search = nodes.element(node, "search", classes["jaus.PeerSearch"], span)
+        nodes.name(search, "services", each.service, span)
+    topic = nodes.element(node, "topics", classes["bridge.Topic"], span)
+    nodes.value(topic, "name", each.name if is_single else f"{each.name}/{word}", span)

@@ -1,0 +1,276 @@
+"""Reader of blocks: classes, owning features, values and references become nodes of elements."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.language.metamodel import ClassTable, FeatureKind, FeatureTable, Metamodels, ValueKind
+from jausml.language.model.reading.classes import target_class
+from jausml.language.model.values import nearest, show, suggest
+from jausml.language.model.xmi.parsing import MAX_DEPTH
+from jausml.language.text.keywords import KEYWORDS, classes_by_keyword, owning_features, snake_case
+from jausml.language.text.tree import Element, Feature, Href, Name, Number, Span, Text, is_bare, is_map
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from jausml.language.model.xmi.parsing import Node
+    from jausml.language.text.reading.nodes import NodeMaker
+    from jausml.language.text.tree import Item, Value
+
+    Special = Callable[[Node, Item], None]
+
+_LOST = "jausml format keeps it, but no model has it"
+_MOST_DIGITS = 100
+DOCUMENTATION = "documentation"
+
+
+class ElementReader:
+    """Makes the nodes of elements from their blocks.
+
+    Args:
+        metamodels: The metamodels of the elements.
+        nodes: Makes the nodes.
+    """
+
+    def __init__(self, metamodels: Metamodels, nodes: NodeMaker) -> None:
+        self._metamodels = metamodels
+        self._nodes = nodes
+        self._keywords = classes_by_keyword(metamodels)
+        self._depth = 0
+        self.special: dict[str, Special] = {}
+        """What reads items that the blocks of a class alone have, by qualified class."""
+
+    def class_of(self, block: Element) -> ClassTable | None:
+        """Returns the class that the words before a block name, None for a map without keyword."""
+        if block.keyword is not None:
+            return self._keywords.get(block.keyword.text)
+        return self._keywords.get(block.name.text) if block.name is not None else None
+
+    def report_unknown(self, block: Element, owner: Node | None = None) -> None:
+        """Reports words before a block that name no class."""
+        word = block.keyword or block.name
+        if word is None:
+            message = "a block without a keyword says nothing of its class"
+            self._nodes.fault("JML702", block.span, message, "write a keyword before it")
+            return
+        same = sorted(each for each in self._keywords if each.endswith(f".{word.text}"))
+        keywords = [each for each in self._keywords if "." not in each]
+        near = nearest(word.text, [*keywords, *(KEYWORDS if is_bare(block) else ())])
+        hint = f"did you mean '{near}'?" if near else ""
+        if same:
+            hint = f"several classes share it: write {' or '.join(same)}"
+        elif block.keyword is None and not near:
+            hint = "a map has JAUS and ROS in its block; other elements a keyword before their name"
+        elif is_bare(block) and not near:
+            hint = "commas stand between values, and the keyword of its class before an element"
+        message = f"unknown keyword {show(word.text)}"
+        self._nodes.fault("JML702", word.span, message, hint, owner=owner, hides=True)
+
+    def fill(self, node: Node, block: Element, item: Item | None = None) -> None:
+        """Gives an element the name, documentation and contents that its block has.
+
+        Args:
+            node: The node of the element.
+            block: Its block.
+            item: What the documentation stands before, None for the block itself.
+        """
+        table = self._nodes.classes[node]
+        if block.name is not None and block.keyword is not None:
+            if "name" in table.features:
+                self._nodes.value(node, "name", block.name.text, block.name.span)
+            else:
+                message = f"{table.name} has no name"
+                hint = f"write '{block.keyword.text} {{'"
+                self._nodes.fault("JML702", block.name.span, message, hint, owner=node)
+        self.document(node, item or block)
+        self.items(node, block.items)
+
+    def document(self, node: Node, item: Item, table: ClassTable | None = None) -> None:
+        """Gives an element the documentation that stands before an item."""
+        if not item.documentation:
+            return
+        table = table or self._nodes.classes[node]
+        if DOCUMENTATION in table.features:
+            self._nodes.value(node, DOCUMENTATION, item.documentation, item.span)
+        else:
+            message = f"{table.name} has no documentation: the comment before it is lost"
+            self._nodes.fault("JML703", item.span, message, _LOST)
+
+    def items(self, node: Node, items: Sequence[Item]) -> None:
+        """Gives an element what stands in its block."""
+        if self._depth >= MAX_DEPTH // 2:
+            span = items[0].span if items else Span(node.line, node.column)
+            self._nodes.fault("JML008", span, f"blocks are nested more than {MAX_DEPTH // 2} deep")
+            return
+        self._depth += 1
+        special = self.special.get(self._nodes.classes[node].qualified_name)
+        for item in items:
+            if isinstance(item, Feature):
+                self.feature(node, item)
+            elif isinstance(item, Element):
+                self.element(node, item)
+            elif special is not None:
+                special(node, item)
+            else:
+                self.misplaced(item, node)
+        self._depth -= 1
+
+    def misplaced(self, item: Item, owner: Node | None = None) -> None:
+        """Reports an item that has no meaning where it stands."""
+        where = f"in {self._nodes.classes[owner].name}" if owner is not None else "on top level"
+        words = {"End": "JAUS and ROS stand", "Direction": "assignments stand"}
+        kind = type(item).__name__
+        what = words.get(kind, f"this {kind.lower()} stands")
+        message = f"{what} in a map, and not {where}"
+        hint = "write a map around it: name { JAUS ... ROS ... }"
+        self._nodes.fault("JML702", item.span, message, hint, owner=owner)
+
+    def element(self, owner: Node, block: Element) -> None:
+        """Gives an element another one that it owns."""
+        table = self.class_of(block)
+        features = self._nodes.classes[owner].features
+        is_plain_map = block.keyword is None and is_map(block.items)
+        if is_plain_map or (table is None and self._may_be_map(owner, block)):
+            self.owned_map(owner, block)
+            return
+        if table is None:
+            written = block.keyword or block.name
+            if written is not None and written.text in features:
+                is_value = block.name is not None and is_bare(block)
+                value = block.name.text if is_value and block.name is not None else "{ ... }"
+                hint = f"write '{written.text}: {value}'"
+                message = f"'{written.text}' is a feature: a colon stands before its value"
+                self._nodes.fault("JML702", written.span, message, hint, owner=owner)
+                return
+            self.report_unknown(block, owner)
+            return
+        owning = self._owning(owner, table)
+        if len(owning) == 1:
+            self.fill(self._nodes.element(owner, owning[0], table, block.span, block), block)
+            return
+        self._report_owner(owner, block, table, owning)
+
+    def owned_map(self, owner: Node, block: Element) -> None:
+        """Gives an element an attribute map, which needs no keyword."""
+        table = self._metamodels.classes["bridge.AttributeMap"]
+        owning = self._owning(owner, table)
+        if len(owning) != 1:
+            self._report_owner(owner, block, table, owning)
+            return
+        node = self._nodes.element(owner, owning[0], table, block.span, block)
+        self.fill_map(node, block)
+
+    def fill_map(self, node: Node, block: Element) -> None:
+        """Gives a map its name, which may be the only word before its block, and contents."""
+        if block.keyword is None and block.name is not None:
+            self._nodes.value(node, "name", block.name.text, block.name.span)
+        self.fill(node, block)
+
+    def feature(self, node: Node, item: Feature) -> None:
+        """Gives an element the values of a feature."""
+        table = self._nodes.classes[node]
+        feature = table.features.get(item.name.text)
+        if feature is None:
+            near = suggest(item.name.text, table.features)
+            what = f"unknown feature {show(item.name.text)} of {table.name}"
+            spoilt = nearest(item.name.text, table.features)
+            self._nodes.fault("JML103", item.name.span, what, near, owner=node, feature=spoilt)
+            return
+        blocks = [each for each in item.values if isinstance(each, Element)]
+        if item.documentation and not (len(item.values) == len(blocks) == 1):
+            message = f"the comment before feature '{feature.name}' documents nothing"
+            self._nodes.fault("JML703", item.span, message, _LOST)
+        for value in item.values:
+            self._value(node, feature, value, item)
+
+    def _value(self, node: Node, feature: FeatureTable, value: Value, item: Feature) -> None:
+        if isinstance(value, Href):
+            self._href(node, feature, value)
+        elif isinstance(value, Element):
+            if feature.kind is FeatureKind.CONTAINMENT:
+                self._block_value(node, feature, value, item)
+            else:
+                what = "refers to elements" if feature.is_reference else "has a value"
+                self._wrong(node, feature, value.span, f"{what}, it owns none")
+        elif feature.kind is FeatureKind.ATTRIBUTE:
+            self._nodes.value(node, feature.name, literal(value, feature), value.span)
+        elif feature.kind is FeatureKind.CONTAINMENT:
+            hint = f"write {feature.name}: {{ ... }}"
+            self._wrong(node, feature, value.span, "owns its elements", hint)
+        elif isinstance(value, Number):
+            self._wrong(node, feature, value.span, "takes a name, no number")
+        else:
+            self._nodes.name(node, feature.name, value.text, value.span)
+
+    def _href(self, node: Node, feature: FeatureTable, value: Href) -> None:
+        if feature.kind is not FeatureKind.ATTRIBUTE:
+            self._nodes.href(node, feature.name, value.text, value.span)
+        elif value.text:
+            self._wrong(node, feature, value.span, "has a value, no reference")
+        else:
+            self._nodes.null(node, feature.name, value.span)
+
+    def _block_value(
+        self, node: Node, feature: FeatureTable, block: Element, item: Feature
+    ) -> None:
+        wanted = target_class(feature)
+        table = wanted if block.keyword is None and block.name is None else self.class_of(block)
+        if table is None:
+            self.report_unknown(block, node)
+        elif table not in wanted.subtypes or table.abstract:
+            what = f"is {keyword_of(table)}" if table not in wanted.subtypes else "needs a class"
+            legal = " or ".join(sorted(keyword_of(e) for e in wanted.subtypes if not e.abstract))
+            hint = f"write 'new' and one of: {legal}"
+            self._wrong(node, feature, block.span, f"takes {wanted.name}; this {what}", hint)
+        else:
+            child = self._nodes.element(node, feature.name, table, block.span, block)
+            self.fill(child, block, item if len(item.values) == 1 else None)
+
+    def _wrong(
+        self, node: Node, feature: FeatureTable, span: Span, what: str, hint: str = ""
+    ) -> None:
+        message = f"feature '{feature.name}' of {self._nodes.classes[node].name} {what}"
+        self._nodes.fault("JML705", span, message, hint, owner=node, feature=feature.name)
+
+    def _may_be_map(self, owner: Node, block: Element) -> bool:
+        """Tells whether a word that names no class is rather the name of a map."""
+        table = self._metamodels.classes["bridge.AttributeMap"]
+        is_alone = block.keyword is None and block.name is not None
+        near = nearest(block.name.text, self._keywords) if block.name is not None else ""
+        return is_alone and not near and bool(self._owning(owner, table)) and not block.items
+
+    def _owning(self, owner: Node, table: ClassTable) -> list[str]:
+        """Returns the features of an element that may own an element of a class."""
+        return owning_features(self._nodes.classes[owner], table)
+
+    def _report_owner(
+        self, owner: Node, block: Element, table: ClassTable, owning: Sequence[str]
+    ) -> None:
+        what = f"{self._nodes.classes[owner].name} owns no {table.name}"
+        hint = ""
+        if owning:
+            what = f"{table.name} may stand in {' or '.join(owning)}"
+            hint = f"write {owning[0]}: new {keyword_of(table)} ..."
+        self._nodes.fault("JML702", block.span, what, hint, owner=owner)
+
+
+def keyword_of(table: ClassTable) -> str:
+    """Returns the keyword of a class."""
+    return snake_case(table.name)
+
+
+def literal(value: Name | Number | Text, feature: FeatureTable) -> str:
+    """Returns the text of a value as XMI writes it: whole numbers have their decimal digits."""
+    kind = feature.data_type.kind if feature.data_type is not None else ValueKind.STRING
+    if isinstance(value, Number) and kind in (ValueKind.INTEGER, ValueKind.REAL):
+        return decimal(value.text)
+    return value.text
+
+
+def decimal(number: str) -> str:
+    """Returns a number without hexadecimal digits; one that no type holds stays as it is."""
+    sign, digits = ("-", number[1:]) if number.startswith("-") else ("", number.lstrip("+"))
+    if digits[:2] in ("0x", "0X") and len(digits) <= _MOST_DIGITS:
+        return f"{sign}{int(digits, 16)}"
+    return sign + digits

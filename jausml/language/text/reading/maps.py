@@ -1,0 +1,229 @@
+"""Reader of attribute maps: both ends, assignments, tables and test vectors become nodes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeGuard
+
+from jausml.language.semantics.conversions import CONVERSIONS, ArgumentKind
+from jausml.language.text.reading.elements import decimal
+from jausml.language.text.tree import (
+    Assignment,
+    Clock,
+    Direction,
+    Element,
+    End,
+    Feature,
+    Ignored,
+    Name,
+    Number,
+    Table,
+    Text,
+    Vector,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.language.metamodel import ClassTable, Metamodels
+    from jausml.language.model.xmi.parsing import Node
+    from jausml.language.semantics.conversions import Argument, Conversion
+    from jausml.language.text.reading.elements import ElementReader, Special
+    from jausml.language.text.reading.nodes import NodeMaker
+    from jausml.language.text.tree import BlockItem, Call, Item, VectorEntry
+
+MAP = "bridge.AttributeMap"
+LIST = "bridge.ListAssignment"
+_BOOLEANS = ("true", "false")
+
+
+@dataclass(frozen=True, slots=True)
+class WrittenEnd:
+    """An end of a map as it is written, and the node of the map."""
+
+    end: End
+    node: Node
+
+
+class MapReader:
+    """Makes the nodes of what only attribute maps have.
+
+    Args:
+        metamodels: The metamodels of the elements.
+        nodes: Makes the nodes.
+        elements: Reads features and blocks.
+    """
+
+    def __init__(self, metamodels: Metamodels, nodes: NodeMaker, elements: ElementReader) -> None:
+        self._classes = metamodels.classes
+        self._nodes = nodes
+        self._elements = elements
+        self.ends: list[WrittenEnd] = []
+        self.special: dict[str, Special] = {MAP: self._item, LIST: self._inner_item}
+        """What reads the items that only maps and lists have, by qualified class."""
+
+    def _item(self, node: Node, item: Item) -> None:
+        if isinstance(item, End):
+            self._end(node, item)
+        elif isinstance(item, Direction):
+            feature = "toRos" if item.to_ros else "toJaus"
+            self._undocumented(node, item, "assignments of a direction")
+            for each in item.assignments:
+                self._assignment(node, feature, each)
+        elif isinstance(item, Table):
+            self._table(node, item)
+        elif isinstance(item, Vector):
+            self._vector(node, item)
+        else:
+            self._elements.misplaced(item, node)
+
+    def _inner_item(self, node: Node, item: Item) -> None:
+        if isinstance(item, Assignment | Ignored):
+            self._assignment(node, "assignments", item)
+        else:
+            self._elements.misplaced(item, node)
+
+    def _end(self, node: Node, end: End) -> None:
+        self.ends.append(WrittenEnd(end, node))
+        feature = "message" if end.is_jaus else "type"
+        self._nodes.name(node, feature, end.type.text, end.type.span)
+
+    def _assignment(self, node: Node, feature: str, item: Assignment | Ignored) -> None:
+        if isinstance(item, Ignored):
+            child = self._new(node, feature, "Ignore", item)
+            self._nodes.value(child, "target", item.target.text, item.target.span)
+            return
+        child = self._new(node, feature, _class_of(item), item)
+        self._source(child, item)
+        if item.targets:
+            targets = ", ".join(each.text for each in item.targets)
+            self._nodes.value(child, "target", targets, item.targets[0].span)
+        for call in item.conversions:
+            self._conversion(child, call)
+        self._elements.items(child, item.items)
+
+    def _source(self, node: Node, item: Assignment) -> None:
+        if not item.sources:
+            return
+        first = item.sources[0]
+        odd = [each for each in item.sources if _is_constant(each) or isinstance(each, Clock)]
+        if odd and len(item.sources) > 1:
+            message = "a constant or the clock is the only source of an assignment"
+            hint = "several sources are attributes; an expression may have numbers"
+            self._nodes.fault("JML705", odd[0].span, message, hint, owner=node)
+        elif isinstance(first, Clock):
+            pass
+        elif _is_constant(first):
+            self._nodes.value(node, "value", first.text, first.span)
+        else:
+            texts = [each.text for each in item.sources if not isinstance(each, Clock)]
+            self._nodes.value(node, "source", ", ".join(texts), first.span)
+
+    def _conversion(self, owner: Node, call: Call) -> None:
+        table = self._nodes.classes[owner]
+        if "conversions" not in table.features:
+            message = f"{table.name} takes no conversion"
+            hint = "conversions stand behind attributes: a -> b : negate"
+            self._nodes.fault("JML705", call.span, message, hint, owner=owner)
+            return
+        conversion = self._classes["bridge.Conversion"]
+        node = self._nodes.element(owner, "conversions", conversion, call.span, call)
+        self._nodes.value(node, "kind", call.name.text, call.name.span)
+        for argument in call.arguments:
+            if isinstance(argument, Number):
+                self._nodes.value(node, "arguments", decimal(argument.text), argument.span)
+            elif isinstance(argument, Text):
+                self._text_argument(node, call, argument)
+            else:
+                self._name_argument(node, call, argument)
+
+    def _text_argument(self, node: Node, call: Call, argument: Text) -> None:
+        own = _own_argument(call)
+        if own is not None and own.is_text:
+            self._nodes.value(node, own.feature, argument.text, argument.span)
+            return
+        message = f"conversion '{call.name.text}' takes no text"
+        known = [each.name for each in CONVERSIONS.values() if _takes_text(each)]
+        hint = f"{' and '.join(sorted(known))} do"
+        self._nodes.fault("JML705", argument.span, message, hint, owner=node)
+
+    def _name_argument(self, node: Node, call: Call, argument: Name) -> None:
+        own = _own_argument(call)
+        if own is not None and own.kind is ArgumentKind.METHOD:
+            self._nodes.value(node, own.feature, argument.text, argument.span)
+            return
+        is_table = own is not None and own.kind is ArgumentKind.TABLE
+        feature = own.feature if own is not None and is_table else "quantity"
+        self._nodes.name(node, feature, argument.text, argument.span)
+
+    def _table(self, owner: Node, item: Table) -> None:
+        node = self._new(owner, "tables", "ValueTable", item)
+        self._nodes.value(node, "name", item.name.text, item.name.span)
+        for entry in item.entries:
+            child = self._new(node, "entries", "TableEntry", entry)
+            self._nodes.value(child, "jaus", entry.jaus.text, entry.jaus.span)
+            self._nodes.value(child, "ros", entry.ros.text, entry.ros.span)
+
+    def _vector(self, owner: Node, item: Vector) -> None:
+        node = self._new(owner, "vectors", "TestVector", item)
+        self._nodes.value(node, "name", item.name.text, item.name.span)
+        direction = "jausToRos" if item.to_ros else "rosToJaus"
+        self._nodes.value(node, "direction", direction, item.span)
+        for feature, entries in (("given", item.given), ("expected", item.expected)):
+            self._vector_values(node, feature, entries)
+
+    def _vector_values(self, owner: Node, feature: str, entries: Sequence[VectorEntry]) -> None:
+        for entry in entries:
+            node = self._new(owner, feature, "VectorValue", entry)
+            self._nodes.value(node, "path", entry.path.text, entry.path.span)
+            self._nodes.value(node, "value", entry.value.text, entry.value.span)
+            if entry.tolerance is not None:
+                text = decimal(entry.tolerance.text)
+                self._nodes.value(node, "tolerance", text, entry.tolerance.span)
+
+    def _new(self, owner: Node, feature: str, class_name: str, item: Item) -> Node:
+        table: ClassTable = self._classes[f"bridge.{class_name}"]
+        node = self._nodes.element(owner, feature, table, item.span, item)
+        self._elements.document(node, item)
+        return node
+
+    def _undocumented(self, node: Node, item: Item, what: str) -> None:
+        if item.documentation:
+            message = f"{what} have no documentation: the comment before them is lost"
+            self._nodes.fault("JML703", item.span, message, "", owner=node)
+
+
+def _own_argument(call: Call) -> Argument | None:
+    conversion = CONVERSIONS.get(call.name.text)
+    return conversion.own_argument if conversion is not None else None
+
+
+def _takes_text(conversion: Conversion) -> bool:
+    return any(each.is_text for each in conversion.arguments)
+
+
+def _class_of(item: Assignment) -> str:
+    if any(isinstance(each, Assignment | Ignored) for each in item.items) or _is_list(item.items):
+        return "ListAssignment"
+    if any(isinstance(each, Feature) and each.name.text == "map" for each in item.items):
+        return "MessageAssignment"
+    first = item.sources[0] if item.sources else None
+    if isinstance(first, Clock):
+        return "ClockAssignment"
+    return "ConstantAssignment" if _is_constant(first) else "FieldAssignment"
+
+
+def _is_list(items: Sequence[BlockItem]) -> bool:
+    """Tells whether elements of a block are assignments in the uniform notation."""
+    words = (each.keyword or each.name for each in items if isinstance(each, Element))
+    features = (each.name for each in items if isinstance(each, Feature))
+    endings = [each.text for each in words if each is not None]
+    return any(each.endswith("_assignment") or each == "ignore" for each in endings) or any(
+        each.text == "assignments" for each in features
+    )
+
+
+def _is_constant(source: Name | Number | Text | Clock | None) -> TypeGuard[Name | Number | Text]:
+    if isinstance(source, Name):
+        return source.text in _BOOLEANS
+    return isinstance(source, Number | Text)

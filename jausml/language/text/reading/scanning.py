@@ -1,0 +1,166 @@
+"""Scanner: cuts text into tokens and comments, and says what is no token at all."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from lark import Lark
+
+from jausml.language.text.reading.shaping import Shaper, span_of
+from jausml.language.text.tree import Span
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from lark import Token
+
+NOT_PARSED = ("COMMENT", "OPEN_COMMENT", "OPEN_TEXT", "OPEN_NAME", "WRONG_NUMBER", "WRONG")
+"""Tokens of the grammar that no rule has."""
+
+_LONE_RETURN = re.compile(r"\r(?!\n)")
+_BAD_ESCAPE = re.compile(r"""\\(?:u(?![0-9a-fA-F]{4})|[^"`\\ntru])""")
+_LONE_SURROGATE = re.compile(
+    r"\\u[dD][89abAB]\w\w(?!\\u[dD][c-fC-F])|(?<!\\u[dD][89abAB]\w\w)\\u[dD][c-fC-F]\w\w"
+)
+_INSTEAD = {
+    "→": "write '->'",
+    "⇒": "write '->'",
+    "↔": "write '<->'",
+    "#": "comments begin with '//'",
+    "'": 'texts stand in quotation marks: "..."',
+    "“": 'texts stand in straight quotation marks: "..."',
+    "”": 'texts stand in straight quotation marks: "..."',
+    "-": "a name with '-' stands in back quotes",
+    "$": "a name with '$' stands in back quotes",
+    "@": 'a reference by file and fragment is written @"file#fragment"',
+}
+
+
+class SyntaxFault(NamedTuple):
+    """A syntax error.
+
+    Attributes:
+        span: Where.
+        message: What was expected and what was found.
+        hint: What to do about it, or empty.
+    """
+
+    span: Span
+    message: str
+    hint: str = ""
+
+
+@dataclass(slots=True)
+class Scan:
+    """The tokens and comments of a text, with what is no token.
+
+    Attributes:
+        tokens: The tokens that the parser reads, in order.
+        comments: The comments, in order.
+        faults: What is no token.
+    """
+
+    tokens: list[Token] = field(default_factory=list)
+    comments: list[Token] = field(default_factory=list)
+    faults: list[SyntaxFault] = field(default_factory=list)
+
+
+class _KeepAll:
+    """Has lark keep the tokens that no rule of the grammar has."""
+
+    always_accept = NOT_PARSED
+
+    def process(self, stream: Iterator[Token]) -> Iterator[Token]:
+        return stream
+
+
+@cache
+def language() -> Lark:
+    """Returns the lexer and parser of the grammar; made on first use, for that takes 0.1 s."""
+    options: dict[str, Any] = {
+        "parser": "lalr",
+        "lexer": "basic",
+        "postlex": _KeepAll(),
+        "transformer": Shaper(),
+        "keep_all_tokens": True,
+        "maybe_placeholders": False,
+    }
+    return Lark(Path(__file__).with_name("grammar.lark").read_text(encoding="utf-8"), **options)
+
+
+def with_line_feeds(text: str) -> str:
+    """Returns a text with a line feed for each carriage return that ends a line alone."""
+    return _LONE_RETURN.sub("\n", text)
+
+
+def scan(text: str) -> Scan:
+    """Returns the tokens, comments and wrong characters of a text.
+
+    Lines end with LF, CR and LF, or CR alone: else a comment could swallow the file.
+
+    Args:
+        text: Any text.
+    """
+    parser = language().parse_interactive(with_line_feeds(text))
+    result = Scan()
+    before: Token | None = None
+    for token in parser.lexer_thread.lex(parser.parser_state):
+        if token.type == "COMMENT":
+            result.comments.append(token)
+        elif token.type in NOT_PARSED:
+            _mend(token, before, result)
+        else:
+            result.faults += _escape_faults(token)
+            result.tokens.append(token)
+            before = token
+    return result
+
+
+def _mend(token: Token, before: Token | None, result: Scan) -> None:
+    """Reports a token that is none, and takes it for what it was meant to be."""
+    span = span_of(token)
+    if token.type == "OPEN_COMMENT":
+        start = Span(span.line, span.column, span.line, span.column + 2)
+        result.faults.append(SyntaxFault(start, "the comment is not closed", "it ends with '*/'"))
+    elif token.type == "OPEN_TEXT":
+        result.faults.append(
+            SyntaxFault(span, "the text is not closed on its line", "a line break is written \\n")
+        )
+        kind, value = ("HREF", token[1:]) if token.startswith("@") else ("TEXT", token)
+        closed = f'{_whole(value)}"'
+        result.tokens.append(token.update(kind, closed if kind == "TEXT" else f"@{closed}"))
+    elif token.type == "OPEN_NAME":
+        result.faults.append(SyntaxFault(span, "the name in back quotes is not closed on its line"))
+        result.tokens.append(token.update("WORD", f"{_whole(token)}`"))
+    elif token.type == "WRONG_NUMBER":
+        hint = f"a name that begins with a digit stands in back quotes: `{token}`"
+        result.faults.append(SyntaxFault(span, f"'{token}' is no number", hint))
+        result.tokens.append(token.update("WORD", f"`{token}`"))
+    else:
+        shown = str(token) if token.isprintable() else f"U+{ord(token):04X}"
+        joins = before is not None and before.end_pos == token.start_pos
+        hint = _INSTEAD.get(str(token), "") if joins or str(token) not in "-$" else ""
+        result.faults.append(SyntaxFault(span, f"nothing is written with '{shown}' here", hint))
+
+
+def _whole(text: str) -> str:
+    """Returns a text without the first half of an escape at its end."""
+    halves = len(text) - len(text.rstrip("\\"))
+    return text[:-1] if halves % 2 else text
+
+
+def _escape_faults(token: Token) -> Iterator[SyntaxFault]:
+    if "\\" not in token:
+        return
+    plain = token.replace("\\\\", "//")
+    for pattern in (_BAD_ESCAPE, _LONE_SURROGATE):
+        for match in pattern.finditer(plain):
+            column = (token.column or 1) + match.start()
+            span = Span(token.line or 1, column, token.line or 1, column + len(match.group()))
+            message = f"'{match.group()}' is no escape"
+            known = '\\" \\` \\\\ \\n \\t \\r \\uXXXX'
+            yield SyntaxFault(span, message, f"there are {known}")

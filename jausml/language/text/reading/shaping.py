@@ -1,0 +1,318 @@
+"""Shaper of the syntax tree: a method for each rule of the grammar."""
+
+# ruff: noqa: D102 - the methods are named for the rules, which are described in the grammar
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from jausml.language.text.tree import (
+    UNBOUNDED,
+    Assignment,
+    Call,
+    Clock,
+    Direction,
+    Element,
+    End,
+    Entry,
+    Feature,
+    Href,
+    Ignored,
+    Import,
+    Member,
+    Name,
+    Number,
+    Span,
+    SyntaxTree,
+    Table,
+    Text,
+    Vector,
+    VectorEntry,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from lark import Token
+
+T = TypeVar("T")
+
+_ESCAPE = re.compile(r"\\(u[0-9a-fA-F]{4}|.)", re.DOTALL)
+_QUOTED = re.compile(r"`((?:[^`\\\n]|\\.)*)`")
+_INDEX = re.compile(r"\[(\d+)\]$")
+_PLAIN = {"n": "\n", "t": "\t", "r": "\r"}
+
+
+class Items(list[T]):
+    """A list of items that knows where it is written.
+
+    Attributes:
+        start: Line and column of the bracket before the items; None when no bracket was seen.
+        end: Line and column of the bracket behind them.
+    """
+
+    start: tuple[int, int] | None = None
+    end: tuple[int, int] = (1, 1)
+
+
+def unescape(text: str) -> str:
+    r"""Returns a text with its escapes resolved: `\"`, `\\`, `\n`, `\t`, `\r`, `\uXXXX`.
+
+    Args:
+        text: What stands between the quotation marks.
+    """
+    plain = _ESCAPE.sub(_resolved, text)
+    if any("\ud800" <= each <= "\udfff" for each in plain):
+        # Two escapes make one character beyond the first 65,536, as in JSON.
+        plain = plain.encode("utf-16", "surrogatepass").decode("utf-16", "replace")
+    return plain
+
+
+def _resolved(match: re.Match[str]) -> str:
+    escape = match.group(1)
+    if len(escape) > 1:
+        return chr(int(escape[1:], 16))
+    return _PLAIN.get(escape, escape)
+
+
+def word_text(word: str) -> str:
+    """Returns a word without its back quotes.
+
+    Args:
+        word: The word as it is written.
+    """
+    return _QUOTED.sub(lambda match: unescape(match.group(1)), word) if "`" in word else str(word)
+
+
+def span_of(token: Token) -> Span:
+    """Returns where a token stands."""
+    return Span(token.line or 1, token.column or 1, token.end_line or 1, token.end_column or 1)
+
+
+def _around(children: Sequence[Any]) -> Span:
+    """Returns the stretch from the first to the last of what a rule consists of."""
+    spans = [span for span in map(_span, children) if span is not None]
+    first, last = spans[0], spans[-1]
+    return Span(first.line, first.column, last.end_line, last.end_column)
+
+
+def _span(child: Any) -> Span | None:
+    if isinstance(child, Items):
+        return None
+    if isinstance(child, (list, tuple)):
+        return _around(child) if child else None
+    return child.span if hasattr(child, "span") else span_of(child)
+
+
+def _name(token: Token) -> Name:
+    return Name(word_text(token), span_of(token))
+
+
+def _bracketed(opening: Token, items: Items[T], closing: Token) -> Items[T]:
+    items.start = (opening.line or 1, opening.column or 1)
+    items.end = (closing.line or 1, closing.column or 1)
+    return items
+
+
+class _Block:
+    """`{ ... }`: the items and the stretch."""
+
+    def __init__(self, children: list[Any]) -> None:
+        self.items = _bracketed(*children)
+        self.span = _around(children)
+
+
+def _items_of(block: _Block | None) -> Items[Any]:
+    return block.items if block is not None else Items()
+
+
+class Shaper:
+    """The actions of the grammar: each takes what its rule consists of, tokens and all."""
+
+    def start(self, children: list[Any]) -> SyntaxTree:
+        return SyntaxTree(children[0])
+
+    def no_items(self, children: list[Any]) -> Items[Any]:  # noqa: ARG002 - one shape for all
+        return Items()
+
+    def next_item(self, children: list[Any]) -> Items[Any]:
+        items: Items[Any] = children[0]
+        items.append(children[1])
+        return items
+
+    def same_items(self, children: list[Any]) -> Items[Any]:
+        items: Items[Any] = children[0]
+        return items
+
+    def file_import(self, children: list[Any]) -> Import:
+        target = children[1]
+        is_text = target.type == "TEXT"
+        return Import(self.text([target]) if is_text else _name(target), span=_around(children))
+
+    # Elements and their features
+
+    def keyword_element(self, children: list[Any]) -> Element:
+        keyword, name, *block = children
+        items = _items_of(block[0] if block else None)
+        return Element(_name(keyword), _name(name), items, span=_around(children))
+
+    def word_element(self, children: list[Any]) -> Element:
+        name, block = children
+        return Element(None, _name(name), block.items, span=_around(children))
+
+    def block(self, children: list[Any]) -> _Block:
+        return _Block(children)
+
+    feature_block = assignment_block = block
+
+    def feature(self, children: list[Any]) -> Feature:
+        name, _, values = children
+        return Feature(name, values, span=_around(children))
+
+    def feature_name(self, children: list[Any]) -> Name:
+        return _name(children[0])
+
+    def listed(self, children: list[Any]) -> list[Any]:
+        if len(children) == 1:
+            return children
+        children[0].append(children[2])
+        items: list[Any] = children[0]
+        return items
+
+    values = paths = arguments = listed
+
+    def name(self, children: list[Any]) -> Name:
+        return _name(children[0])
+
+    path = name
+
+    def number(self, children: list[Any]) -> Number:
+        return Number(str(children[0]), span_of(children[0]))
+
+    def text(self, children: list[Any]) -> Text:
+        return Text(unescape(children[0][1:-1]), span_of(children[0]))
+
+    def href(self, children: list[Any]) -> Href:
+        return Href(unescape(children[0][2:-1]), span_of(children[0]))
+
+    def block_value(self, children: list[Any]) -> Element:
+        return Element(None, None, children[0].items, span=_around(children))
+
+    def new_value(self, children: list[Any]) -> Element:
+        return Element(_name(children[1]), None, children[2].items, span=_around(children))
+
+    def new_named_value(self, children: list[Any]) -> Element:
+        _, keyword, name, block = children
+        return Element(_name(keyword), _name(name), block.items, span=_around(children))
+
+    # Members of messages
+
+    def member(self, children: list[Any]) -> Member:
+        type_, name, *block = children
+        if isinstance(type_, Name):
+            return self._member(children, type_, "", name, block)
+        index = _INDEX.search(type_)
+        word = type_ if index is None else type_.update(value=type_[: index.start()])
+        return self._member(children, _name(word), index.group(1) if index else "", name, block)
+
+    def sized_member(self, children: list[Any]) -> Member:
+        type_, size, name, *block = children
+        shown = type_ if isinstance(type_, Name) else _name(type_)
+        return self._member(children, shown, size.text, name, block)
+
+    def unnamed_struct(self, children: list[Any]) -> Member:
+        return self._member(children, _bracketed(*children[1:4]), "", None, children[4:])
+
+    def named_struct(self, children: list[Any]) -> Member:
+        rest = children[4:]
+        size = rest.pop(0).text if isinstance(rest[0], Name) else ""
+        return self._member(children, _bracketed(*children[1:4]), size, rest[0], rest[1:])
+
+    def _member(
+        self,
+        children: list[Any],
+        type_: Name | Items[Member],
+        size: str,
+        name: Token | None,
+        block: list[_Block],
+    ) -> Member:
+        named = _name(name) if name is not None else None
+        features = _items_of(block[0] if block else None)
+        return Member(type_, size, named, features, span=_around(children))
+
+    def bounded(self, children: list[Any]) -> Name:
+        word, _, bound = children
+        return Name(f"{word_text(word)}<={bound}", _around(children))
+
+    def size(self, children: list[Any]) -> Name:
+        inner = "".join(word_text(each) for each in children[1:-1])
+        return Name(inner or UNBOUNDED, _around(children))
+
+    # Maps
+
+    def plain_end(self, children: list[Any]) -> End:
+        side, type_, *block = children
+        features = _items_of(block[0] if block else None)
+        return End(side.type == "JAUS", _name(type_), None, features, span=_around(children))
+
+    def listed_end(self, children: list[Any]) -> End:
+        side, type_, opening, members, closing, *block = children
+        features = _items_of(block[0] if block else None)
+        listed = _bracketed(opening, members, closing)
+        return End(side.type == "JAUS", _name(type_), listed, features, span=_around(children))
+
+    def way(self, children: list[Any]) -> list[Any]:
+        return children
+
+    def direction(self, children: list[Any]) -> Direction:
+        way, *rest = children
+        return Direction(way[0].type == "JAUS", _bracketed(*rest), span=_around(children))
+
+    def assignment(self, children: list[Any]) -> Assignment:
+        sources, _, targets, *rest = children
+        block = rest.pop() if rest and isinstance(rest[-1], _Block) else None
+        conversions = rest[0] if rest else []
+        span = _around(children)
+        return Assignment(sources, targets, conversions, _items_of(block), span=span)
+
+    def sources(self, children: list[Any]) -> list[Any]:
+        paths: list[Any] = children[0]
+        return paths
+
+    def constant_source(self, children: list[Any]) -> list[Number | Text]:
+        return [self.text(children) if children[0].type == "TEXT" else self.number(children)]
+
+    def clock_source(self, children: list[Any]) -> list[Clock]:
+        return [Clock(span_of(children[0]))]
+
+    def conversions(self, children: list[Any]) -> list[Call]:
+        return children[1:] if len(children) == 2 else self.listed(children)
+
+    def call(self, children: list[Any]) -> Call:
+        arguments = next((each for each in children if isinstance(each, list)), [])
+        return Call(_name(children[0]), tuple(arguments), _around(children))
+
+    def ignored(self, children: list[Any]) -> Ignored:
+        return Ignored(children[1], span=_around(children))
+
+    def table(self, children: list[Any]) -> Table:
+        return Table(_name(children[1]), _bracketed(*children[2:]), span=_around(children))
+
+    def entry(self, children: list[Any]) -> Entry:
+        return Entry(children[0], children[2], span=_around(children))
+
+    def vector(self, children: list[Any]) -> Vector:
+        _, name, way, opening, given, gives, expected, closing = children
+        return Vector(
+            _name(name),
+            way[0].type == "JAUS",
+            _bracketed(opening, given, gives),
+            _bracketed(gives, expected, closing),
+            span=_around(children),
+        )
+
+    def vector_entry(self, children: list[Any]) -> VectorEntry:
+        path, _, value, *rest = children
+        tolerance = self.number([rest[1]]) if rest else None
+        return VectorEntry(path, value, tolerance, span=_around(children))

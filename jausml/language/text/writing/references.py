@@ -1,0 +1,241 @@
+"""Shortest names of elements in ros2jaus text, and what it must import for them.
+
+Which name leads where is decided by `NameFinder`, as for text that is read.
+"""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias, cast
+
+from jausml.language.metamodel import FeatureKind
+from jausml.language.metamodel.classes import ros
+from jausml.language.metamodel.filling import count
+from jausml.language.model.documents import Document
+from jausml.language.model.names import NameFinder, name_of
+from jausml.language.model.reading.reader import read_models
+from jausml.language.model.uris import LIBRARY_URI, UriFault, library_root
+from jausml.language.model.xmi.parsing import Node
+from jausml.language.model.xmi.writer import external_href
+from jausml.language.text.tree import Href, Name, Text
+from jausml.language.text.writing.literals import is_name
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from jausml.language.metamodel import ClassTable, FeatureTable, Metamodels
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.model import Model
+
+_Reference: TypeAlias = "tuple[EObject, EObject, FeatureTable]"
+"""Who refers, to what, by which feature."""
+
+_PACKAGED = frozenset({"ros.MessageType", "ros.ServiceType", "ros.ActionType"})
+
+
+class DocumentNames:
+    """Names elements for a document that was read.
+
+    Args:
+        model: Knows where elements of other documents stand.
+        document: The document, with its imports.
+    """
+
+    def __init__(self, model: Model, document: Document) -> None:
+        self._model = model
+        self._document = document
+        self._folder = document.path.parent
+        self._library = Path(os.path.realpath(library_root()))
+        self._finder = NameFinder(model, self._open_library)
+
+    def name(self, owner: EObject, target: EObject, feature: FeatureTable) -> Name | Href:
+        """Returns how an element is referred to: by its shortest name, else by file and fragment.
+
+        Args:
+            owner: The element that refers.
+            target: The element referred to.
+            feature: The reference.
+
+        Raises:
+            UnwritableError: The element stands nowhere.
+        """
+        found = self.short_name(owner, target, feature)
+        return Name(found) if found is not None else self.href(target)
+
+    def href(self, target: EObject) -> Href:
+        """Returns how an element is referred to by file and fragment.
+
+        Args:
+            target: The element.
+
+        Raises:
+            UnwritableError: The element stands nowhere.
+        """
+        place = self._place(target)
+        if place is not None:
+            return Href(f"#{place}")
+        return Href(external_href(target, self._model, self._folder))
+
+    def is_apart(self, obj: EObject) -> bool:
+        """Tells whether an owned element is the root of another document, which keeps it."""
+        document = self._model.document_of(obj)
+        if document is None or document is self._home():
+            return False
+        return document.root_position(obj) is not None
+
+    def short_name(self, owner: EObject, target: EObject, feature: FeatureTable) -> str | None:
+        """Returns the shortest name of an element, None when no name leads to it."""
+        wanted = cast("ClassTable", feature.target)
+        for text in self._candidates(target):
+            found = is_name(text) and self._finder.find(text, wanted, self._document, owner)
+            if found == [target]:
+                return text
+        return None
+
+    def import_of(self, document: Document) -> Name | Text:
+        """Returns what the document must import for the names of another one."""
+        if document.is_library:
+            place = document.path.relative_to(self._library).with_suffix("")
+            return Name(".".join(place.parts))
+        return Text(Path(os.path.relpath(document.path, self._folder)).as_posix())
+
+    def _home(self) -> Document | None:
+        """Returns the document of which the model has the elements."""
+        return self._document
+
+    def _place(self, target: EObject) -> str | None:
+        """Returns the fragment of an element of the document, None for others."""
+        is_here = self._model.document_of(target) is self._document
+        return self._model.fragment(target) if is_here else None
+
+    def _candidates(self, target: EObject) -> Iterator[str]:
+        """Yields the names of an element, the best first: ROS types of elsewhere by package."""
+        steps = _path(target)
+        qualified_class = self._model.metamodels.class_of(target).qualified_name
+        if qualified_class in _PACKAGED and self._place(target) is None and len(steps) > 1:
+            if isinstance(target.eContainer(), ros.ServiceType | ros.ActionType):
+                yield f"{steps[-3]}/{steps[-2]}.{target.eContainmentFeature().name}"
+            else:
+                yield f"{steps[-2]}/{steps[-1]}"
+        for length in range(1, len(steps) + 1):
+            yield ".".join(steps[-length:])
+
+    def _open_library(self, uri: str) -> Document | UriFault:
+        path = self._library / uri.removeprefix(LIBRARY_URI)
+        for document in self._model.documents:
+            if document.path == path:
+                return document
+        return _library_document(path, self._model.metamodels)
+
+
+class ReferenceNames(DocumentNames):
+    """Names elements for a document that is to be written.
+
+    Args:
+        roots: The root elements of the document.
+        model: Knows where elements of other documents stand.
+        path: The file of the document.
+    """
+
+    def __init__(self, roots: Sequence[EObject], model: Model, path: Path) -> None:
+        document = Document(Path(os.path.realpath(path)), str(path), is_library=False, given=True)
+        super().__init__(model, document)
+        self._read_from = model.document_of(roots[0]) if roots else None
+        self._fragments = self._name_fragments(roots)
+        self._document.root_nodes = [self._node(root, None) for root in roots]
+        self._import()
+
+    @property
+    def imports(self) -> list[Name | Text]:
+        """What the document must import: parts of the library, then files by their paths."""
+        imports = sorted(self._document.imports, key=lambda each: not each.is_library)
+        return [self.import_of(each) for each in imports]
+
+    def _home(self) -> Document | None:
+        return self._read_from
+
+    def _place(self, target: EObject) -> str | None:
+        return self._fragments.get(target)
+
+    def _import(self) -> None:
+        """Imports the files that are referred to, and of the library what has no name otherwise.
+
+        Where two versions of a service are referred to, names stand for those that are referred
+        to more often; the others have theirs by file and fragment.
+        """
+        outside = [each for each in self._references() if each[1] not in self._fragments]
+        uses = Counter(self._model.document_of(target) for _, target, _ in outside)
+        documents = [each for each in self._model.documents if each in uses]
+        imports = self._document.imports
+        imports += [each for each in documents if not each.is_library]
+        shipped = [each for each in outside if self._model.is_library(each[1])]
+        named = self._count_named(shipped)
+        library = [each for each in documents if each.is_library]
+        for document in sorted(library, key=lambda each: (-uses[each], str(each.path))):
+            if named == len(shipped):
+                break
+            imports.append(document)
+            before, named = named, self._count_named(shipped)
+            if named <= before:
+                named = before
+                imports.pop()
+
+    def _count_named(self, references: Sequence[_Reference]) -> int:
+        return sum(self.short_name(*each) is not None for each in references)
+
+    def _references(self) -> Iterator[_Reference]:
+        for obj in self._fragments:
+            for feature in self._model.metamodels.class_of(obj).features.values():
+                if feature.kind is FeatureKind.CROSS_REFERENCE and count(obj, feature):
+                    value = getattr(obj, feature.name)
+                    for target in value if feature.many else [value]:
+                        yield obj, target, feature
+
+    def _owned(self, obj: EObject) -> Iterator[tuple[EObject, str]]:
+        """Yields the elements that an element owns in this document, with the step to each."""
+        for feature in self._model.metamodels.class_of(obj).features.values():
+            if feature.kind is FeatureKind.CONTAINMENT and count(obj, feature):
+                value = getattr(obj, feature.name)
+                steps = [(value, f"@{feature.name}")]
+                if feature.many:
+                    steps = [(each, f"@{feature.name}.{i}") for i, each in enumerate(value)]
+                yield from (step for step in steps if not self.is_apart(step[0]))
+
+    def _name_fragments(self, roots: Sequence[EObject]) -> dict[EObject, str]:
+        """Returns the elements in document order with their paths by features, as EMF has them."""
+        fragments: dict[EObject, str] = {}
+        several = len(roots) > 1
+        pending = [(root, f"/{i}" if several else "/") for i, root in enumerate(roots)][::-1]
+        while pending:
+            obj, at = pending.pop()
+            fragments[obj] = at
+            pending += [(each, f"{at}/{step}") for each, step in self._owned(obj)][::-1]
+        return fragments
+
+    def _node(self, obj: EObject, parent: Node | None) -> Node:
+        """Returns an element and all that it owns as light nodes, which a document consists of."""
+        node = Node("", [], {}, parent, (1, 1, 0))
+        node.obj = obj
+        node.children = [self._node(each, node) for each, _ in self._owned(obj)]
+        return node
+
+
+@cache
+def _library_document(path: Path, metamodels: Metamodels) -> Document:
+    """Returns a file of the library that the model does not have: its names count all the same."""
+    return read_models([path], metamodels=metamodels).model.documents[0]
+
+
+def _path(obj: EObject) -> list[str]:
+    """Returns the names that lead to an element; empty when it has none itself."""
+    if not name_of(obj):
+        return []
+    steps: list[str] = []
+    around: EObject | None = obj
+    while around is not None:
+        steps.append(name_of(around))
+        around = around.eContainer()
+    return [each for each in reversed(steps) if each]

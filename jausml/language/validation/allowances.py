@@ -1,0 +1,214 @@
+"""Allowances: what the documentation of an element says of findings that shall not count.
+
+`@allow JML426 until 2027-06-30: the tablet is off at night` in the documentation of an element
+is about findings of that rule at the element and at what it owns. Documentation is what XMI and
+text both keep, and Eclipse too when it saves.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from datetime import date
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+from jausml.language.model.diagnostics import Diagnostic, Severity
+from jausml.language.model.rules import READER_RULES, RuleInfo
+from jausml.language.model.values import show, suggest
+from jausml.language.text.rules import TEXT_RULES
+from jausml.language.validation.report import Ground, SetAside
+from jausml.language.validation.rules import all_rules
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterable, Mapping, Sequence
+
+    from jausml.language.model.diagnostics import Location
+    from jausml.language.model.documents import Document
+    from jausml.language.model.model import Model
+
+_MARK = "@allow"
+_FORM = "write @allow <rule> until <year>-<month>-<day>: <reason>"
+_TAG = re.compile(r"@allow\b(?P<said>.*?)(?=@allow\b|\n\s*\n|\Z)", re.DOTALL)
+"""Up to an empty line: layouts of text break lines."""
+_SAID = re.compile(
+    r"\s+(?P<rule>JML\d{3})\s+until\s+(?P<until>\d{4}-\d\d-\d\d)\s*:\s*(?P<why>.+)", re.DOTALL
+)
+
+_RULES = {
+    "JML801": RuleInfo(
+        "allowance that cannot be read",
+        "An @allow in the documentation of an element names one rule, the last day on which it "
+        "holds, and a reason. It is about findings at the element and at what it owns. Bad: "
+        "`@allow JML426`. Good: `@allow JML426 until 2027-06-30: the tablet is off at night`.",
+        Severity.WARNING,
+    ),
+    "JML802": RuleInfo(
+        "allowance that has expired",
+        "The last day of an @allow has passed, so its findings count again. Fix them, or check the "
+        "reason again and write a later day. Bad: `until 2020-01-31`. Good: a day in the future, "
+        "on which somebody will check again.",
+        Severity.WARNING,
+    ),
+    "JML803": RuleInfo(
+        "allowance of nothing",
+        "The element and what it owns no longer have a finding of the rule, or the findings are "
+        "errors, which cannot be allowed: nothing is generated from a model with errors. An "
+        "allowance that is left behind would hide the next finding. Good: remove it.",
+        Severity.WARNING,
+    ),
+}
+
+ALLOWANCE_RULES: Mapping[str, RuleInfo] = MappingProxyType(_RULES)
+"""The rules of allowances by id."""
+
+
+@dataclass(eq=False, slots=True)
+class _Allowance:
+    """What one `@allow` says.
+
+    Attributes:
+        element: Path of the element that says it.
+        fragment: Its fragment.
+        location: Where its documentation stands.
+        rule: Whose findings shall not count.
+        until: The last day on which it holds.
+        reason: Why.
+        used: How many findings it sets aside.
+        refused: How many errors there are that it is about.
+    """
+
+    element: str
+    fragment: str
+    location: Location
+    rule: str
+    until: date
+    reason: str
+    used: int = 0
+    refused: int = 0
+
+    def is_about(self, diagnostic: Diagnostic) -> bool:
+        """Tells whether a finding is of the rule, and at the element or what it owns."""
+        path = diagnostic.element
+        return (
+            diagnostic.rule == self.rule
+            and diagnostic.location.path == self.location.path
+            and (path == self.element or path.startswith(f"{self.element}/"))
+        )
+
+
+def settled(
+    model: Model,
+    diagnostics: Sequence[Diagnostic],
+    rules: Collection[str],
+    today: date | None = None,
+) -> tuple[list[Diagnostic], list[SetAside]]:
+    """Returns the findings that count, those about allowances among them, and the others.
+
+    Args:
+        model: The model.
+        diagnostics: The findings.
+        rules: The rules beside those of readers that were looked at.
+        today: The day on which allowances must still hold, that of the computer when None.
+    """
+    documents = [each for each in model.documents if _may_allow(each)]
+    if not documents:
+        return list(diagnostics), []
+    day = date.today() if today is None else today
+    allowances, found = _read(documents, model)
+    holding = [each for each in allowances if each.until >= day]
+    standing, aside = _divided(diagnostics, holding)
+    found += [_expired(each) for each in allowances if each.until < day]
+    # Where not all could be read, what is not found says nothing.
+    is_whole = not any(each.severity is Severity.ERROR for each in diagnostics)
+    looked_at = {*rules, *READER_RULES, *TEXT_RULES}
+    given = {each.display for each in documents if each.given}
+    for each in holding:
+        is_idle = is_whole and each.rule in looked_at and each.location.path in given
+        if not each.used and (each.refused or is_idle):
+            found.append(_unused(each))
+    return sorted([*standing, *found]), aside
+
+
+def _may_allow(document: Document) -> bool:
+    # Every other byte of UTF-16 is nought.
+    return not document.is_library and _MARK.encode() in document.data.replace(b"\0", b"")
+
+
+def _read(documents: Iterable[Document], model: Model) -> tuple[list[_Allowance], list[Diagnostic]]:
+    """Returns the allowances of documents, and what is wrong with how they are written."""
+    known = {*(each.id for each in all_rules()), *READER_RULES, *TEXT_RULES}
+    allowances: list[_Allowance] = []
+    faults: list[Diagnostic] = []
+    for element in (each for document in documents for each in model.elements_of(document)):
+        text = getattr(element, "documentation", None)
+        for tag in _TAG.finditer(text) if isinstance(text, str) else ():
+            path, fragment = model.element_path(element), model.fragment(element)
+            location = model.location(element, "documentation")
+            said = _parsed(tag, known)
+            if isinstance(said, _Fault):
+                of = (path, fragment)
+                faults.append(_finding("JML801", location, said.message, said.hint, of))
+            else:
+                allowances.append(_Allowance(path, fragment, location, *said))
+    return allowances, faults
+
+
+@dataclass(frozen=True, slots=True)
+class _Fault:
+    """Why an allowance cannot be read."""
+
+    message: str
+    hint: str = _FORM
+
+
+def _parsed(tag: re.Match[str], known: Collection[str]) -> tuple[str, date, str] | _Fault:
+    """Returns rule, last day and reason of an allowance."""
+    said = _SAID.fullmatch(tag["said"].rstrip())
+    if said is None:
+        return _Fault(f"{show(tag[0].strip())} lacks a rule, a day or a reason")
+    if said["rule"] not in known:
+        return _Fault(f"there is no rule {said['rule']}", suggest(said["rule"], known))
+    try:
+        return said["rule"], date.fromisoformat(said["until"]), " ".join(said["why"].split())
+    except ValueError:
+        return _Fault(f"{said['until']} is no day")
+
+
+def _divided(
+    diagnostics: Iterable[Diagnostic], allowances: Sequence[_Allowance]
+) -> tuple[list[Diagnostic], list[SetAside]]:
+    """Returns the findings that no allowance is about, and the others."""
+    standing: list[Diagnostic] = []
+    aside: list[SetAside] = []
+    for each in diagnostics:
+        about = next((one for one in allowances if one.is_about(each)), None)
+        if about is None:
+            standing.append(each)
+        elif each.severity is Severity.ERROR:
+            about.refused += 1
+            standing.append(each)
+        else:
+            about.used += 1
+            aside.append(SetAside(each, Ground.ALLOWED, about.reason, about.location))
+    return standing, aside
+
+
+def _expired(each: _Allowance) -> Diagnostic:
+    message = f"the allowance of {each.rule} ended on {each.until}: {show(each.reason)}"
+    hint = "fix the cause, or write a later day"
+    return _finding("JML802", each.location, message, hint, (each.element, each.fragment))
+
+
+def _unused(each: _Allowance) -> Diagnostic:
+    message = f"no finding of {each.rule} is here that could be allowed"
+    hint = "remove the allowance"
+    if each.refused:
+        message, hint = f"{each.rule} is an error here, which cannot be allowed", "fix it"
+    return _finding("JML803", each.location, message, hint, (each.element, each.fragment))
+
+
+def _finding(
+    rule: str, location: Location, message: str, hint: str, element: tuple[str, str]
+) -> Diagnostic:
+    return Diagnostic(rule, ALLOWANCE_RULES[rule].severity, location, message, hint, *element)

@@ -1,0 +1,143 @@
+"""Baselines: the findings that were there when a team began to look, so that new ones count.
+
+A finding is known by its rule, its file, its element without positions, and its message: lines
+may move, and elements may come before it.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections import Counter
+from dataclasses import replace
+from pathlib import PurePath
+from typing import TYPE_CHECKING, TypeAlias
+
+from jausml.language.model.inputs import read_input
+from jausml.language.validation.report import Ground, SetAside
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from jausml.language.model.diagnostics import Diagnostic
+    from jausml.language.validation.report import Report
+
+SCHEMA = 1
+_POSITION = re.compile(r"\[\d+\]")
+_PARTS = ("rule", "file", "element", "message")
+
+Identity: TypeAlias = "tuple[str, str, str, str]"
+"""Rule, file relative to the folder of the baseline, element and message."""
+
+
+class BaselineError(Exception):
+    """A file is no baseline."""
+
+
+def read(path: Path) -> Counter[Identity]:
+    """Returns what a baseline lists, with how often each is there.
+
+    Raises:
+        BaselineError: It is no baseline, or one of another schema.
+        OSError: It cannot be read.
+    """
+    try:
+        content = json.loads(read_input(path))
+    except ValueError as error:
+        raise BaselineError(f"it is no JSON: {error}") from error
+    except RecursionError as error:
+        raise BaselineError("it is no JSON of findings: nested too deep") from error
+    if not isinstance(content, dict) or content.get("schema") != SCHEMA:
+        raise BaselineError(f"it has no 'schema': {SCHEMA}")
+    entries = content.get("findings")
+    if not isinstance(entries, list):
+        raise BaselineError("'findings' is no list")
+    known: Counter[Identity] = Counter()
+    for each in entries:
+        identity, count = _entry(each)
+        known[identity] += count
+    return known
+
+
+def _entry(entry: object) -> tuple[Identity, int]:
+    if isinstance(entry, dict):
+        count = entry.get("count", 1)
+        match [entry.get(part) for part in _PARTS]:
+            case [str(rule), str(file), str(element), str(message)]:
+                if type(count) is int and count > 0:
+                    return (rule, file, element, message), count
+    raise BaselineError(f"'findings' has what is no finding: {str(entry)[:60]!a}")
+
+
+def written(report: Report, former: Counter[Identity], path: Path) -> str:
+    """Returns a baseline that lists the findings of a report.
+
+    Args:
+        report: The report.
+        former: What the baseline listed before; of files that the report is not about it stays.
+        path: Where it will stand; the files that it names are relative to its folder.
+    """
+    counted = Counter(_identity(each, path) for each in report.diagnostics)
+    counted += _elsewhere(former, report, path)
+    entries = [
+        dict(zip(_PARTS, identity, strict=True)) | ({"count": count} if count > 1 else {})
+        for identity, count in sorted(counted.items(), key=lambda each: _by_file(each[0]))
+    ]
+    content = {"schema": SCHEMA, "findings": entries}
+    return json.dumps(content, indent=2, ensure_ascii=True) + "\n"
+
+
+def without_known(report: Report, known: Counter[Identity], path: Path) -> tuple[Report, int]:
+    """Returns a report in which known findings do not count, and how many of them are gone.
+
+    Those of files that the report is not about are not gone.
+
+    Args:
+        report: The report.
+        known: What the baseline lists.
+        path: The baseline.
+    """
+    left = known.copy()
+    standing = []
+    aside = list(report.set_aside)
+    reason = f"listed in {path.name}"
+    for each in report.diagnostics:
+        identity = _identity(each, path)
+        if left[identity] > 0:
+            left[identity] -= 1
+            aside.append(SetAside(each, Ground.KNOWN, reason))
+        else:
+            standing.append(each)
+    aside.sort(key=lambda each: each.diagnostic.sort_key)
+    gone = left - _elsewhere(known, report, path)
+    return replace(report, diagnostics=tuple(standing), set_aside=tuple(aside)), gone.total()
+
+
+def _elsewhere(known: Counter[Identity], report: Report, path: Path) -> Counter[Identity]:
+    """Returns what is known of files that are there and that a report is not about."""
+    seen = {_relative(file, path) for file in report.files}
+    return Counter(
+        {
+            identity: count
+            for identity, count in known.items()
+            if identity[1] not in seen and (path.parent / identity[1]).exists()
+        }
+    )
+
+
+def _identity(each: Diagnostic, path: Path) -> Identity:
+    file = _relative(each.location.path, path)
+    return each.rule, file, _POSITION.sub("[]", each.element), each.message
+
+
+def _relative(file: str | Path, path: Path) -> str:
+    """Returns the path of a file from the folder of a baseline."""
+    return PurePath(
+        os.path.relpath(os.path.realpath(file), os.path.realpath(path.parent))
+    ).as_posix()
+
+
+def _by_file(identity: Identity) -> tuple[str, ...]:
+    rule, file, element, message = identity
+    return file, rule, element, message

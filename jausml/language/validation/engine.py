@@ -1,0 +1,120 @@
+"""Engine of validation: reads models and runs the rules over them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.language.model import Diagnostic, ReadResult, Related, read_models
+from jausml.language.model.collector import without_collector
+from jausml.language.semantics.memory import remembering
+from jausml.language.semantics.subject import Subject
+from jausml.language.validation.allowances import settled
+from jausml.language.validation.report import Report
+from jausml.language.validation.rules import all_rules
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from jausml.language.model.notation import Notation
+    from jausml.language.validation.rule import Finding, Rule
+
+
+class RuleError(Exception):
+    """A rule failed, which is a fault of jausml and not of the model.
+
+    Args:
+        rule: The rule.
+        error: What it raised.
+    """
+
+    def __init__(self, rule: Rule, error: Exception) -> None:
+        super().__init__(f"rule {rule.id} ({rule.title}) failed: {type(error).__name__}: {error}")
+        self.rule = rule
+
+
+def validate(
+    paths: Sequence[str | os.PathLike[str]],
+    *,
+    project_root: str | os.PathLike[str] | None = None,
+    allow_outside: bool = False,
+    projects: Mapping[str, str | os.PathLike[str]] | None = None,
+    notations: Sequence[Notation] = (),
+) -> Report:
+    """Reads model files with all that they refer to and checks them.
+
+    Args:
+        paths: The files.
+        project_root: The folder that references may not leave; found by itself when None.
+        allow_outside: True to let references leave it.
+        projects: Folders of Eclipse projects by name.
+        notations: What reads files that are no XMI.
+
+    Returns:
+        All findings of one run.
+
+    Raises:
+        RuleError: A rule failed.
+    """
+    result = read_models(
+        paths,
+        project_root=project_root,
+        allow_outside=allow_outside,
+        projects=projects,
+        notations=notations,
+    )
+    return check(result)
+
+
+def check(result: ReadResult, rules: Sequence[Rule] | None = None) -> Report:
+    """Checks a model that was read.
+
+    Args:
+        result: The model and what the reader found.
+        rules: The rules, all of them when None.
+
+    Raises:
+        RuleError: A rule failed.
+    """
+    findings = list(result.diagnostics)
+    rules = all_rules() if rules is None else rules
+    with without_collector(), remembering():
+        subject = Subject(result.model, result.diagnostics)
+        for rule in rules:
+            findings += _run(rule, subject)
+    files = tuple(document.display for document in result.model.documents if document.given)
+    names = {each.id for each in rules}
+    standing, aside = settled(result.model, sorted(set(findings)), names)
+    return Report(result.model, files, tuple(standing), tuple(aside))
+
+
+def _run(rule: Rule, subject: Subject) -> list[Diagnostic]:
+    try:
+        return list(_diagnostics(rule, subject))
+    except Exception as error:
+        raise RuleError(rule, error) from error
+
+
+def _diagnostics(rule: Rule, subject: Subject) -> Iterator[Diagnostic]:
+    for finding in rule.check(subject):
+        # A finding about an element as a whole needs all of it.
+        at = None if finding.feature is None else (finding.feature,)
+        if subject.is_read(finding.element, at):
+            yield _diagnostic(rule, finding, subject)
+
+
+def _diagnostic(rule: Rule, finding: Finding, subject: Subject) -> Diagnostic:
+    model = subject.model
+    return Diagnostic(
+        rule=rule.id,
+        severity=finding.severity or rule.severity,
+        location=model.location(finding.element, finding.feature, finding.position),
+        message=finding.message,
+        hint=finding.hint,
+        element=model.element_path(finding.element),
+        fragment=model.fragment(finding.element),
+        related=tuple(
+            Related(model.location(note.element, note.feature), note.message)
+            for note in finding.related
+        ),
+    )

@@ -1,0 +1,60 @@
+"""Reports for GitHub Actions: workflow commands that become annotations of the changed lines."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.language.model.diagnostics import Severity
+from jausml.language.validation.formats.text import lines_of, one_line
+
+if TYPE_CHECKING:
+    from jausml.language.model.diagnostics import Diagnostic
+    from jausml.language.validation.report import Report
+
+_COMMANDS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "notice"}
+_MOST = 10  # annotations of one kind that GitHub shows of a step
+
+
+def render(report: Report) -> str:
+    """Returns a workflow command for each finding that GitHub shows, and the rest as plain lines.
+
+    The errors come first. Related places and hints stand in the text of the annotation.
+
+    Args:
+        report: The report.
+    """
+    commands: list[str] = []
+    rest: list[Diagnostic] = []
+    for severity, command in _COMMANDS.items():
+        found = [each for each in report.diagnostics if each.severity is severity]
+        commands += [_command(command, each) for each in found[:_MOST]]
+        rest += found[_MOST:]
+    if rest:
+        commands.append(f"{len(rest)} more, which GitHub does not annotate:")
+    # A line that begins with a path cannot be taken for a command.
+    commands += [f"- {_inert(line)}" for each in rest for line in lines_of(each)]
+    return "".join(f"{line}\n" for line in commands)
+
+
+def _command(name: str, each: Diagnostic) -> str:
+    place = each.location
+    properties = {"file": place.path, "line": place.line, "col": place.column, "title": each.rule}
+    listed = ",".join(f"{key}={_property(one_line(str(v)))}" for key, v in properties.items())
+    hint = f" ({each.hint})" if each.hint else ""
+    notes = [f"{note.location}: {note.message}" for note in each.related]
+    text = "\n".join(one_line(line) for line in (f"{each.message}{hint}", *notes))
+    return f"::{name} {listed}::{_data(text)}"
+
+
+def _data(text: str) -> str:
+    """Returns text with what ends a command escaped, as the runner decodes it."""
+    return _inert(text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A"))
+
+
+def _property(text: str) -> str:
+    return _data(text).replace(":", "%3A").replace(",", "%2C")
+
+
+def _inert(text: str) -> str:
+    """Returns text without the mark of the runner's older commands, which may stand anywhere."""
+    return text.replace("##[", "## [")

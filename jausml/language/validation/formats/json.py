@@ -1,0 +1,51 @@
+"""Reports for programs: JSON with a versioned schema."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from jausml.language.model.diagnostics import Diagnostic, Location
+    from jausml.language.validation.report import Report, SetAside
+
+SCHEMA = 1
+"""Version of the layout; it changes when a reader of the present one would be misled."""
+
+
+def render(report: Report) -> str:
+    """Returns a JSON object with `schema`, `files`, `diagnostics` and `setAside`.
+
+    Args:
+        report: The report.
+    """
+    content = {
+        "schema": SCHEMA,
+        "files": list(report.files),
+        "diagnostics": [_diagnostic(each) for each in report.diagnostics],
+        "setAside": [_set_aside(each) for each in report.set_aside],
+    }
+    return json.dumps(content, indent=2) + "\n"
+
+
+def _diagnostic(each: Diagnostic) -> dict[str, Any]:
+    return {
+        "rule": each.rule,
+        "severity": each.severity.value,
+        **_place(each.location),
+        "element": each.element,
+        "fragment": each.fragment,
+        "message": each.message,
+        "hint": each.hint,
+        "related": [{**_place(note.location), "message": note.message} for note in each.related],
+    }
+
+
+def _set_aside(each: SetAside) -> dict[str, Any]:
+    said_at = _place(each.location) if each.location is not None else None
+    why = {"ground": each.ground.value, "reason": each.reason, "saidAt": said_at}
+    return {**_diagnostic(each.diagnostic), **why}
+
+
+def _place(location: Location) -> dict[str, Any]:
+    return {"file": location.path, "line": location.line, "column": location.column}

@@ -1,0 +1,133 @@
+"""Reports for code scanning: SARIF 2.1.0 (OASIS)."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Any
+from urllib.parse import quote
+
+from jausml import __version__
+from jausml.language.model.diagnostics import Severity
+from jausml.language.text.rules import TEXT_RULES
+from jausml.language.validation.catalogue import catalogue
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from jausml.language.model.diagnostics import Diagnostic, Location
+    from jausml.language.validation.catalogue import CatalogueEntry
+    from jausml.language.validation.report import Report, SetAside
+
+SCHEMA = (
+    "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
+)
+FINGERPRINT = "jausmlElement/v1"
+"""Name of the fingerprint: of rule, file, element and message, so that a moved line is no news."""
+
+_LEVELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "note"}
+
+
+def render(report: Report, help_uri: str | None = None) -> str:
+    """Returns a SARIF log of one run, with every rule of jausml.
+
+    Paths are written as the user gave them: give them relative to the root of the repository.
+
+    Args:
+        report: The report.
+        help_uri: Where the page of all rules is, for a link to the part of each; None for none.
+    """
+    rules = [_rule(each, help_uri) for each in catalogue(TEXT_RULES)]
+    places = {str(rule["id"]): number for number, rule in enumerate(rules)}
+    driver = {"name": "jausml", "semanticVersion": __version__, "rules": rules}
+    run = {
+        "tool": {"driver": driver},
+        "columnKind": "unicodeCodePoints",
+        "results": [_result(each, places) for each in report.diagnostics]
+        + [_suppressed(each, places) for each in report.set_aside],
+    }
+    log = {"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}
+    return json.dumps(log, indent=2) + "\n"
+
+
+def _rule(each: CatalogueEntry, help_uri: str | None) -> dict[str, Any]:
+    heading = f"**{each.id}: {each.title}**"
+    rule: dict[str, Any] = {
+        "id": each.id,
+        "name": each.id,
+        "shortDescription": {"text": each.title},
+        "fullDescription": {"text": each.documentation},
+        "help": {"text": each.documentation, "markdown": f"{heading}\n\n{each.documentation}"},
+        "defaultConfiguration": {"level": _LEVELS[each.severity]},
+    }
+    if help_uri is not None:
+        rule["helpUri"] = f"{help_uri}#{_anchor(f'{each.id} {each.title}')}"
+    return rule
+
+
+def _anchor(heading: str) -> str:
+    """Returns the name under which pages of Markdown have a heading, as GitHub and GitLab do."""
+    return re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
+
+
+def _suppressed(each: SetAside, places: Mapping[str, int]) -> dict[str, Any]:
+    """Returns a result that does not count, and why (SARIF, section 3.35)."""
+    suppression: dict[str, Any] = {
+        "kind": "external" if each.location is None else "inSource",
+        "status": "accepted",
+        "justification": each.reason,
+    }
+    if each.location is not None:
+        suppression["location"] = {"physicalLocation": _physical(each.location)}
+    return {**_result(each.diagnostic, places), "suppressions": [suppression]}
+
+
+def _result(each: Diagnostic, places: Mapping[str, int]) -> dict[str, Any]:
+    location: dict[str, Any] = {"physicalLocation": _physical(each.location)}
+    if each.element:
+        location["logicalLocations"] = [{"fullyQualifiedName": each.element, "kind": "element"}]
+    result: dict[str, Any] = {
+        "ruleId": each.rule,
+        "level": _LEVELS[each.severity],
+        "message": {"text": f"{each.message} ({each.hint})" if each.hint else each.message},
+        "locations": [location],
+        "partialFingerprints": {FINGERPRINT: _fingerprint(each)},
+    }
+    if each.rule in places:
+        result["ruleIndex"] = places[each.rule]
+    if each.related:
+        result["relatedLocations"] = [
+            {
+                "id": number,
+                "physicalLocation": _physical(note.location),
+                "message": {"text": note.message},
+            }
+            for number, note in enumerate(each.related, 1)
+        ]
+    return result
+
+
+def _physical(location: Location) -> dict[str, Any]:
+    return {
+        "artifactLocation": {"uri": _uri(location.path)},
+        "region": {"startLine": max(1, location.line), "startColumn": max(1, location.column)},
+    }
+
+
+def _uri(path: str) -> str:
+    """Returns a path as a URI: relative with slashes, or of the scheme `file`."""
+    pure = PurePath(path)
+    if pure.is_absolute():
+        return pure.as_uri()
+    text = quote(os.fsencode(pure.as_posix()))
+    # A colon in the first part would read as a scheme (RFC 3986, section 4.2).
+    return text.replace(":", "%3A")
+
+
+def _fingerprint(each: Diagnostic) -> str:
+    identity = (each.rule, each.location.path, each.element or each.fragment, each.message)
+    text = json.dumps(identity)
+    return hashlib.sha256(text.encode("ascii")).hexdigest()

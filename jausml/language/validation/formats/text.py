@@ -1,0 +1,71 @@
+"""Reports for people and editors: one line for each finding, as compilers write it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.language.model.diagnostics import Severity
+from jausml.language.validation.report import Ground
+
+if TYPE_CHECKING:
+    from jausml.language.model.diagnostics import Diagnostic
+    from jausml.language.validation.report import Report
+
+
+def render(report: Report) -> str:
+    """Returns the findings, each on one line, with their related places on lines after it.
+
+    Args:
+        report: The report.
+    """
+    return "".join(f"{line}\n" for each in report.diagnostics for line in lines_of(each))
+
+
+def summary(report: Report) -> str:
+    """Returns one line that says how many findings there are, and how many do not count.
+
+    Args:
+        report: The report.
+    """
+    files = _count(len(report.files), "file")
+    counts = [
+        _count(report.count(severity), noun)
+        for severity, noun in ((Severity.ERROR, "error"), (Severity.WARNING, "warning"))
+        if report.count(severity)
+    ]
+    aside = [
+        f"{number} {ground.value}"
+        for ground in Ground
+        if (number := sum(each.ground is ground for each in report.set_aside))
+    ]
+    told = f"{', '.join(counts) or 'no problems'} in {files}"
+    return "; ".join([told, *([", ".join(aside)] if aside else [])])
+
+
+def lines_of(diagnostic: Diagnostic) -> list[str]:
+    """Returns the lines of one finding: its own, and one for each related place.
+
+    Args:
+        diagnostic: The finding.
+    """
+    notes = (f"{note.location}: note: {note.message}" for note in diagnostic.related)
+    return [one_line(str(diagnostic)), *map(one_line, notes)]
+
+
+def one_line(text: str) -> str:
+    """Returns text with everything that could move a terminal's cursor escaped.
+
+    Args:
+        text: Text that may come from a model.
+    """
+    if text.isprintable():
+        return text
+    return "".join(char if char.isprintable() else _escape(char) for char in text)
+
+
+def _escape(char: str) -> str:
+    return ascii(char)[1:-1]
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

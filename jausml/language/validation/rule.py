@@ -1,0 +1,93 @@
+"""Rules and findings: a rule is a documented function that yields findings about a model."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.diagnostics import Severity
+    from jausml.language.semantics.subject import Subject
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """A second element that explains a finding.
+
+    Attributes:
+        element: The element.
+        message: What it has to do with the finding.
+        feature: Feature of the element at which to point, or None for the element itself.
+    """
+
+    element: EObject
+    message: str
+    feature: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """A finding of a rule about one element.
+
+    Attributes:
+        element: The element.
+        message: What is wrong, naming the element.
+        feature: Feature of the element at which to point, or None for the element itself.
+        hint: What to do about it, or empty.
+        related: Elements that explain the finding.
+        severity: How grave it is where that is not what the rule says of its findings: a fault of
+            a published service set is one that whoever uses the set cannot fix.
+        position: At which of several values of the feature to point, from 0.
+    """
+
+    element: EObject
+    message: str
+    feature: str | None = None
+    hint: str = ""
+    related: tuple[Note, ...] = ()
+    severity: Severity | None = None
+    position: int = 0
+
+
+RuleFunction = Callable[["Subject"], Iterator[Finding]]
+"""Looks at all elements that a rule is about and yields what is wrong with them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A rule with a stable id.
+
+    Attributes:
+        id: `JML` and three digits; an id is never used again for something else.
+        severity: How grave its findings are.
+        title: A few words for lists.
+        check: The function.
+    """
+
+    id: str
+    severity: Severity
+    title: str
+    check: RuleFunction
+
+    @property
+    def documentation(self) -> str:
+        """What the rule demands and why, with a bad and a good example."""
+        return inspect.getdoc(self.check) or ""
+
+
+def rule(rule_id: str, severity: Severity, title: str) -> Callable[[RuleFunction], Rule]:
+    """Makes a rule of a function, whose docstring is the documentation page of the rule.
+
+    Args:
+        rule_id: `JML3xx` JAUS, `JML4xx` ROS and bridges, `JML5xx` generator readiness.
+        severity: How grave its findings are.
+        title: A few words for lists.
+    """
+
+    def make(check: RuleFunction) -> Rule:
+        return Rule(rule_id, severity, title, check)
+
+    return make

@@ -1,0 +1,233 @@
+"""Rules about action connections: list drivers of JAUS, and actions of ROS."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model.diagnostics import Severity
+from jausml.language.semantics.attributes import PathFault
+from jausml.language.semantics.list_drivers import driver_messages, knows_speed, takes
+from jausml.language.semantics.ros_paths import RosPlace, ros_name
+from jausml.language.semantics.services import is_known, lineage, services_of
+from jausml.language.semantics.topics import topic_fault
+from jausml.language.validation.rule import Finding, Note, rule
+from jausml.language.validation.rules.jaus.components import provider_name
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.language.metamodel.classes import jaus, ros
+    from jausml.language.semantics.services import Provider
+    from jausml.language.semantics.subject import Subject
+
+GREATEST_SPEED = 327.67
+"""Metres per second that ExecuteList can say (AS6009)."""
+
+_ENDS = ("name", "direction", "type", "driver", "element", "peers", "search")
+
+
+@rule("JML481", Severity.ERROR, "no list driver for the elements")
+def drives_lists(subject: Subject) -> Iterator[Finding]:
+    """The driver of an action connection executes lists with the message of its map.
+
+    It inherits ListManager, takes ExecuteList and QueryActiveElement, and sends
+    ReportActiveElement.
+
+    Bad: `driver="LocalWaypointDriver"`, which drives to one waypoint; or LocalWaypointListDriver
+    with the map of SetGlobalWaypoint
+
+    Good: `driver="LocalWaypointListDriver"` with the map of SetLocalWaypoint
+    """
+    for each in _sound(subject):
+        if driver_messages(each.driver) is None:
+            message = f"'{each.driver.name}' executes no lists"
+            hint = "name a service that inherits ListManager and takes ExecuteList"
+            yield Finding(each, message, "driver", hint)
+        elif not takes(each.driver, each.element.message):
+            note = Note(each.element, f"map '{each.element.name}'")
+            message = f"the list of {each.driver.name} does not hold {each.element.message.name}"
+            yield Finding(each, message, "element", related=(note,))
+
+
+@rule("JML482", Severity.ERROR, "goal without the elements")
+def goal_holds_elements(subject: Subject) -> Iterator[Finding]:
+    """The goal of an action has at goalMember a sequence of the ROS type of the map.
+
+    Bad: `goalMember="pose"`; or gps_poses of FollowGPSWaypoints with a map to PoseStamped
+
+    Good: `goalMember="poses"` of FollowWaypoints with a map to PoseStamped
+    """
+    for each in _sound(subject, "goalMember"):
+        found = _place(each.type.goal, each.goalMember)
+        wanted = ros_name(each.element.type)
+        if isinstance(found, PathFault):
+            yield Finding(each, found.message, "goalMember", found.hint)
+        elif found is not None and not _is_sequence_of(found, each.element.type):
+            message = f"'{each.goalMember}' is no sequence of {wanted}, which the map makes"
+            yield Finding(each, message, "goalMember")
+
+
+@rule("JML483", Severity.ERROR, "progress or reason that is none")
+def members_fit(subject: Subject) -> Iterator[Finding]:
+    """The feedback has at progressMember an integer, the result at reasonMember a string.
+
+    Bad: `progressMember="distance_remaining"`, which is a distance
+
+    Good: `progressMember="number_of_poses_remaining" progress="remaining"`
+    """
+    for each in _sound(subject, "progressMember", "reasonMember"):
+        parts = (
+            ("progressMember", each.progressMember, each.type.feedback, "integer", ("int", "uint")),
+            ("reasonMember", each.reasonMember, each.type.result, "string", ("string",)),
+        )
+        for feature, path, owner, noun, kinds in parts:
+            found = _place(owner, path) if path else None
+            if isinstance(found, PathFault):
+                yield Finding(each, found.message, feature, found.hint)
+            elif found is not None and not _is_of(found, kinds):
+                yield Finding(each, f"'{path}' is no {noun}", feature)
+
+
+@rule("JML484", Severity.ERROR, "map of elements without assignments for the direction")
+def elements_translated(subject: Subject) -> Iterator[Finding]:
+    """The map of an action connection has assignments for the direction of the connection.
+
+    Without them every element of the list is empty.
+
+    Bad: `direction="rosToJaus"` with a map that has `toRos` alone
+
+    Good: the same map with `toJaus`
+    """
+    for each in _sound(subject):
+        feature = "toRos" if _to_ros(each) else "toJaus"
+        if not getattr(each.element, feature) and subject.is_intact(each.element):
+            note = Note(each.element, f"map '{each.element.name}'")
+            message = f"map '{each.element.name}' has no {feature} assignments, which"
+            message += f" {each.direction.name} needs"
+            yield Finding(each, message, "element", related=(note,))
+
+
+@rule("JML485", Severity.ERROR, "nobody provides the list driver")
+def driver_provided(subject: Subject) -> Iterator[Finding]:
+    """The component that executes the list of an action connection provides its driver.
+
+    - JAUS to ROS: the bridge does.
+    - ROS to JAUS: each peer does, and there is one, or a search for one.
+
+    Bad: `direction="rosToJaus"` without peers
+
+    Good: `direction="rosToJaus" peers="vehicle"`, where vehicle provides the driver
+    """
+    for each in _sound(subject):
+        owner = each.eContainer()
+        providers: list[Provider] = list(each.peers)
+        if each.search is not None:
+            providers.append(each.search)
+        if _to_ros(each):
+            providers = [] if owner is None else [owner]
+        elif not providers:
+            message = f"'{each.name}' has no peer that executes its lists"
+            yield Finding(each, message, "peers", "name peers, or search for them")
+        for provider in providers:
+            if is_known(subject, provider) and not _provides(provider, each.driver):
+                message = f"{provider_name(provider)} does not provide {each.driver.name}"
+                yield Finding(each, message, "driver")
+
+
+@rule("JML486", Severity.ERROR, "figure of an action connection out of range")
+def action_figures(subject: Subject) -> Iterator[Finding]:
+    """The speed of lists is above 0 and what ExecuteList can say, and the timeout is above 0.
+
+    A list that is executed at speed 0 stands still. Drivers of manipulators know no speed.
+
+    Bad: `direction="rosToJaus"` without a speed
+
+    Good: `direction="rosToJaus" speed="1.5" timeout="1"`
+    """
+    needs = (*_ENDS, "speed", "timeout")
+    for each in subject.instances(bridge.RosActionConnection, needs=needs):
+        if not (math.isfinite(each.timeout) and each.timeout > 0):
+            yield Finding(each, f"timeout {each.timeout:g} s is not above 0", "timeout")
+        messages = driver_messages(each.driver) if subject.is_intact(each.driver) else None
+        if messages is None or _to_ros(each) or not knows_speed(messages):
+            continue
+        if not 0 < each.speed <= GREATEST_SPEED:
+            message = f"speed {each.speed:g} m/s is not above 0 and up to {GREATEST_SPEED} m/s"
+            hint = "state the speed at which peers execute lists"
+            yield Finding(each, message, "speed", hint)
+
+
+@rule("JML487", Severity.ERROR, "bad name of a ROS action")
+def action_names(subject: Subject) -> Iterator[Finding]:
+    """The name of an action is one of ROS: letters, digits, `_` and `/`, no digit first.
+
+    Bad: `action="follow waypoints"`
+
+    Good: `action="follow_waypoints"`
+    """
+    for each in subject.instances(bridge.RosActionConnection, needs=("action",)):
+        fault = topic_fault(each.action) if each.action is not None else ""
+        if fault:
+            yield Finding(each, f"action name {each.action!a} {fault}", "action")
+
+
+@rule("JML488", Severity.ERROR, "two lists of one kind in one bridge")
+def one_driver_for_a_kind(subject: Subject) -> Iterator[Finding]:
+    """The lists of one kind of elements go to one action.
+
+    A bridge has one list; the content of its elements determines which action executes it.
+
+    Bad: two connections with `direction="jausToRos"` and the map of SetLocalWaypoint
+
+    Good: one of them
+    """
+    for owner in subject.instances(bridge.Bridge, needs=("actionConnections",)):
+        first: dict[jaus.MessageDef, bridge.RosActionConnection] = {}
+        for each in owner.actionConnections:
+            if not _is_sound(subject, each) or not _to_ros(each):
+                continue
+            other = first.setdefault(each.element.message, each)
+            if other is not each:
+                note = Note(other, f"'{other.name}' executes them")
+                message = f"lists of {each.element.message.name} are executed already"
+                yield Finding(each, message, "element", related=(note,))
+
+
+def _sound(subject: Subject, *features: str) -> list[bridge.RosActionConnection]:
+    needs = (*_ENDS, *features)
+    found = subject.instances(bridge.RosActionConnection, needs=needs)
+    return [each for each in found if _is_sound(subject, each)]
+
+
+def _is_sound(subject: Subject, each: bridge.RosActionConnection) -> bool:
+    used = each.element
+    if used is None or not subject.is_intact(each.driver, each.type):
+        return False
+    return subject.is_intact(used.message, used.type)
+
+
+def _to_ros(each: bridge.RosActionConnection) -> bool:
+    return each.direction.name == "jausToRos"
+
+
+def _place(owner: ros.MessageType, path: str | None) -> RosPlace | PathFault | None:
+    return RosPlace(type=owner).follow(path) if path else None
+
+
+def _is_sequence_of(place: RosPlace, element: ros.MessageType) -> bool:
+    field = place.field
+    inner = place.element()
+    is_sequence = field is not None and field.arrayKind.name.endswith("Sequence")
+    return place.is_array and is_sequence and inner is not None and inner.type is element
+
+
+def _is_of(place: RosPlace, kinds: tuple[str, ...]) -> bool:
+    kind = getattr(place.field, "type", None)
+    return not place.is_array and kind is not None and str(kind.name).startswith(kinds)
+
+
+def _provides(provider: Provider, driver: jaus.Service) -> bool:
+    urns = {str(each.urn) for each in services_of(provider)}
+    return any(str(each.urn) in urns for each in lineage(driver)[:1])

@@ -1,0 +1,312 @@
+"""Rules about the service connections of bridges: messages, peers, what tells of failures."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from typing import TYPE_CHECKING
+
+from jausml.language.metamodel.classes import bridge, ros
+from jausml.language.model.diagnostics import Severity
+from jausml.language.semantics import calls
+from jausml.language.semantics.attributes import PathFault
+from jausml.language.semantics.commands import is_command
+from jausml.language.semantics.core_services import CORE_MESSAGES
+from jausml.language.semantics.layouts import attributes
+from jausml.language.semantics.ros_paths import RosPlace, ros_name
+from jausml.language.semantics.services import (
+    code,
+    find_input,
+    find_output,
+    is_known,
+    provides_access_control,
+)
+from jausml.language.semantics.topics import resolve_topic, topic_fault
+from jausml.language.validation.rule import Finding, Note, rule
+from jausml.language.validation.rules.jaus.components import provider_name
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.language.metamodel.classes import jaus
+    from jausml.language.semantics.services import Provider
+    from jausml.language.semantics.subject import Subject
+
+_ENDS = (
+    *("name", "direction", "type", "request", "response", "message", "answer", "rejections"),
+    *("peers", "search", "control"),
+)
+_CORE_CODES = frozenset(CORE_MESSAGES.values())
+
+
+@rule("JML467", Severity.ERROR, "map that does not fit the service")
+def maps_fit(subject: Subject) -> Iterator[Finding]:
+    """The maps of a service connection are those of the request and the response of its type.
+
+    The map of a message that the bridge makes has assignments for that direction: from ROS to JAUS
+    for the request of a served service, and from JAUS to ROS for its response; the other way for a
+    service that is called. `message` and `answer` do not repeat what a map states.
+
+    Bad: `request="lamp_read"` with a map for `std_srvs/Trigger.response`
+
+    Good: `response="lamp_read"`
+    """
+    for connection in _sound(subject):
+        parts = dict(zip((calls.REQUEST, calls.RESPONSE), calls.types(connection), strict=True))
+        for half in calls.halves(connection):
+            used, part = half.map, parts[half.kind]
+            if used.type is not part:
+                text = f"map '{used.name}' is for {ros_name(used.type)}, not for the {half.kind}"
+                note = Note(used, f"map '{used.name}'", "type")
+                message = f"{text} of {ros_name(connection.type)}"
+                yield Finding(connection, message, half.kind, related=(note,))
+                continue
+            feature = "toRos" if half.to_ros else "toJaus"
+            targets = used.type.fields if half.to_ros else attributes(used.message)
+            if targets and not getattr(used, feature) and subject.is_intact(used):
+                message = f"map '{used.name}' has no {feature} assignments, which its place needs"
+                note = Note(used, f"map '{used.name}'")
+                yield Finding(connection, message, half.kind, related=(note,))
+        for of_map, of_message in ((calls.REQUEST, "message"), (calls.RESPONSE, "answer")):
+            if getattr(connection, of_map) is not None and getattr(connection, of_message):
+                message = f"'{connection.name}' states '{of_message}', which its {of_map} map has"
+                yield Finding(connection, message, of_message, "leave it out")
+
+
+@rule("JML468", Severity.ERROR, "service without a message that asks")
+def something_asks(subject: Subject) -> Iterator[Finding]:
+    """A service connection names the message that asks: by a map of the request or by `message`.
+
+    Bad: a service connection with `type` and `peers` alone
+
+    Good: the same with `message`, such as a query
+    """
+    for connection in _sound(subject):
+        if calls.asking(connection) is None:
+            message = f"'{connection.name}' has no JAUS message that asks"
+            yield Finding(connection, message, None, "state a map for 'request', or a 'message'")
+
+
+@rule("JML469", Severity.ERROR, "no service for the messages of a call")
+def messages_provided(subject: Subject) -> Iterator[Finding]:
+    """The component that is asked provides a service that takes the question and answers it.
+
+    That is each peer, where the bridge serves a ROS service, and the bridge itself, where it calls
+    one. Inherited services count, and so does the same message in another service. The runtime
+    itself answers the messages of core services that come to a bridge.
+
+    Bad: `peers="sensor"` with SetEmergency, where sensor has `coreServices="none"`
+
+    Good: the same with a peer that provides Management
+    """
+    for connection in filter(_fits, _sound(subject)):
+        for provider in _asked(connection):
+            if is_known(subject, provider):
+                yield from _provided(connection, provider)
+        asking = calls.asking(connection)
+        if not calls.serves(connection) and asking is not None and code(asking) in _CORE_CODES:
+            message = f"the runtime itself takes {asking.name} of '{connection.name}'"
+            yield Finding(connection, message, _feature(connection, asking), "take another message")
+
+
+@rule("JML470", Severity.ERROR, "service without a peer")
+def peers_named(subject: Subject) -> Iterator[Finding]:
+    """A bridge that serves a ROS service names the peers that it asks, or searches for them.
+
+    Bad: a service connection without `peers`
+
+    Good: the same with `peers="vehicle"`
+    """
+    for connection in _sound(subject):
+        if calls.serves(connection) and not connection.peers and connection.search is None:
+            message = f"'{connection.name}' names no peer to ask"
+            yield Finding(connection, message, "peers", "name peers or search for them")
+
+
+@rule("JML471", Severity.ERROR, "call of a peer that cannot be controlled")
+def peers_controllable(subject: Subject) -> Iterator[Finding]:
+    """A service connection that controls its peers has peers that provide AccessControl.
+
+    Commands wait until control is granted, which such a peer never does (AS5710).
+
+    Bad: `control` (true by default) for a command to a peer without AccessControl
+
+    Good: `control="false"` for this peer
+    """
+    for connection in _sound(subject):
+        asking = calls.asking(connection)
+        is_sent = asking is not None and is_command(asking) and calls.serves(connection)
+        if not is_sent or not connection.control:
+            continue
+        for peer in _asked(connection):
+            if is_known(subject, peer) and not provides_access_control(peer):
+                who = provider_name(peer)
+                message = f"{who} provides no AccessControl, so control of it cannot be had"
+                feature = "search" if connection.search is not None else "peers"
+                hint = f"set {subject.assigned(connection, {'control': 'false'})}"
+                yield Finding(connection, message, feature, hint, (Note(peer, who),))
+
+
+@rule("JML472", Severity.ERROR, "member that tells of no failure")
+def members_tell(subject: Subject) -> Iterator[Finding]:
+    """The members that say whether a call succeeded, and why not, are a bool and a string.
+
+    They are members of the response.
+
+    Bad: `successMember="message"`, a string, with std_srvs/SetBool
+
+    Good: `successMember="success" reasonMember="message"`
+    """
+    needs = ("name", "type", "successMember", "reasonMember")
+    for connection in subject.instances(bridge.RosServiceConnection, needs=needs):
+        if connection.type is None or not subject.is_intact(connection.type):
+            continue
+        for feature, kind in (("successMember", "bool"), ("reasonMember", "string")):
+            path = getattr(connection, feature)
+            fault = _member_fault(connection.type.response, path, kind) if path else None
+            if fault is not None:
+                yield Finding(connection, fault.message, feature, fault.hint)
+
+
+@rule("JML473", Severity.WARNING, "failures that cannot be told")
+def failures_told(subject: Subject) -> Iterator[Finding]:
+    """The response of a served service says whether the call succeeded.
+
+    Otherwise a failed call gets no response, and its client waits until it gives up: a made-up
+    response would report success.
+
+    Bad: `type` std_srvs/Trigger without `successMember`
+
+    Good: the same with `successMember="success"`
+    """
+    needs = ("name", "type", "direction", "successMember")
+    for connection in subject.instances(bridge.RosServiceConnection, needs=needs):
+        if calls.serves(connection) and not connection.successMember:
+            message = f"clients of '{connection.name}' get no response when a call comes to nothing"
+            yield Finding(connection, message, "type", "name a bool of the response: successMember")
+
+
+@rule("JML474", Severity.ERROR, "timeout of calls out of range")
+def timeouts(subject: Subject) -> Iterator[Finding]:
+    """The timeout of a service connection is above 0, and at most an hour.
+
+    Bad: `timeout="0"`
+
+    Good: `timeout="2.5"`
+    """
+    longest = 3600.0
+    for connection in subject.instances(bridge.RosServiceConnection, needs=("name", "timeout")):
+        seconds = connection.timeout
+        if not (math.isfinite(seconds) and 0.001 <= seconds <= longest):
+            message = f"timeout {seconds:g} of '{connection.name}' is not in 0.001..{longest:g} s"
+            yield Finding(connection, message, "timeout")
+
+
+@rule("JML475", Severity.ERROR, "ROS service served twice")
+def served_once(subject: Subject) -> Iterator[Finding]:
+    """A ROS service of a system has one server.
+
+    With several servers, it is unknown which one answers a client. Names are compared in full:
+    `stop` and `/stop` are one in a bridge without a namespace.
+
+    Bad: two service connections with `service="stop"`
+
+    Good: `stop_front` and `stop_rear`
+    """
+    for group in subject.systems(("name", "namespace")):
+        served: dict[str, list[bridge.RosServiceConnection]] = defaultdict(list)
+        for owner in group:
+            if not isinstance(owner, bridge.Bridge):
+                continue
+            for each in owner.serviceConnections:
+                if subject.is_read(each, ("name", "service", "direction")) and calls.serves(each):
+                    name = resolve_topic(each.service, owner.namespace or "", owner.name or "")
+                    served[name].append(each)
+        for name, connections in served.items():
+            first, *others = connections
+            for other in others:
+                message = f"'{other.name}' serves {name}, as '{first.name}' does"
+                note = Note(first, f"'{first.name}'", "service")
+                yield Finding(other, message, "service", related=(note,))
+
+
+@rule("JML476", Severity.ERROR, "illegal name of a ROS service")
+def names(subject: Subject) -> Iterator[Finding]:
+    """The name of a ROS service has letters, digits, `_` and `/`, and does not begin with a digit.
+
+    Bad: `service="switch lamp"`
+
+    Good: `service="switch_lamp"`
+    """
+    for connection in subject.instances(bridge.RosServiceConnection, needs=("name", "service")):
+        fault = topic_fault(connection.service or "")
+        if fault:
+            message = f"service name {connection.service!a} of '{connection.name}' {fault}"
+            yield Finding(connection, message, "service")
+
+
+def _sound(subject: Subject) -> list[bridge.RosServiceConnection]:
+    return [
+        each
+        for each in subject.instances(bridge.RosServiceConnection, needs=_ENDS)
+        if each.eContainer() is not None
+        and subject.is_intact(each.type, *calls.messages(each))
+        and all(subject.is_intact(half.map.type, half.map.message) for half in calls.halves(each))
+    ]
+
+
+def _fits(connection: bridge.RosServiceConnection) -> bool:
+    """Tells whether the maps are those of request and response, so that messages are as meant."""
+    parts = dict(zip((calls.REQUEST, calls.RESPONSE), calls.types(connection), strict=True))
+    return all(half.map.type is parts[half.kind] for half in calls.halves(connection))
+
+
+def _asked(connection: bridge.RosServiceConnection) -> list[Provider]:
+    """Returns who is asked: the peers, or the bridge itself."""
+    owner = connection.eContainer()
+    if not calls.serves(connection):
+        return [] if owner is None else [owner]
+    found: list[Provider] = list(connection.peers)
+    return found if connection.search is None else [*found, connection.search]
+
+
+def _provided(connection: bridge.RosServiceConnection, provider: Provider) -> Iterator[Finding]:
+    asking = calls.asking(connection)
+    answers = [each for each in calls.messages(connection) if each is not asking]
+    if asking is not None and find_input(asking, provider) is None:
+        yield _unprovided(connection, provider, asking, "takes")
+    for each in answers:
+        if find_output(each, provider) is None:
+            yield _unprovided(connection, provider, each, "sends")
+
+
+def _unprovided(
+    connection: bridge.RosServiceConnection,
+    provider: Provider,
+    message: jaus.MessageDef,
+    verb: str,
+) -> Finding:
+    who = provider_name(provider)
+    text = f"{who} provides no service that {verb} {message.name}"
+    return Finding(connection, text, _feature(connection, message), related=(Note(provider, who),))
+
+
+def _feature(connection: bridge.RosServiceConnection, message: jaus.MessageDef) -> str:
+    """Returns the feature by which a service connection has a message."""
+    if message is calls.asking(connection):
+        return "message" if connection.request is None else calls.REQUEST
+    if message is calls.answering(connection):
+        return "answer" if connection.response is None else calls.RESPONSE
+    return "rejections"
+
+
+def _member_fault(response: ros.MessageType, path: str, kind: str) -> PathFault | None:
+    """Returns why a path leads to no single value of a kind, None when it does."""
+    place = RosPlace(response).follow(path)
+    if place is None or isinstance(place, PathFault):
+        return place
+    field = place.field
+    is_one = isinstance(field, ros.PrimitiveField) and not place.is_array
+    if is_one and isinstance(field, ros.PrimitiveField) and field.type.name == kind:
+        return None
+    return PathFault(f"'{path}' of {ros_name(response)} is no {kind}")

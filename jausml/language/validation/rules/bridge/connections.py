@@ -1,0 +1,309 @@
+"""Rules about the connections of bridges: services, queries, rates, loops."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.model.diagnostics import Severity
+from jausml.language.semantics.commands import is_command
+from jausml.language.semantics.flows import find_loops, flow_of
+from jausml.language.semantics.layouts import attributes
+from jausml.language.semantics.services import (
+    find_input,
+    find_output,
+    find_query,
+    is_known,
+    provides_access_control,
+)
+from jausml.language.semantics.ways import FEATURES, possible_ways
+from jausml.language.validation.rule import Finding, Note, rule
+from jausml.language.validation.rules.jaus.components import missing_query, provider_name, rate_finding
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.language.semantics.services import Provider
+    from jausml.language.semantics.subject import Subject
+
+_ENDS = ("name", "map", "direction", "exchange", "peers", "search", "query", "control")
+_TIMES = ("name", "direction", "exchange", "rate")
+
+
+@rule("JML421", Severity.ERROR, "map without assignments for the direction")
+def direction_assigned(subject: Subject) -> Iterator[Finding]:
+    """The map of a connection has assignments for the direction of the connection.
+
+    Without them every message crosses the bridge empty.
+
+    Bad: a connection with `direction="rosToJaus"` and a map that has `toRos` alone
+
+    Good: the same map with `toJaus`
+    """
+    for connection in _sound_connections(subject):
+        used = connection.map
+        to_ros = _to_ros(connection)
+        feature = "toRos" if to_ros else "toJaus"
+        targets = used.type.fields if to_ros else attributes(used.message)
+        if targets and not getattr(used, feature) and subject.is_intact(used):
+            note = Note(used, f"map '{used.name}'")
+            message = f"map '{used.name}' has no {feature} assignments, which"
+            message += f" {connection.direction.name} needs"
+            hint = _other_ways(subject, connection)
+            yield Finding(connection, message, "map", hint, (note,))
+
+
+@rule("JML422", Severity.ERROR, "no service for the message")
+def message_provided(subject: Subject) -> Iterator[Finding]:
+    """A service at the right end of a connection has the message of its map.
+
+    - JAUS to ROS by events or queries: each peer provides a service that sends the report.
+    - JAUS to ROS by messages: the bridge provides a service that takes the message, or each peer
+      provides one that sends it.
+    - ROS to JAUS by events or queries: the bridge provides a service that sends the report.
+    - ROS to JAUS by messages: each peer provides a service that takes the message.
+
+    Inherited services count, and so does the same message (code and layout) in another service.
+
+    Bad: `direction="rosToJaus" peers="sensor"` with the map of SetWrenchEffort, where sensor does
+    not provide PrimitiveDriver
+
+    Good: the same with a peer that provides PrimitiveDriver
+    """
+    for connection in _sound_connections(subject):
+        owner, peers = connection.eContainer(), _peers(connection)
+        if owner is not None and all(is_known(subject, each) for each in (owner, *peers)):
+            for finding in _service_findings(connection, owner, peers):
+                hints = filter(None, (finding.hint, _other_ways(subject, connection)))
+                yield replace(finding, hint=", or ".join(hints))
+
+
+@rule("JML423", Severity.ERROR, "connection without a peer")
+def peers_named(subject: Subject) -> Iterator[Finding]:
+    """A connection that asks for reports or sends messages names its peers, or searches for them.
+
+    Without peers, a bridge accepts messages from every sender, and reports to every component that
+    asks.
+
+    Bad: `exchange="periodicEvent"` without `peers`
+
+    Good: `exchange="periodicEvent" peers="vehicle"`
+    """
+    for connection in _sound_connections(subject):
+        by_message = connection.exchange.name == "message"
+        if _peers(connection) or by_message is _to_ros(connection):
+            continue
+        if not is_known(subject, connection.eContainer()):
+            continue  # the way that a text leaves open follows from the services of the bridge
+        purpose = "to send it to" if by_message else "to ask for it"
+        message = f"'{connection.name}' carries {connection.map.message.name}"
+        ways = "" if by_message else _serving(connection), _other_ways(subject, connection)
+        hint = ", or ".join(filter(None, ("name peers or search for them", *ways)))
+        yield Finding(connection, f"{message}, but names no peer {purpose}", "exchange", hint)
+
+
+@rule("JML424", Severity.ERROR, "connection of a bridge without a query")
+def query_known(subject: Subject) -> Iterator[Finding]:
+    """A report that crosses by events or queries is asked for by a query that its sender takes.
+
+    Without `query` it is found by name: QueryX for ReportX, or X.
+
+    Bad: `exchange="periodicEvent"` with a message named Odometry and no `query`
+
+    Good: the same with `query` set to the message that asks for it
+    """
+    for connection in _sound_connections(subject):
+        if connection.exchange.name == "message":
+            continue
+        if connection.query is not None and not subject.is_intact(connection.query):
+            continue
+        message = connection.map.message
+        senders = _peers(connection) if _to_ros(connection) else [connection.eContainer()]
+        for sender in senders:
+            if sender is None or not is_known(subject, sender):
+                continue
+            if find_output(message, sender) is None:
+                continue
+            if find_query(connection, sender) is None:
+                yield missing_query(connection, message, sender)
+                break
+
+
+@rule("JML425", Severity.ERROR, "rate of a bridge's connection out of range")
+def rate_range(subject: Subject) -> Iterator[Finding]:
+    """The rate of periodic events and queries is above 0 and at most 1092 per second (AS5710).
+
+    A rate of 0, the default, means the frequency of the bridge, which is then not 0. Times in
+    seconds are finite and not negative.
+
+    Bad: `exchange="periodicEvent" rate="2000"`
+
+    Good: `exchange="periodicEvent" rate="25.0"`
+    """
+    for connection in subject.instances(bridge.Connection, needs=("name",)):
+        yield from _silence_findings(connection)
+    for connection in subject.instances(bridge.Connection, needs=_TIMES):
+        asks = connection.exchange.name == "query" and _to_ros(connection)
+        is_timed = connection.exchange.name == "periodicEvent" or asks
+        owner = connection.eContainer()
+        if is_timed and connection.rate != 0:
+            yield from rate_finding(connection)
+        elif is_timed and owner is not None and owner.frequency == 0:
+            message = f"'{connection.name}' has no rate, and bridge '{owner.name}' no frequency"
+            yield Finding(connection, message, "rate", "state one of them")
+
+
+@rule("JML427", Severity.ERROR, "command to a peer that cannot be controlled")
+def peers_controllable(subject: Subject) -> Iterator[Finding]:
+    """A connection that controls its peers has peers that provide AccessControl.
+
+    Commands wait until control is granted, which such a peer never does (AS5710).
+
+    Bad: `control` (true by default) for a command to a peer with `coreServices="none"` whose
+    services do not inherit AccessControl
+
+    Good: `control="false"` for this peer
+    """
+    for connection in _sound_connections(subject):
+        if _to_ros(connection) or not connection.control or not is_command(connection.map.message):
+            continue
+        for peer in _peers(connection):
+            if is_known(subject, peer) and not provides_access_control(peer):
+                who = provider_name(peer)
+                message = f"{who} provides no AccessControl, so control of it cannot be had"
+                note = Note(peer, who)
+                feature = "search" if connection.search is not None else "peers"
+                yield Finding(connection, message, feature, 'set control="false"', (note,))
+
+
+@rule("JML428", Severity.ERROR, "bridges feed each other")
+def loops(subject: Subject) -> Iterator[Finding]:
+    """A message that a bridge publishes does not return to its source.
+
+    A connection that publishes to a topic and one that subscribes to it carry a message in a
+    circle when the second sends the same message to the peer that the first has it from, directly
+    or through further bridges. The messages then multiply without end.
+
+    Bad: ReportLocalPose of the peer to the topic pose, and the topic pose as ReportLocalPose back
+    to a component from which it reaches the bridge again
+
+    Good: two topics, pose and estimated_pose
+    """
+    for group in subject.systems():
+        flows = []
+        for owner in group:
+            if isinstance(owner, bridge.Bridge):
+                flows += [
+                    flow_of(connection, owner)
+                    for connection in owner.bridgeConnections
+                    if subject.is_read(connection, (*_ENDS, "topics"))
+                    and _is_complete(subject, connection)
+                ]
+        for loop in find_loops(flows):
+            names = " -> ".join(f"{each.owner.name}/{each.connection.name}" for each in loop)
+            first = loop[0]
+            notes = tuple(Note(each.connection, f"'{each.connection.name}'") for each in loop[1:])
+            message = f"what '{first.connection.name}' carries comes back to it"
+            yield Finding(first.connection, f"{message}: {names}", "topics", related=notes)
+
+
+def _silence_findings(connection: bridge.Connection) -> Iterator[Finding]:
+    value = connection.silenceTimeout
+    if value is not None and not (math.isfinite(value) and value >= 0):
+        message = f"silenceTimeout {value:g} of '{connection.name}' is no time in seconds"
+        yield Finding(connection, message, "silenceTimeout")
+
+
+def _sound_connections(subject: Subject) -> list[bridge.Connection]:
+    return [
+        each
+        for each in subject.instances(bridge.Connection, needs=_ENDS)
+        if _is_complete(subject, each) and each.eContainer() is not None
+    ]
+
+
+def _is_complete(subject: Subject, connection: bridge.Connection) -> bool:
+    used = connection.map
+    return used is not None and subject.is_intact(used.message, used.type)
+
+
+def _peers(connection: bridge.Connection) -> list[Provider]:
+    """Returns those at the other end that are named, or whatever is searched for."""
+    found: list[Provider] = list(connection.peers)
+    return found if connection.search is None else [*found, connection.search]
+
+
+def _to_ros(connection: bridge.Connection) -> bool:
+    return connection.direction.name == "jausToRos"
+
+
+def _other_ways(subject: Subject, connection: bridge.Connection) -> str:
+    """Returns how to state what the connection can be instead, with what it then does."""
+    present = {name: str(getattr(connection, name).name) for name in FEATURES}
+    hints = []
+    for way in possible_ways(connection):
+        wanted = {"direction": way.direction, "exchange": way.exchange}
+        other = {name: text for name, text in wanted.items() if text != present[name]}
+        if other:
+            hints.append(f"{subject.assigned(connection, other)} ({way.meaning})")
+    return f"write {', or '.join(hints)}" if hints else ""
+
+
+def _serving(connection: bridge.Connection) -> str:
+    """Returns how the bridge can serve the report itself; nothing where it provides it already."""
+    owner, message = connection.eContainer(), connection.map.message
+    service = message.eContainer()
+    if owner is None or service is None or find_output(message, owner) is not None:
+        return ""
+    return f"let '{owner.name}' provide {service.name} to serve it"
+
+
+def _service_findings(
+    connection: bridge.Connection, owner: bridge.Bridge, peers: list[Provider]
+) -> Iterator[Finding]:
+    message, by_message = connection.map.message, connection.exchange.name == "message"
+    if _to_ros(connection) and by_message:
+        yield from _taken_findings(connection, owner, peers)
+    elif by_message:
+        without = [peer for peer in peers if find_input(message, peer) is None]
+        yield from (_unprovided(connection, peer, "takes") for peer in without)
+    else:
+        senders: list[Provider] = peers if _to_ros(connection) else [owner]
+        without = [each for each in senders if find_output(message, each) is None]
+        yield from (_unprovided(connection, each, "sends") for each in without)
+
+
+def _taken_findings(
+    connection: bridge.Connection, owner: bridge.Bridge, peers: list[Provider]
+) -> Iterator[Finding]:
+    message = connection.map.message
+    if find_input(message, owner) is not None:
+        return
+    if not peers:
+        yield _unprovided(connection, owner, "takes")
+    for peer in peers:
+        if find_output(message, peer) is None:
+            text = f"neither '{owner.name}' provides a service that takes {message.name}"
+            text += f" nor {provider_name(peer)} one that sends it"
+            notes = tuple(Note(each, provider_name(each)) for each in (owner, peer))
+            yield Finding(connection, text, "map", related=notes)
+
+
+def _unprovided(connection: bridge.Connection, provider: Provider, verb: str) -> Finding:
+    message = connection.map.message
+    service = message.eContainer()
+    hint = ""
+    if service is not None and message in (service.inputs if verb == "takes" else service.outputs):
+        hint = f"add {service.name} to what it provides"
+        if isinstance(provider, jaus.PeerSearch):
+            hint = f"search for {service.name}"
+    who = provider_name(provider)
+    return Finding(
+        connection,
+        f"{who} provides no service that {verb} {message.name}",
+        "map",
+        hint,
+        (Note(provider, who),),
+    )

@@ -1,0 +1,215 @@
+"""Rules about conversions: what they take, and what they refer to."""
+
+from __future__ import annotations
+
+import keyword
+import math
+import re
+from difflib import get_close_matches
+from typing import TYPE_CHECKING
+
+from jausml.language.attributes.expressions import ExpressionError, Variable, occurrences, parse_expression
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model.diagnostics import Severity
+from jausml.language.semantics.attributes import LIST, NUMBERS
+from jausml.language.semantics.chains import ChainFault, chain_kinds
+from jausml.language.semantics.conversions import CONVERSIONS, ArgumentKind, conversion_of
+from jausml.language.semantics.conversions.authored import Expression, User
+from jausml.language.semantics.directions import directions
+from jausml.language.semantics.expressions import expression_names
+from jausml.language.validation.rule import Finding, Note, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.semantics.conversions import Conversion
+    from jausml.language.semantics.paths import Placed
+    from jausml.language.semantics.subject import Subject
+
+    WithChain = bridge.FieldAssignment | bridge.ListAssignment
+
+MOST_CONVERSIONS = 16
+"""The most conversions of one value: they are generated as one expression."""
+
+_METHOD = re.compile("[a-z][a-z0-9_]*")
+_OWN_FEATURES = {
+    argument.feature: conversion.name
+    for conversion in CONVERSIONS.values()
+    for argument in conversion.arguments
+    if argument.kind is not ArgumentKind.NUMBER
+}
+
+
+@rule("JML414", Severity.ERROR, "conversion used wrongly")
+def conversions(subject: Subject) -> Iterator[Finding]:
+    """A conversion has the arguments, the inputs and the features that it needs.
+
+    The first one takes the sources, each further one the result of the one before. A quantity of
+    the map stands for the one argument of a conversion. `look_up` names a table of the map,
+    `expression` has an expression, `user` a method, `with_units` units; no other conversion has.
+    There are at most 16 in a row.
+
+    Bad: `<conversions kind="scale"/>`, which takes a factor
+
+    Good: `<conversions kind="scale"><arguments>0.1</arguments></conversions>`
+    """
+    for conversion in subject.instances(bridge.Conversion):
+        yield from _feature_findings(conversion)
+        yield from _argument_findings(conversion)
+    for direction in directions(subject):
+        for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
+            yield from _chain_findings(placed)
+
+
+@rule("JML441", Severity.ERROR, "expression that cannot be computed")
+def expressions(subject: Subject) -> Iterator[Finding]:
+    """An expression is well-formed and uses known names: sources, functions, pi.
+
+    A source is named by the last step of its path, by more of its last steps, or by its whole path;
+    a single one is also `value`, and what the conversion before yields is `value` too. In a
+    ListAssignment there are `index`, counted from 0, and `count`.
+
+    Bad: `expression="hypot(x, z)"` with `source="linear.x, linear.y"`
+
+    Good: `expression="hypot(x, y)"`
+    """
+    for direction in directions(subject):
+        for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
+            for position, conversion in enumerate(placed.assignment.conversions):
+                if conversion.kind.name == Expression.name and conversion.expression:
+                    yield from _expression_findings(placed, conversion, position)
+
+
+@rule("JML446", Severity.ERROR, "impossible method of a user conversion")
+def user_methods(subject: Subject) -> Iterator[Finding]:
+    """The method of a user conversion has a name that Python accepts and one number of inputs.
+
+    The skeleton of the bridge has it as `convert_<method>`, once for all conversions of this name.
+
+    Bad: `method="Speed limit"`
+
+    Good: `method="speed_limit"`
+    """
+    known: dict[tuple[EObject | None, str], tuple[int, bridge.Conversion]] = {}
+    for direction in directions(subject):
+        for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
+            for position, conversion in enumerate(placed.assignment.conversions):
+                name = conversion.method
+                if conversion.kind.name != User.name or not name:
+                    continue
+                if not _METHOD.fullmatch(name) or keyword.iskeyword(name):
+                    message = f"method {name!a} is no name of lower-case letters, digits and _"
+                    yield Finding(conversion, message, "method")
+                    continue
+                inputs = 1 if position else len(placed.sources)
+                owner = direction.map.eContainer()
+                count, first = known.setdefault((owner, name), (inputs, conversion))
+                if count != inputs:
+                    message = f"method '{name}' takes {inputs} here, but {count} elsewhere"
+                    note = Note(first, f"'{name}' with {count}", "method")
+                    yield Finding(conversion, message, "method", related=(note,))
+
+
+def _feature_findings(conversion: bridge.Conversion) -> Iterator[Finding]:
+    name = conversion.kind.name
+    for feature, owner in _OWN_FEATURES.items():
+        value = getattr(conversion, feature)
+        if value and name != owner:
+            yield Finding(conversion, f"{name} has no {feature}", feature)
+        elif not value and name == owner:
+            yield Finding(conversion, f"{name} states no {feature}", "kind")
+    owner_map = _map_of(conversion)
+    for feature, element in (("table", conversion.table), ("quantity", conversion.quantity)):
+        if element is not None and owner_map is not None and element.eContainer() is not owner_map:
+            message = f"{feature} '{element.name}' belongs to another map"
+            yield Finding(conversion, message, feature, f"add it to '{owner_map.name}'")
+
+
+def _map_of(element: EObject) -> bridge.AttributeMap | None:
+    around: EObject | None = element
+    while around is not None and not isinstance(around, bridge.AttributeMap):
+        around = around.eContainer()
+    return around
+
+
+def _argument_findings(conversion: bridge.Conversion) -> Iterator[Finding]:
+    name = conversion.kind.name
+    wanted = [each.name for each in conversion_of(conversion).numbers]
+    values = list(conversion.arguments)
+    takes = f"takes {' and '.join(wanted)}" if wanted else "takes no arguments"
+    if conversion.quantity is not None:
+        if len(wanted) != 1 or values:
+            message = f"{name} {takes}, no quantity" if len(wanted) != 1 else ""
+            message = message or f"{name} has both a quantity and an argument"
+            yield Finding(conversion, message, "quantity")
+            return
+        values = [conversion.quantity.value]
+    if len(values) != len(wanted):
+        message = f"{name} {takes}, {len(values)} given"
+        yield Finding(conversion, message, "arguments" if conversion.arguments else None)
+    elif conversion.quantity is None:
+        fault = _value_fault(conversion_of(conversion), values)
+        if fault:
+            yield Finding(conversion, fault, "arguments")
+
+
+def _value_fault(conversion: Conversion, values: list[float]) -> str:
+    if not all(math.isfinite(value) for value in values):
+        return f"{conversion.name} has an argument that is not finite"
+    return conversion.fault(*values)
+
+
+def _chain_findings(placed: Placed[WithChain]) -> Iterator[Finding]:
+    assignment = placed.assignment
+    found = placed.source_attributes
+    is_list = isinstance(assignment, bridge.ListAssignment)
+    unknown = any(not each.kind or (each.kind in (LIST, NUMBERS) and not is_list) for each in found)
+    if not found or unknown:
+        return
+    if len(assignment.conversions) > MOST_CONVERSIONS:
+        message = f"{len(assignment.conversions)} conversions, more than {MOST_CONVERSIONS}"
+        yield Finding(assignment.conversions[MOST_CONVERSIONS], message, "kind")
+        return
+    if not assignment.conversions:
+        if len(found) > 1:
+            message = f"{len(found)} sources without a conversion that takes them"
+            yield Finding(assignment, message, "source")
+        return
+    kinds = chain_kinds(assignment.conversions, [each.kind for each in found])
+    if isinstance(kinds, ChainFault):
+        yield Finding(kinds.conversion, kinds.message, "kind")
+    elif is_list and kinds not in ([NUMBERS], ["any"]):
+        message = f"{assignment.conversions[-1].kind.name} yields no list"
+        yield Finding(assignment.conversions[-1], message, "kind")
+
+
+def _expression_findings(
+    placed: Placed[WithChain], conversion: bridge.Conversion, position: int
+) -> Iterator[Finding]:
+    try:
+        expression = parse_expression(conversion.expression or "")
+    except ExpressionError as error:
+        yield Finding(conversion, f"expression: {error}", "expression")
+        return
+    known = expression_names(placed, position)
+    unknown = next((each for each in occurrences(expression) if each.name not in known), None)
+    if unknown is not None:
+        yield Finding(
+            conversion,
+            f"expression: '{unknown.name}' is no source{_at(unknown)}",
+            "expression",
+            _nearest(unknown.name, known),
+        )
+
+
+def _at(variable: Variable) -> str:
+    return f" at column {variable.column}"
+
+
+def _nearest(name: str, known: Iterable[str]) -> str:
+    near = get_close_matches(name, known, n=1)
+    short = [
+        each for each in known if each and "." not in each and not re.fullmatch("value[0-9]+", each)
+    ]
+    return f"did you mean '{near[0]}'?" if near else f"there is {', '.join(short)}"

@@ -1,0 +1,123 @@
+"""Rules about joins: further topics from which a map takes values."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model.diagnostics import Severity
+from jausml.language.semantics.attributes import Attribute
+from jausml.language.semantics.directions import directions
+from jausml.language.semantics.paths import source_paths
+from jausml.language.validation.rule import Finding, Note, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from jausml.language.semantics.paths import Placed
+    from jausml.language.semantics.subject import Subject
+
+
+@rule("JML442", Severity.ERROR, "join used wrongly")
+def joins(subject: Subject) -> Iterator[Finding]:
+    """A join has a unique name, a time after which it is stale, and a topic that feeds it.
+
+    Source paths begin with the name of the join, so it differs from the fields of the main type. A
+    connection from ROS to JAUS has one topic for each join of its map, and one or more without a
+    join, which the map is for. From JAUS to ROS there is nothing to join.
+
+    Bad: a map with the join imu, and a connection whose one topic has no join
+
+    Good: `<topics name="fix"/><topics name="imu/data" join="imu"/>`
+    """
+    for each in subject.instances(bridge.AttributeMap):
+        fields = {field.name for field in each.type.fields} if each.type is not None else set()
+        used = {path.lstrip("/").partition(".")[0] for path in _paths(each.toJaus)}
+        for join in each.joins:
+            yield from _join_findings(join, fields, used)
+    for connection in subject.instances(bridge.Connection):
+        if connection.map is not None and subject.is_intact(connection):
+            yield from _topic_findings(connection)
+
+
+@rule("JML457", Severity.ERROR, "mandatory field that a silent join would make up")
+def made_up_by_joins(subject: Subject) -> Iterator[Finding]:
+    """A mandatory JAUS field that a join feeds has a default, or the message is dropped without it.
+
+    While a joined topic is silent, `whenStale="leave"` leaves out the optional fields that it
+    feeds. A mandatory one is sent anyway, and would be a 0 that nobody measured.
+
+    Bad: `target="Attitude_RMS"` from the join imu, where Attitude_RMS is mandatory
+
+    Good: the same with `whenStale="dropMessage"` of the join, or with `whenAbsent="dropMessage"` or
+    `whenAbsent="useDefault"` and a `defaultValue` of the assignment
+    """
+    for direction in directions(subject):
+        if direction.to_ros:
+            continue
+        lenient = {
+            each.name: each for each in direction.map.joins if each.whenStale.name == "leave"
+        }
+        for placed in direction.of_kind(bridge.FieldAssignment):
+            if lenient and placed.assignment.whenAbsent.name == "leave":
+                yield from _made_up(placed, lenient)
+
+
+def _made_up(
+    placed: Placed[bridge.FieldAssignment], lenient: dict[str, bridge.Join]
+) -> Iterator[Finding]:
+    firsts = (path.lstrip("/").partition(".")[0] for path, _ in placed.sources)
+    join = next((lenient[first] for first in firsts if first in lenient), None)
+    if join is None:
+        return
+    for path, target in placed.targets:
+        if isinstance(target, Attribute) and not target.optional:
+            message = f"'{path}' is mandatory: without a fresh '{join.name}' it would be made up"
+            hint = "give the join whenStale dropMessage, or the assignment a whenAbsent"
+            note = Note(join, f"join '{join.name}'", "name")
+            yield Finding(placed.assignment, message, "target", hint, (note,))
+
+
+def _join_findings(join: bridge.Join, fields: set[str], used: set[str]) -> Iterator[Finding]:
+    if not (math.isfinite(join.freshness) and join.freshness > 0):
+        message = f"freshness {join.freshness:g} of '{join.name}' is no time above 0"
+        yield Finding(join, message, "freshness")
+    if join.name in fields:
+        message = f"join '{join.name}' has the name of a field of the main type"
+        yield Finding(join, message, "name", "choose another name")
+    elif join.name not in used:
+        message = f"no assignment takes anything of join '{join.name}'"
+        yield Finding(join, message, "name", severity=Severity.WARNING)
+
+
+def _topic_findings(connection: bridge.Connection) -> Iterator[Finding]:
+    known = list(connection.map.joins)
+    is_to_jaus = connection.direction.name == "rosToJaus"
+    main = [topic for topic in connection.topics if topic.join is None]
+    for topic in connection.topics:
+        if topic.join is not None and not is_to_jaus:
+            message = f"topic '{topic.name}' is published to, it feeds no join"
+            yield Finding(topic, message, "join")
+        elif topic.join is not None and topic.join not in known:
+            message = f"join '{topic.join.name}' is none of map '{connection.map.name}'"
+            note = Note(topic.join, f"'{topic.join.name}'", "name")
+            yield Finding(topic, message, "join", related=(note,))
+    if not is_to_jaus:
+        return
+    if connection.topics and not main:
+        message = f"'{connection.name}' has no topic without a join, which the map is for"
+        yield Finding(connection, message, "topics")
+    for join in known:
+        if all(topic.join is not join for topic in connection.topics):
+            message = f"no topic of '{connection.name}' feeds join '{join.name}'"
+            note = Note(join, f"'{join.name}'", "name")
+            hint = f"add a topic that has the join {join.name}"
+            yield Finding(connection, message, "topics", hint, (note,))
+
+
+def _paths(assignments: Iterable[bridge.Assignment]) -> Iterator[str]:
+    for each in assignments:
+        yield from source_paths(each)
+        if isinstance(each, bridge.ListAssignment):
+            yield from _paths(each.assignments)

@@ -1,0 +1,192 @@
+"""Rules about lists and about messages within messages."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.model.diagnostics import Severity
+from jausml.language.semantics.attributes import LIST, TEXT, Attribute, PathFault
+from jausml.language.semantics.directions import directions
+from jausml.language.semantics.jaus_paths import JausPlace
+from jausml.language.semantics.paths import Placed, is_many, target_paths
+from jausml.language.semantics.ros_paths import RosPlace, ros_name
+from jausml.language.validation.rule import Finding, Note, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.semantics.directions import Direction
+    from jausml.language.semantics.subject import Subject
+
+_INDEX = re.compile(r"(.*)\[([0-9]{1,9})\]", re.DOTALL)
+
+
+@rule("JML447", Severity.ERROR, "list used wrongly")
+def lists(subject: Subject) -> Iterator[Finding]:
+    """A ListAssignment goes from a list or array to another.
+
+    Elements that are matched by name have `keys`, a ROS sequence of texts, and `names`, each of
+    which stands for one element on the JAUS side. Elements of a JAUS list that are targets by index
+    begin with 0 and have no gap.
+
+    Bad: `<toRos xsi:type="bridge:ListAssignment" target="header" source="WaypointList">`
+
+    Good: `<toRos xsi:type="bridge:ListAssignment" target="poses" source="WaypointList">`
+    """
+    for direction in directions(subject):
+        for placed in direction.of_kind(bridge.ListAssignment):
+            yield from _end_findings(placed)
+            yield from _name_findings(placed)
+        if not direction.to_ros:
+            yield from _gaps(direction)
+
+
+@rule("JML443", Severity.ERROR, "message in a message used wrongly")
+def nested_messages(subject: Subject) -> Iterator[Finding]:
+    """A MessageAssignment leads between a field with a JAUS message and a ROS message of its map.
+
+    The JAUS end is a field of variable length or format, the ROS end has the type of the map. The
+    map has assignments for the direction and no joins, which only connections feed, and does not
+    lead back to the map that uses it.
+
+    Bad: `source="TimeStamp"` with a map of SetLocalWaypoint
+
+    Good: `source="ElementData"`
+    """
+    for direction in directions(subject):
+        for placed in direction.of_kind(bridge.MessageAssignment):
+            used = placed.assignment.map
+            if used is not None and subject.is_intact(used.message, used.type):
+                yield from _message_findings(placed, used, direction)
+
+
+def _end_findings(placed: Placed[bridge.ListAssignment]) -> Iterator[Finding]:
+    assignment = placed.assignment
+    paths = [("target", *each) for each in placed.targets]
+    paths += [("source", *each) for each in placed.sources[:1]]
+    for feature, path, found in paths:
+        find = placed.scope.find_target if feature == "target" else placed.scope.find_source
+        if isinstance(found, Attribute) and not is_many(find(path)):
+            message = f"'{path}' is {found.name}, no list and no array"
+            yield Finding(assignment, message, feature)
+    if len(placed.targets) > 1:
+        yield Finding(assignment, "a ListAssignment has one target", "target")
+    ends = [*placed.target_attributes, *placed.source_attributes[:1]]
+    counts = {each.count for each in ends if each.kind == LIST and each.count is not None}
+    if len(ends) == 2 and len(counts) == 2:
+        message = f"'{assignment.source}' and '{assignment.target}' have different sizes"
+        yield Finding(assignment, message, "target")
+
+
+def _name_findings(placed: Placed[bridge.ListAssignment]) -> Iterator[Finding]:
+    assignment = placed.assignment
+    if bool(assignment.keys) != bool(assignment.names):
+        message = f"'{assignment.target}' has {'keys' if assignment.keys else 'names'} alone"
+        yield Finding(assignment, message, "keys" if assignment.keys else "names")
+        return
+    repeated = sorted({name for name in assignment.names if assignment.names.count(name) > 1})
+    if repeated:
+        message = f"{repeated[0]!a} stands twice among the names of '{assignment.target}'"
+        yield Finding(assignment, message, "names")
+    if not assignment.keys:
+        return
+    scope = placed.scope
+    find = scope.find_target if scope.to_ros else scope.find_source
+    found = find(assignment.keys)
+    if isinstance(found, PathFault):
+        message = f"keys '{assignment.keys}': {found.message}"
+        yield Finding(assignment, message, "keys", found.hint)
+    elif isinstance(found, RosPlace):
+        element = found.element() if found.is_array else None
+        if element is None or element.attribute().kind != TEXT:
+            message = f"keys '{assignment.keys}' is {found.attribute().name}, no sequence of texts"
+            yield Finding(assignment, message, "keys")
+
+
+def _gaps(direction: Direction) -> Iterator[Finding]:
+    seen: set[tuple[EObject | None, str]] = set()
+    for placed in direction.assignments:
+        for path in target_paths(placed.assignment):
+            for start, index in _indexed_prefixes(path):
+                owner = placed.assignment.eContainer()
+                seen.add((owner, f"{start}[{index}]"))
+                place = placed.scope.find_target(start)
+                if not isinstance(place, JausPlace) or index == 0:
+                    continue
+                if not isinstance(place.field, jaus.List):
+                    continue
+                if (owner, f"{start}[{index - 1}]") not in seen:
+                    message = f"'{path}' comes before an assignment to {start}[{index - 1}]"
+                    yield Finding(placed.assignment, message, "target", "begin with [0]")
+
+
+def _indexed_prefixes(path: str) -> Iterator[tuple[str, int]]:
+    steps = path.split(".")
+    for position in range(len(steps)):
+        match = _INDEX.fullmatch(".".join(steps[: position + 1]))
+        if match is not None:
+            yield match[1], int(match[2])
+
+
+def _message_findings(
+    placed: Placed[bridge.MessageAssignment], used: bridge.AttributeMap, direction: Direction
+) -> Iterator[Finding]:
+    assignment, to_ros = placed.assignment, direction.to_ros
+    ends = {"source": placed.source_attributes, "target": placed.target_attributes}
+    for feature, found in ends.items():
+        path = getattr(assignment, feature)
+        is_jaus = (feature == "source") == to_ros
+        if len(found) > 1:
+            yield Finding(assignment, f"a MessageAssignment has one {feature}", feature)
+        elif found and is_jaus and not found[0].carries:
+            message = f"'{path}' is {found[0].name}, which carries no JAUS message"
+            yield Finding(assignment, message, feature)
+        elif found and not is_jaus and found[0].kind != ros_name(used.type):
+            message = f"'{path}' is {found[0].name}, but map '{used.name}' is for"
+            note = Note(used, f"map '{used.name}'", "type")
+            yield Finding(assignment, f"{message} {ros_name(used.type)}", feature, related=(note,))
+    yield from _map_findings(assignment, used, direction)
+
+
+def _map_findings(
+    assignment: bridge.MessageAssignment, used: bridge.AttributeMap, direction: Direction
+) -> Iterator[Finding]:
+    feature = "toRos" if direction.to_ros else "toJaus"
+    note = Note(used, f"map '{used.name}'")
+    if not _assignments(used, feature):
+        message = f"map '{used.name}' has no {feature} assignments"
+        yield Finding(assignment, message, "map", related=(note,))
+    if used.reportJoins if direction.to_ros else used.joins:
+        message = f"map '{used.name}' has joins, which only a connection feeds"
+        yield Finding(assignment, message, "map", related=(note,))
+    if _leads_to(used, direction.map, feature):
+        message = f"map '{used.name}' leads back to map '{direction.map.name}'"
+        yield Finding(assignment, message, "map", related=(note,))
+
+
+def _leads_to(start: bridge.AttributeMap, end: bridge.AttributeMap, feature: str) -> bool:
+    seen: set[bridge.AttributeMap] = set()
+    pending = [start]
+    while pending:
+        each = pending.pop()
+        if each is end:
+            return True
+        if each not in seen:
+            seen.add(each)
+            pending += _maps_in(_assignments(each, feature))
+    return False
+
+
+def _assignments(attribute_map: bridge.AttributeMap, feature: str) -> Sequence[bridge.Assignment]:
+    return attribute_map.toRos if feature == "toRos" else attribute_map.toJaus
+
+
+def _maps_in(assignments: Sequence[bridge.Assignment]) -> Iterator[bridge.AttributeMap]:
+    for each in assignments:
+        if isinstance(each, bridge.MessageAssignment) and each.map is not None:
+            yield each.map
+        if isinstance(each, bridge.ListAssignment):
+            yield from _maps_in(each.assignments)

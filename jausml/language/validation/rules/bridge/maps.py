@@ -1,0 +1,187 @@
+"""Rules about attribute maps: paths, types, constants."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model.diagnostics import Severity
+from jausml.language.semantics.attributes import LIST, NUMBERS, TIME, TIME_STAMP, Attribute, PathFault
+from jausml.language.semantics.chains import ChainFault, chain_kinds, fits, yields
+from jausml.language.semantics.conversions import conversions_between
+from jausml.language.semantics.directions import directions
+from jausml.language.semantics.values import constant_fault
+from jausml.language.validation.rule import Finding, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.language.semantics.attributes import Found
+    from jausml.language.semantics.paths import Placed
+    from jausml.language.semantics.subject import Subject
+
+_MANY = (LIST, NUMBERS)
+
+
+@rule("JML411", Severity.ERROR, "no such attribute")
+def paths(subject: Subject) -> Iterator[Finding]:
+    """The paths of an assignment lead to attributes of the JAUS message and of the ROS type.
+
+    JAUS paths start at the members of the top record or sequence of the message; ROS paths at
+    the fields of the type, or at the name of a join. Elements of fixed arrays and of JAUS lists are
+    named by index: `covariance[7]`. Behind a variant or a variable field stands the name of the
+    option or alternative. Paths in a ListAssignment start at the element, those with '/' at the
+    message.
+
+    Bad: `target="twist.lin.x"`
+
+    Good: `target="twist.linear.x"`
+    """
+    for direction in directions(subject):
+        for placed in direction.assignments:
+            for path, found in placed.targets:
+                if isinstance(found, PathFault):
+                    message = f"target '{path}': {found.message}"
+                    yield Finding(placed.assignment, message, "target", found.hint)
+            for path, found in placed.sources:
+                if isinstance(found, PathFault):
+                    message = f"source '{path}': {found.message}"
+                    yield Finding(placed.assignment, message, "source", found.hint)
+
+
+@rule("JML412", Severity.ERROR, "value does not fit the target")
+def types(subject: Subject) -> Iterator[Finding]:
+    """The result of an assignment has the kind that its target accepts.
+
+    Numbers go to numbers, text to text, bool to bool or to an unscaled integer and back, octets of
+    a variable-length field to a sequence of uint8 and back. A JAUS TimeStamp becomes a
+    builtin_interfaces/Time, and angles become a quaternion, by a conversion; one that yields
+    several values has as many targets. Lists and arrays are translated by a ListAssignment, and
+    whole records in the skeleton of the bridge.
+
+    Bad: `target="header.stamp" source="TimeStamp"` without a conversion
+
+    Good: the same with `<conversions kind="timestamp_to_time"/>`
+    """
+    for direction in directions(subject):
+        for placed in direction.of_kind(bridge.ConstantAssignment, bridge.ClockAssignment):
+            if len(placed.targets) > 1:
+                message = f"{len(placed.targets)} targets of one value"
+                yield Finding(placed.assignment, message, "target", "write one assignment for each")
+        for placed in direction.of_kind(bridge.ClockAssignment):
+            for path, target in placed.targets:
+                if isinstance(target, Attribute) and target.kind not in (TIME, TIME_STAMP):
+                    message = f"'{path}' is {target.name}, it takes no time"
+                    yield Finding(placed.assignment, message, "target")
+        for copied in direction.of_kind(bridge.FieldAssignment):
+            if copied.source_attributes and copied.target_attributes:
+                yield from _type_findings(copied)
+
+
+@rule("JML413", Severity.ERROR, "constant does not fit the target")
+def constants(subject: Subject) -> Iterator[Finding]:
+    """A constant is a value of its target: a number in its range, true or false, or text.
+
+    The same holds for the `defaultValue` of an assignment with `whenAbsent="useDefault"`, which
+    must state one. If such an assignment has several sources, the value is a number that takes the
+    place of an absent source.
+
+    Bad: `target="PropulsiveLinearEffortX" value="101"`, where the field ends at 100
+
+    Good: `value="100"`
+    """
+    for direction in directions(subject):
+        for placed in direction.of_kind(bridge.ConstantAssignment):
+            value = placed.assignment.value
+            for path, target in placed.targets:
+                fault = _constant_fault(value, target)
+                if fault:
+                    message = f"constant {value!a} of '{path}' {fault}"
+                    yield Finding(placed.assignment, message, "value")
+        for copied in direction.of_kind(bridge.FieldAssignment):
+            yield from _default_findings(copied)
+
+
+def _constant_fault(value: str | None, target: Found) -> str:
+    if value is None or not isinstance(target, Attribute):
+        return ""
+    return constant_fault(value, target)
+
+
+def _default_findings(placed: Placed[bridge.FieldAssignment]) -> Iterator[Finding]:
+    assignment, value = placed.assignment, placed.assignment.defaultValue
+    if assignment.whenAbsent.name != "useDefault":
+        if value is not None:
+            message = f"the defaultValue of '{assignment.target}' is not used"
+            hint = 'set whenAbsent="useDefault"'
+            yield Finding(assignment, message, "defaultValue", hint, severity=Severity.WARNING)
+        return
+    if value is None:
+        message = f"'{assignment.target}' has no defaultValue to use"
+        yield Finding(assignment, message, "whenAbsent")
+        return
+    of_sources = len(placed.sources) > 1
+    for path, found in placed.sources if of_sources else placed.targets:
+        fault = _constant_fault(value, found)
+        if fault:
+            message = f"defaultValue {value!a} of '{path}' {fault}"
+            yield Finding(assignment, message, "defaultValue")
+
+
+def _type_findings(placed: Placed[bridge.FieldAssignment]) -> Iterator[Finding]:
+    assignment = placed.assignment
+    untranslatable = _untranslatable(placed)
+    if untranslatable is not None:
+        yield untranslatable
+        return
+    if assignment.conversions:
+        yield from _result_findings(placed)
+        return
+    source, target = placed.source_attributes[0], placed.target_attributes[0]
+    if len(placed.targets) > 1:
+        message = f"{len(placed.targets)} targets without a conversion that yields them"
+        yield Finding(assignment, message, "target")
+    elif len(placed.sources) == 1 and not fits(source, target):
+        known = conversions_between([source.kind], target.kind)
+        hint = f"convert it by {' or '.join(known)}" if known else ""
+        message = f"'{assignment.source}' is {source.name}"
+        message += f", but '{assignment.target}' is {target.name}"
+        yield Finding(assignment, message, "target", hint)
+
+
+def _untranslatable(placed: Placed[bridge.FieldAssignment]) -> Finding | None:
+    """A finding for an end that no FieldAssignment reads or fills."""
+    ends = [("source", *each) for each in placed.sources]
+    ends += [("target", *each) for each in placed.targets]
+    for feature, path, found in ends:
+        if not isinstance(found, Attribute):
+            continue
+        verb = "translate" if feature == "source" else "fill"
+        if not found.kind:
+            hint = f"assign its members, or {verb} it in the skeleton of the bridge"
+            return Finding(placed.assignment, f"'{path}' is {found.name}", feature, hint)
+        if found.kind in _MANY:
+            arrow = f"{placed.assignment.source} -> {placed.assignment.target}"
+            hint = f"{verb} its elements by a ListAssignment, in text {arrow} {{ ... }}"
+            return Finding(placed.assignment, f"'{path}' is {found.name}", feature, hint)
+    return None
+
+
+def _result_findings(placed: Placed[bridge.FieldAssignment]) -> Iterator[Finding]:
+    assignment, last = placed.assignment, placed.assignment.conversions[-1]
+    kinds = chain_kinds(assignment.conversions, [each.kind for each in placed.source_attributes])
+    if isinstance(kinds, ChainFault):
+        # The chain is wrong; what its end promises may be wrong besides.
+        kinds = chain_kinds([last], ["any"])
+    if isinstance(kinds, ChainFault):
+        return
+    if len(kinds) != len(placed.targets):
+        message = f"{last.kind.name} yields {len(kinds)} value{'s' * (len(kinds) != 1)}"
+        count = len(placed.targets)
+        message += f", but there {'is 1 target' if count == 1 else f'are {count} targets'}"
+        yield Finding(assignment, message, "target")
+        return
+    for kind, (path, target) in zip(kinds, placed.targets, strict=True):
+        if isinstance(target, Attribute) and not yields(last, kind, target):
+            message = f"{last.kind.name} yields {kind}, but '{path}' is {target.name}"
+            yield Finding(assignment, message, "target")

@@ -1,0 +1,235 @@
+"""Rules about joined reports: further JAUS reports from which a map takes values."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model.diagnostics import Severity
+from jausml.language.semantics.directions import directions
+from jausml.language.semantics.layouts import attributes
+from jausml.language.semantics.paths import source_paths
+from jausml.language.semantics.report_joins import joined_reports, report_join_of
+from jausml.language.semantics.services import (
+    find_output,
+    is_known,
+    query_name,
+)
+from jausml.language.validation.rule import Finding, Note, rule
+from jausml.language.validation.rules.jaus.components import MAXIMUM_RATE, provider_name
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from jausml.language.semantics.paths import Placed
+    from jausml.language.semantics.report_joins import JoinedReport
+    from jausml.language.semantics.services import Provider
+    from jausml.language.semantics.subject import Subject
+
+
+@rule("JML494", Severity.ERROR, "report join used wrongly")
+def report_joins(subject: Subject) -> Iterator[Finding]:
+    """A report join has a unique name, a time after which it is stale, and a use.
+
+    Source paths of toRos begin with the name of the join, so it differs from the fields of the main
+    message and from other joins. Only a connection of topics from JAUS to ROS feeds it, so that
+    maps of ROS services and actions have none.
+
+    Bad: `<reportJoins name="X" .../>` in a map of ReportLocalPose, which has a field X
+
+    Good: `<reportJoins name="velocity" .../>`
+    """
+    for each in subject.instances(bridge.AttributeMap):
+        if not each.reportJoins or not subject.is_intact(each.message):
+            continue
+        fields = {str(one.name) for one in attributes(each.message)}
+        used = {path.lstrip("/").partition(".")[0] for path in _paths(each.toRos)}
+        seen: dict[str, bridge.ReportJoin] = {}
+        for join in each.reportJoins:
+            yield from _join_findings(join, fields, used, seen)
+    for action in subject.instances(bridge.RosActionConnection):
+        yield from _unfed(action, "element")
+    for service in subject.instances(bridge.RosServiceConnection):
+        yield from _unfed(service, "request")
+        yield from _unfed(service, "response")
+
+
+@rule("JML495", Severity.ERROR, "joined report from nowhere")
+def report_sources(subject: Subject) -> Iterator[Finding]:
+    """A connection from JAUS to ROS says where each joined report of its map comes from, once.
+
+    A join without a source comes from the peers of the connection, as a periodic event at its rate.
+    The component that is asked provides a service that sends the report and takes its query.
+    Reports of several peers of the connection are not joined, since the velocity of one would be
+    combined with the pose of another. A report with a period longer than its freshness is stale in
+    between, which is a warning.
+
+    Bad: `<sources join="velocity" peers="camera"/>`, where camera has no VelocityStateSensor
+
+    Good: `<sources join="velocity" peers="vehicle" rate="20"/>`
+    """
+    for connection in subject.instances(bridge.Connection):
+        used = connection.map
+        if used is None or not subject.is_intact(connection, used, used.message):
+            continue
+        yield from _source_findings(connection)
+        reports = joined_reports(connection)
+        if len(connection.peers) > 1 and any(not each.has_own_peers for each in reports):
+            message = f"'{connection.name}' has several peers, whose reports would be mixed"
+            hint = "make a connection for each peer, or give the joined reports peers"
+            yield Finding(connection, message, "peers", hint)
+        for report in reports:
+            if subject.is_intact(report.join, report.join.message):
+                yield from _origin_findings(subject, report)
+                yield from _rate_findings(report)
+
+
+@rule("JML496", Severity.ERROR, "ROS field that a silent report would make up")
+def made_up_by_reports(subject: Subject) -> Iterator[Finding]:
+    """A ROS field that a joined report feeds has a default, or the message is dropped without it.
+
+    While a joined report is silent, `whenStale="leave"` leaves its targets at their initial values.
+    ROS has no absent numbers: a velocity would be 0, as if the vehicle were standing still. A
+    covariance of 0 says by itself that it is unknown, and a sequence may be empty.
+
+    Bad: `target="twist.twist.linear.x"` from the join velocity, which leaves
+
+    Good: the same with `whenStale="dropMessage"` of the join, or with `whenAbsent="dropMessage"` or
+    `whenAbsent="useDefault"` and a `defaultValue` of the assignment
+    """
+    for direction in directions(subject):
+        if not direction.to_ros:
+            continue
+        lenient = [each for each in direction.map.reportJoins if each.whenStale.name == "leave"]
+        for placed in direction.of_kind(bridge.FieldAssignment):
+            if lenient and placed.assignment.whenAbsent.name == "leave":
+                yield from _made_up(placed, lenient)
+
+
+def _join_findings(
+    join: bridge.ReportJoin, fields: set[str], used: set[str], seen: dict[str, bridge.ReportJoin]
+) -> Iterator[Finding]:
+    if not (math.isfinite(join.freshness) and join.freshness > 0):
+        message = f"freshness {join.freshness:g} of '{join.name}' is no time above 0"
+        yield Finding(join, message, "freshness")
+    name = str(join.name)
+    first = seen.setdefault(name, join)
+    if name in fields:
+        message = f"report join '{name}' has the name of a field of the main message"
+        yield Finding(join, message, "name", "choose another name")
+    elif first is not join:
+        note = Note(first, "the other one", "name")
+        yield Finding(join, f"two report joins are named '{name}'", "name", related=(note,))
+    elif name not in used:
+        message = f"no assignment takes anything of report join '{name}'"
+        yield Finding(join, message, "name", severity=Severity.WARNING)
+
+
+def _unfed(
+    connection: bridge.RosActionConnection | bridge.RosServiceConnection, feature: str
+) -> Iterator[Finding]:
+    """A map with joined reports at a connection that feeds none."""
+    used: bridge.AttributeMap | None = getattr(connection, feature)
+    if used is not None and used.reportJoins:
+        message = f"map '{used.name}' has joined reports, which only a connection of topics feeds"
+        yield Finding(connection, message, feature, related=(Note(used, f"map '{used.name}'"),))
+
+
+def _source_findings(connection: bridge.Connection) -> Iterator[Finding]:
+    """What is wrong with the sources that a connection states."""
+    known = list(connection.map.reportJoins)
+    seen: dict[bridge.ReportJoin, bridge.ReportSource] = {}
+    for source in connection.sources:
+        join = source.join
+        if connection.direction.name != "jausToRos":
+            message = f"'{connection.name}' takes no reports: it leads from ROS to JAUS"
+            yield Finding(source, message, "join")
+        elif join not in known:
+            message = f"report join '{join.name}' is none of map '{connection.map.name}'"
+            yield Finding(source, message, "join", related=(Note(join, f"'{join.name}'", "name"),))
+        elif seen.setdefault(join, source) is not source:
+            note = Note(seen[join], "the other one", "join")
+            message = f"two sources feed report join '{join.name}'"
+            yield Finding(source, message, "join", related=(note,))
+
+
+def _origin_findings(subject: Subject, report: JoinedReport) -> Iterator[Finding]:
+    """Whether whoever is to send a joined report does."""
+    name, peers = report.join.name, report.peers
+    asks = report.exchange != "message"
+    if asks and not peers:
+        message = f"'{report.connection.name}' names no peer to ask for report join '{name}'"
+        yield _finding(report, message, "peers", "name peers or search for them")
+    for peer in peers:
+        if not is_known(subject, peer):
+            continue
+        if find_output(report.join.message, peer) is None:
+            yield _unsent(report, peer)
+        elif asks and report.query_of(peer) is None:
+            stated = report.stated_query
+            wanted = stated.name if stated is not None else query_name(report.join.message)
+            message = (
+                f"{provider_name(peer)} takes no {wanted}, which asks for report join '{name}'"
+            )
+            yield _finding(report, message, "query", related=(Note(peer, provider_name(peer)),))
+
+
+def _unsent(report: JoinedReport, peer: Provider) -> Finding:
+    wanted = report.join.message
+    message = f"{provider_name(peer)} provides no service that sends {wanted.name}"
+    message += f" for report join '{report.join.name}'"
+    service = wanted.eContainer()
+    hint = f"add {service.name} to what it provides" if service is not None else ""
+    return _finding(report, message, "peers", hint, (Note(peer, provider_name(peer)),))
+
+
+def _rate_findings(report: JoinedReport) -> Iterator[Finding]:
+    name, rate = report.join.name, report.rate
+    if report.exchange not in {"periodicEvent", "query"}:
+        return
+    if not 0 < rate <= MAXIMUM_RATE:
+        hint = f"above 0 and at most {MAXIMUM_RATE:g}"
+        yield _finding(
+            report, f"rate {rate:g} of report join '{name}' is out of range", "rate", hint
+        )
+    elif 0 < report.join.freshness < 1 / rate:
+        message = f"report join '{name}' is fresh for {report.join.freshness:g} s, but comes each"
+        message += f" {1 / rate:g} s"
+        hint = "ask for it more often, or let it be fresh for longer"
+        yield _finding(report, message, "rate", hint, severity=Severity.WARNING)
+
+
+def _finding(
+    report: JoinedReport,
+    message: str,
+    feature: str,
+    hint: str = "",
+    related: tuple[Note, ...] = (),
+    severity: Severity | None = None,
+) -> Finding:
+    """Returns a finding at the source of a report, or at the connection where none is stated."""
+    element = report.connection if report.source is None else report.source
+    return Finding(element, message, feature, hint, related, severity)
+
+
+def _made_up(
+    placed: Placed[bridge.FieldAssignment], lenient: list[bridge.ReportJoin]
+) -> Iterator[Finding]:
+    joins = (report_join_of(path, lenient)[0] for path, _ in placed.sources)
+    join = next((each for each in joins if each is not None), None)
+    if join is None:
+        return
+    for path, _ in placed.targets:
+        if "covariance" not in path:
+            message = f"'{path}' would be made up without a fresh '{join.name}'"
+            hint = "give the join whenStale dropMessage, or the assignment a whenAbsent"
+            note = Note(join, f"report join '{join.name}'", "name")
+            yield Finding(placed.assignment, message, "target", hint, (note,))
+
+
+def _paths(assignments: Iterable[bridge.Assignment]) -> Iterator[str]:
+    for each in assignments:
+        yield from source_paths(each)
+        if isinstance(each, bridge.ListAssignment):
+            yield from _paths(each.assignments)

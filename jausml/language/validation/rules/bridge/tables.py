@@ -1,0 +1,214 @@
+"""Rules about the value tables of maps."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model.diagnostics import Severity
+from jausml.language.semantics.attributes import BOOL, NUMBER, TEXT, Attribute
+from jausml.language.semantics.conversions.authored import LookUp
+from jausml.language.semantics.directions import directions
+from jausml.language.semantics.named_values import compared, named_values, table_text
+from jausml.language.semantics.values import constant_fault, is_real
+from jausml.language.validation.rule import Finding, Note, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.semantics.named_values import Comparison
+    from jausml.language.semantics.paths import Placed
+    from jausml.language.semantics.subject import Subject
+
+_VALUES = (NUMBER, BOOL, TEXT)
+_MOST_NAMES = 5
+
+
+@rule("JML440", Severity.ERROR, "table that does not fit")
+def tables(subject: Subject) -> Iterator[Finding]:
+    """The entries of a table are values of what look_up reads and fills.
+
+    An entry is a number, or the name of an enumerated JAUS value or of a constant of the ROS type,
+    which means its number. Of several entries with one value the first counts; one whose values
+    both stand in earlier entries is never found. Each enumerated value of the source should be in
+    the table, and each constant of a ROS field, since one that is not drops the message.
+
+    Bad: a table `OPEN <-> true` for a JAUS field with the values Opened and Closed
+
+    Good: `Opened <-> true`, `Closed <-> false`
+    """
+    reported: set[tuple[EObject, str]] = set()
+    for direction in directions(subject):
+        for placed in direction.of_kind(bridge.FieldAssignment):
+            for position, conversion in enumerate(placed.assignment.conversions):
+                table = conversion.table
+                if conversion.kind.name != LookUp.name or table is None:
+                    continue
+                for finding in _findings(placed, position, table):
+                    key = (finding.element, finding.message)
+                    if key not in reported:
+                        reported.add(key)
+                        yield finding
+
+
+@rule("JML448", Severity.ERROR, "named value with another number")
+def renumbered(subject: Subject) -> Iterator[Finding]:
+    """What both ends of an assignment call alike has one number, or a table maps the names.
+
+    Without a conversion numbers pass as they are. Where `CLOSED` is 0 in ROS and `closed` is 1 in
+    JAUS, a closed gate would be told as something else. Names are compared without case and
+    separators; constants of a ROS type that begin with the name of a field belong to that field.
+
+    Bad: `State -> state`, with open 0 and closed 1 in JAUS, CLOSED 0 and OPEN 1 in ROS
+
+    Good: `State -> state : look_up(gate)` with `table gate ( open <-> OPEN  closed <-> CLOSED )`
+    """
+    for placed, found in _enumerated(subject):
+        if wrong := found.renumbered:
+            told = ", ".join(
+                f"{one.name} is {one.number} and {other.name} {other.number}"
+                for one, other in wrong[:_MOST_NAMES]
+            )
+            table = table_text(found, to_ros=placed.scope.to_ros)
+            yield Finding(
+                placed.assignment,
+                f"names that both ends have stand for other numbers: {told}",
+                "source",
+                f"look_up a table ( {table} )",
+            )
+
+
+@rule("JML449", Severity.WARNING, "named value that drops the message")
+def unmatched(subject: Subject) -> Iterator[Finding]:
+    """Each named value of the source has a counterpart in the JAUS field that it fills.
+
+    A message with another value is dropped when it comes, which nobody sees before.
+
+    Bad: `state -> State`, with STUCK 7 in ROS and the values open, closed and moving in JAUS
+
+    Good: a table that maps STUCK to one of them, or a value set that has it
+    """
+    for placed, found in _enumerated(subject):
+        (target,) = placed.target_attributes
+        legal = target.values
+        lost = [each for each in found.unmatched if legal and not _is_legal(each.number, target)]
+        if lost and not target.is_ros and found.is_of_one_enumeration:
+            names = ", ".join(f"{each.name} ({each.number})" for each in lost[:_MOST_NAMES])
+            message = f"'{target.label}' has no value for {names}, which drops the message"
+            yield Finding(placed.assignment, message, "source")
+
+
+def _enumerated(
+    subject: Subject,
+) -> Iterator[tuple[Placed[bridge.FieldAssignment], Comparison]]:
+    """Yields the assignments that pass numbers as they are between ends that both name values."""
+    for direction in directions(subject):
+        for placed in direction.of_kind(bridge.FieldAssignment):
+            ends = placed.source_attributes, placed.target_attributes
+            if placed.assignment.conversions or any(len(each) != 1 for each in ends):
+                continue
+            found = compared(ends[0][0], ends[1][0])
+            if found is not None:
+                yield placed, found
+
+
+def _is_legal(number: int, attribute: Attribute) -> bool:
+    return any(low <= number <= high for low, high in attribute.values)
+
+
+def _findings(
+    placed: Placed[bridge.FieldAssignment], position: int, table: bridge.ValueTable
+) -> Iterator[Finding]:
+    to_ros = placed.scope.to_ros
+    given, taken = ("ros", "jaus") if to_ros else ("jaus", "ros")
+    conversions = placed.assignment.conversions
+    if position == 0 and len(placed.source_attributes) == 1:
+        source = placed.source_attributes[0]
+        faults = list(_entry_findings(table, taken, source))
+        yield from faults
+        yield from [] if faults else _lacking(table, taken, source)
+    if len(conversions) == len(placed.source_attributes) == len(placed.target_attributes) == 1:
+        yield from _repeated(table, taken, placed)
+    if position == len(conversions) - 1 and len(placed.target_attributes) == 1:
+        yield from _entry_findings(table, given, placed.target_attributes[0])
+
+
+def _entry_findings(
+    table: bridge.ValueTable, feature: str, attribute: Attribute
+) -> Iterator[Finding]:
+    if attribute.kind not in _VALUES:
+        return
+    names = dict(attribute.constants)
+    for entry in table.entries:
+        value = _side(entry, feature)
+        fault = constant_fault(value, attribute, names) if value is not None else ""
+        if fault:
+            hint = _known(attribute)
+            yield Finding(entry, f"{value!a} for '{attribute.label}' {fault}", feature, hint)
+
+
+def _repeated(
+    table: bridge.ValueTable, feature: str, placed: Placed[bridge.FieldAssignment]
+) -> Iterator[Finding]:
+    """Yields findings for entries that neither direction finds."""
+    ends = [placed.source_attributes[0], placed.target_attributes[0]]
+    jaus, ros = map(_Meaning, ends if feature == "jaus" else reversed(ends))
+    seen: tuple[dict[str, bridge.TableEntry], dict[str, bridge.TableEntry]] = ({}, {})
+    for entry in table.entries:
+        values = jaus.of(entry.jaus), ros.of(entry.ros)
+        firsts = [known.setdefault(value, entry) for known, value in zip(seen, values, strict=True)]
+        if all(first is not entry for first in firsts):
+            message = f"{entry.jaus!a} and {entry.ros!a} stand in earlier entries, which count"
+            note = Note(firsts[0], "the earlier entry", "jaus")
+            yield Finding(entry, message, "jaus", related=(note,), severity=Severity.WARNING)
+
+
+def _side(entry: bridge.TableEntry, feature: str) -> str:
+    return entry.jaus if feature == "jaus" else entry.ros
+
+
+def _lacking(table: bridge.ValueTable, feature: str, attribute: Attribute) -> Iterator[Finding]:
+    meaning = _Meaning(attribute)
+    known = {meaning.of(_side(entry, feature)) for entry in table.entries}
+    listed = attribute.constants if not attribute.is_ros else _own_constants(known, meaning)
+    if attribute.kind == BOOL:
+        listed = (("true", "true"), ("false", "false"))
+    names = [name for name, value in listed if meaning.of(value) not in known]
+    if names:
+        more = " ..." if len(names) > _MOST_NAMES else ""
+        message = f"table '{table.name}' lacks {', '.join(names[:_MOST_NAMES])}{more}"
+        message += f" of '{attribute.label}', which drops the message"
+        yield Finding(table, message, "entries", severity=Severity.WARNING)
+
+
+def _own_constants(known: set[str], meaning: _Meaning) -> list[tuple[str, str]]:
+    """Returns the constants of a ROS field, as far as a table of some values means them.
+
+    Constants belong to a type, not to a field: where a table has values without a name, or of
+    other names, it says nothing of them.
+    """
+    own = [(each.name, str(each.number)) for each in named_values(meaning.attribute).values()]
+    return own if known <= {meaning.of(name) for name, _ in own} else []
+
+
+class _Meaning:
+    """What entries mean to an attribute."""
+
+    def __init__(self, attribute: Attribute) -> None:
+        self.attribute = attribute
+        self._names = dict(attribute.constants)
+
+    def of(self, value: str | None) -> str:
+        """Returns one text for one value: numbers and their names alike."""
+        text = self._names.get(value or "", value or "").strip()
+        if self.attribute.kind == NUMBER and is_real(text):
+            return f"{float(text):.17g}"
+        return text
+
+
+def _known(attribute: Attribute) -> str:
+    names = [name for name, _ in attribute.constants]
+    if attribute.is_ros or not 0 < len(names) <= 2 * _MOST_NAMES:
+        return ""
+    return f"it has {', '.join(names)}"

@@ -1,0 +1,13 @@
+"""Rules about JAUS components, services, messages and state machines."""
+
+from jausml.language.validation.rules.jaus import (
+    components,
+    control,
+    machines,
+    messages,
+    places,
+    searches,
+    services,
+)
+
+MODULES = (components, control, machines, messages, places, searches, services)

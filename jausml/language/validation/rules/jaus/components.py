@@ -1,0 +1,311 @@
+"""Rules about JAUS components: addresses, connections, control."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from typing import TYPE_CHECKING
+
+from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.model.diagnostics import Severity
+from jausml.language.semantics.commands import needs_control
+from jausml.language.semantics.services import (
+    find_output,
+    find_query,
+    is_known,
+    provided_services,
+    provides_access_control,
+    query_name,
+)
+from jausml.language.validation.rule import Finding, Note, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.language.semantics.services import Provider
+    from jausml.language.semantics.subject import Subject
+
+    AnyConnection = jaus.ServiceConnection | bridge.Connection
+
+MAXIMUM_RATE = 1092.0
+"""Largest rate of a periodic event in Hz (AS5710, CreateEvent, field RequestedPeriodicRate)."""
+
+RATE_STEP = MAXIMUM_RATE / 65535
+"""Step of that rate on the wire in Hz: a scaled uint16."""
+
+_ENDS = ("name", "provider", "search", "message", "query")
+_LIMITS = (("subsystem", 65534), ("node", 254), ("component", 254))
+_WILDCARD_SUBSYSTEM = 65535
+_NUMBERS = {
+    "authority": (0, 255),
+    "defaultAuthority": (0, 255),
+    "controlTimeout": (0, 255),
+    "eventTimeout": (0, 255),
+}
+
+
+@rule("JML301", Severity.ERROR, "JAUS address out of range")
+def address_range(subject: Subject) -> Iterator[Finding]:
+    """An address is subsystem 1..65534, node 1..254 and component 1..254 (AS5669A).
+
+    0 is reserved, and 65535 and 255 address all subsystems, nodes or components at once.
+
+    Bad: `<components name="vehicle" address="100.1.255"/>`
+
+    Good: `<components name="vehicle" address="100.1.1"/>`
+    """
+    for component in subject.instances(jaus.Component, needs=("name", "address")):
+        if not component.address:
+            continue
+        for (name, maximum), text in zip(_LIMITS, component.address.split("."), strict=False):
+            if not 1 <= int(text) <= maximum:
+                message = f"{name} id {text} of '{component.name}' is not in 1..{maximum}"
+                yield Finding(component, message, "address")
+
+
+@rule("JML309", Severity.WARNING, "subsystem id that Junior takes for a wildcard")
+def address_bytes(subject: Subject) -> Iterator[Finding]:
+    """Neither byte of a subsystem id is 255, so that peers on Junior can talk to the component.
+
+    AS5669A allows such ids. Junior, the stack met most often, takes each byte 255 of an address
+    for a wildcard, and cannot connect to subsystems 255, 511, ... and 65280..65534.
+
+    Bad: `<components name="vehicle" address="511.1.1"/>`
+
+    Good: `<components name="vehicle" address="512.1.1"/>`
+    """
+    for component in subject.instances(jaus.Component, needs=("name", "address")):
+        subsystem = int((component.address or "0").split(".")[0])
+        if subsystem < _WILDCARD_SUBSYSTEM and 0xFF in divmod(subsystem, 0x100):
+            message = f"subsystem id {subsystem} of '{component.name}' has a byte 255"
+            yield Finding(component, message, "address")
+
+
+@rule("JML302", Severity.ERROR, "JAUS address used twice")
+def address_unique(subject: Subject) -> Iterator[Finding]:
+    """Each component of a system has its own address; bridges are components too.
+
+    If two processes have the same address, a message may reach either of them.
+
+    Bad: a component and a bridge, both with `address="100.1.1"`
+
+    Good: `100.1.1` and `100.1.2`
+    """
+    for group in subject.systems(("name", "address")):
+        first: dict[tuple[int, ...], jaus.Component] = {}
+        for component in group:
+            if not isinstance(component, jaus.Component) or not component.address:
+                continue
+            address = tuple(int(part) for part in component.address.split("."))
+            holder = first.setdefault(address, component)
+            if holder is not component:
+                message = f"address {component.address} of '{component.name}' is that of"
+                note = Note(holder, f"'{holder.name}' has the address", "address")
+                yield Finding(component, f"{message} '{holder.name}'", "address", related=(note,))
+
+
+@rule("JML303", Severity.ERROR, "number out of range")
+def component_numbers(subject: Subject) -> Iterator[Finding]:
+    """Authority codes and time-outs are one byte on the wire: 0..255 (AS5710).
+
+    Times in seconds are finite and not negative.
+
+    Bad: `authority="300"`
+
+    Good: `authority="200"`
+    """
+    for component in subject.instances(jaus.Component, needs=("name",)):
+        for name, (lower, upper) in _NUMBERS.items():
+            value = getattr(component, name)
+            if not lower <= value <= upper:
+                message = f"{name} {value} of '{component.name}' is not in {lower}..{upper}"
+                yield Finding(component, message, name)
+    for connection in subject.instances(jaus.ServiceConnection, needs=("name",)):
+        value = connection.silenceTimeout
+        if not (math.isfinite(value) and value >= 0):
+            message = f"silenceTimeout {value:g} of '{connection.name}' is no time in seconds"
+            yield Finding(connection, message, "silenceTimeout")
+
+
+@rule("JML353", Severity.ERROR, "command that nobody can give")
+def commands_controlled(subject: Subject) -> Iterator[Finding]:
+    """A component whose services have commands provides AccessControl.
+
+    A component obeys commands only from its controller, and without AccessControl nobody can become
+    the controller (AS5710). Commands for everyone are those of published services without
+    AccessControl.
+
+    Bad: a component with `coreServices="none"` that provides a service of yours with the command
+    SetLamp, which inherits nothing
+
+    Good: the same service with `inherits` of Management
+    """
+    for component in subject.instances(
+        jaus.Component, needs=("name", "external", "provides", "coreServices")
+    ):
+        if component.external or not is_known(subject, component):
+            continue
+        if provides_access_control(component):
+            continue
+        for service in provided_services(component):
+            command = next((each for each in service.inputs if needs_control(each, service)), None)
+            if command is not None:
+                message = f"'{component.name}' obeys {command.name} from nobody"
+                hint = f"let {service.name} inherit Management"
+                note = Note(service, f"'{service.name}'")
+                yield Finding(
+                    component, f"{message}: it provides no AccessControl", "provides", hint, (note,)
+                )
+
+
+@rule("JML304", Severity.ERROR, "connection to a report that the provider does not send")
+def connection_provided(subject: Subject) -> Iterator[Finding]:
+    """The provider of a connection provides a service whose outputs hold the report.
+
+    Services that the provided ones inherit count. A message of another service also counts if its
+    code and its layout are the same.
+
+    Bad: a connection to ReportLocalPose with a provider that provides VelocityStateSensor alone
+
+    Good: the same provider with `provides` of LocalPoseSensor as well
+    """
+    for connection in subject.instances(jaus.ServiceConnection, needs=_ENDS):
+        provider, message = connection.provider or connection.search, connection.message
+        if provider is None or not is_known(subject, provider) or not subject.is_intact(message):
+            continue
+        if find_output(message, provider) is None:
+            owner = message.eContainer()
+            yield Finding(
+                connection,
+                f"{provider_name(provider)} provides no service that sends {message.name}",
+                "message",
+                f"add {owner.name} to what it provides" if owner is not None else "",
+                (Note(provider, provider_name(provider)),),
+            )
+
+
+@rule("JML305", Severity.ERROR, "connection without a query")
+def connection_query(subject: Subject) -> Iterator[Finding]:
+    """A report is asked for by a query that the provider takes.
+
+    Events carry the query inside (AS5710, CreateEvent). Without `query` it is found by name:
+    QueryX for ReportX, or X.
+
+    Bad: a connection to a message named PoseReport without `query`
+
+    Good: the same connection with `query` set to the message that asks for it
+    """
+    for connection in subject.instances(jaus.ServiceConnection, needs=_ENDS):
+        provider, message = connection.provider or connection.search, connection.message
+        if provider is None or not is_known(subject, provider) or not subject.is_intact(message):
+            continue
+        if connection.query is not None and not subject.is_intact(connection.query):
+            continue
+        if find_output(message, provider) is None:
+            continue
+        if find_query(connection, provider) is None:
+            yield missing_query(connection, message, provider)
+
+
+@rule("JML306", Severity.ERROR, "rate out of range")
+def connection_rate(subject: Subject) -> Iterator[Finding]:
+    """The rate of a periodic connection is above 0 and at most 1092 per second.
+
+    More does not fit the field of the CreateEvent message (AS5710).
+
+    Bad: `exchange="periodic" rate="0"`
+
+    Good: `exchange="periodic" rate="10.0"`
+    """
+    for connection in subject.instances(jaus.ServiceConnection, needs=("name", "exchange", "rate")):
+        if connection.exchange.name == "periodic":
+            yield from rate_finding(connection)
+
+
+@rule("JML307", Severity.ERROR, "control of a component that cannot be controlled")
+def controls_access(subject: Subject) -> Iterator[Finding]:
+    """A component named in `controls` provides AccessControl, which components do by default.
+
+    Without the service it never answers a request for control (AS5710, RequestControl).
+
+    Bad: `controls="sensor"` where sensor is `external` and provides VelocityStateSensor alone
+
+    Good: `controls="vehicle"` where vehicle provides PrimitiveDriver, which inherits it
+    """
+    for component in subject.instances(jaus.Component, needs=("name", "controls")):
+        for target in component.controls:
+            if target is component:
+                message = f"'{component.name}' controls itself"
+                yield Finding(component, message, "controls")
+            elif is_known(subject, target) and not provides_access_control(target):
+                yield Finding(
+                    component,
+                    f"'{target.name}', which '{component.name}' controls, provides no"
+                    " AccessControl",
+                    "controls",
+                    related=(Note(target, f"'{target.name}'"),),
+                )
+
+
+@rule("JML308", Severity.ERROR, "service provided twice")
+def services_unique(subject: Subject) -> Iterator[Finding]:
+    """A component provides one service of a URN.
+
+    Discovery reports services by URN (AS5710, ReportServices); two versions of one service in a
+    component would answer the same messages. Services that are only inherited do not count:
+    service sets inherit from different versions of the core.
+
+    Bad: `provides` of Liveness from core-1.0 and of Liveness from core-1.1
+
+    Good: `provides` of one of them
+    """
+    for component in subject.instances(jaus.Component, needs=("name", "provides")):
+        by_urn: dict[str, list[jaus.Service]] = defaultdict(list)
+        for service in component.provides:
+            if service.urn:
+                by_urn[service.urn].append(service)
+        for urn, services in by_urn.items():
+            if len(services) > 1:
+                versions = ", ".join(str(service.version) for service in services)
+                message = f"'{component.name}' provides {urn} more than once (versions {versions})"
+                second = [at for at, each in enumerate(component.provides) if each.urn == urn][1]
+                yield Finding(component, message, "provides", position=second)
+
+
+def provider_name(provider: Provider) -> str:
+    """Returns how messages name who provides services: a component, or what a search finds."""
+    if isinstance(provider, jaus.PeerSearch):
+        services = " and ".join(str(each.name) for each in provider.services)
+        return f"what the search for {services} finds"
+    return f"'{provider.name}'"
+
+
+def missing_query(
+    connection: AnyConnection, message: jaus.MessageDef, provider: Provider
+) -> Finding:
+    """Returns the finding about a connection whose provider takes no query for the report.
+
+    Args:
+        connection: The connection.
+        message: The report.
+        provider: Who should take the query.
+    """
+    query = connection.query
+    wanted = query.name if query is not None else query_name(message)
+    note = (Note(provider, provider_name(provider)),)
+    text = f"{provider_name(provider)} takes no {wanted}, which asks for {message.name}"
+    if query is not None:
+        return Finding(connection, text, "query", related=note)
+    hint = f"let it provide a service with the input {wanted}, or name the query in 'query'"
+    return Finding(connection, text, None, hint, note)
+
+
+def rate_finding(connection: AnyConnection) -> Iterator[Finding]:
+    """Yields a finding when the rate of a connection is not above 0 and at most 1092."""
+    message = f"rate {connection.rate:g} of '{connection.name}'"
+    if not 0 < connection.rate <= MAXIMUM_RATE:
+        hint = f"above 0 and at most {MAXIMUM_RATE:g}"
+        yield Finding(connection, f"{message} is out of range", "rate", hint)
+    elif connection.rate < RATE_STEP / 2:
+        message += f" is 0 on the wire, where the step is {RATE_STEP:.3g}"
+        yield Finding(connection, message, "rate", "ask for a rate that a provider accepts")

@@ -1,0 +1,395 @@
+"""Rules about state machines of services (AS5684, protocol behaviour)."""
+
+from __future__ import annotations
+
+import difflib
+from typing import TYPE_CHECKING
+
+from jausml.language.attributes.guards import Guard, GuardError, conditions, parse_guard
+from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.model.diagnostics import Severity
+from jausml.language.semantics.core_services import CORE, SERVED_BY_RUNTIME
+from jausml.language.semantics.inherited_machines import (
+    CORE_EVENTS,
+    CORE_MACHINE,
+    CORE_STATES,
+    ENTERED_BY_SERVICES,
+    core_leaf,
+    event_name,
+)
+from jausml.language.semantics.machines import (
+    Behaviour,
+    behaviours,
+    described,
+    trigger,
+)
+from jausml.language.semantics.services import ACCESS_CONTROL, find_same, lineage, with_inherited
+from jausml.language.validation.rule import Finding, Note, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from jausml.language.semantics.subject import Subject
+
+_CONTROLLER = "isControllingClient"
+
+
+@rule("JML341", Severity.ERROR, "not exactly one initial state")
+def initial_states(subject: Subject) -> Iterator[Finding]:
+    """One of the states that lie side by side is initial: it is entered with what encloses it.
+
+    A single state is initial by default. For the states of the core services, the core decides.
+
+    Bad: `<states name="Idle"/><states name="Moving"/>`
+
+    Good: `<states name="Idle" initial="true"/><states name="Moving"/>`
+    """
+    for behaviour in behaviours(subject):
+        machine = behaviour.machine
+        own = {path for path, _ in behaviour.states()}
+        groups = dict.fromkeys(path.rpartition(".")[0] for path in own)
+        for outer in groups:
+            inside = machine.children(outer)
+            if machine.extends_core and any(path in CORE_STATES for path in inside):
+                continue
+            marked = [path for path in inside if machine.nodes[path].is_initial]
+            if len(marked) == 1 or len(inside) == 1:
+                continue
+            where = f"'{outer}'" if outer else f"machine '{machine.name}'"
+            count = "none" if not marked else f"{len(marked)}"
+            element = _element(behaviour, marked[1] if marked else outer)
+            yield Finding(
+                element, f"{count} of the {len(inside)} states of {where} are initial", None
+            )
+
+
+@rule("JML342", Severity.ERROR, "no such state")
+def targets(subject: Subject) -> Iterator[Finding]:
+    """The target of a transition is a state of the machine or of the core that it extends.
+
+    It is named by its path from the outermost state, or from a state that the source encloses,
+    stands beside, or lies in.
+
+    Bad: `target="Movng"`
+
+    Good: `target="Moving"` or `target="Moving.PayingOut"`
+    """
+    for behaviour in behaviours(subject):
+        for path, transition in behaviour.transitions():
+            target = transition.target
+            if target and behaviour.machine.resolve(path, target) is None:
+                message = f"'{behaviour.machine.name}' has no state {target!a}"
+                names = [each.rpartition(".")[2] for each in behaviour.machine.nodes]
+                hint = _suggestion(target.rpartition(".")[2], names)
+                yield Finding(transition, message, "target", hint)
+
+
+@rule("JML343", Severity.ERROR, "message of another service")
+def messages(subject: Subject) -> Iterator[Finding]:
+    """A transition is triggered by an input, and an action sends an output, of the service.
+
+    Messages of services that it inherits count.
+
+    Bad: a transition on ReportVelocityState, which the service sends
+
+    Good: a transition on QueryVelocityState with an action that sends ReportVelocityState
+    """
+    for behaviour in behaviours(subject):
+        services = lineage(behaviour.service)
+        taken = [message for each in services for message in each.inputs]
+        sent = [message for each in services for message in each.outputs]
+        name = behaviour.service.name
+        for _, transition in behaviour.transitions():
+            message = transition.message
+            if message is not None and find_same(message, taken) is None:
+                text = f"'{name}' does not take {message.name}"
+                yield Finding(transition, text, "message")
+        for action in behaviour.actions():
+            if action.sends is not None and find_same(action.sends, sent) is None:
+                text = f"'{name}' does not send {action.sends.name}"
+                yield Finding(action, text, "sends")
+
+
+@rule("JML344", Severity.ERROR, "unknown internal event")
+def events(subject: Subject) -> Iterator[Finding]:
+    """The event of a transition is one of the service or of a service that it inherits.
+
+    AccessControl and Management have the events Timedout, Initialized and Failure. A transition is
+    triggered by either a message or an event.
+
+    Bad: `<transitions event="LoadLst" .../>`
+
+    Good: `<events name="LoadLost"/>` and `<transitions event="LoadLost" .../>`
+    """
+    for behaviour in behaviours(subject):
+        services = lineage(behaviour.service)
+        known = {event.name for each in services for event in each.events if event.name}
+        if any(str(each.urn).startswith(CORE) for each in services):
+            known |= CORE_EVENTS
+        for _, transition in behaviour.transitions():
+            name = event_name(transition.event)
+            if name and transition.message is not None:
+                text = f"a transition on {transition.message.name} and on the event {name!a}"
+                yield Finding(transition, text, "event", "make two transitions of it")
+            elif name and name not in known:
+                text = f"'{behaviour.service.name}' has no internal event {name!a}"
+                yield Finding(transition, text, "event", _suggestion(name, known))
+
+
+@rule("JML345", Severity.ERROR, "malformed guard")
+def guards(subject: Subject) -> Iterator[Finding]:
+    """A guard joins names of conditions by &&, || and !, with parentheses.
+
+    Each name becomes a method. Arguments in parentheses behind a name are allowed and kept for
+    the reader; the method is given the message and its sender.
+
+    Bad: `guard="speed > 0"`
+
+    Good: `guard="isControllingClient &amp;&amp; !isLocked"`
+    """
+    for behaviour in behaviours(subject):
+        for _, transition in behaviour.transitions():
+            try:
+                parse_guard(transition.guard)
+            except GuardError as error:
+                hint = "names of conditions, joined by &&, || and !"
+                yield Finding(transition, f"malformed guard: {error}", "guard", hint)
+
+
+@rule("JML346", Severity.WARNING, "state that is never entered")
+def reachable(subject: Subject) -> Iterator[Finding]:
+    """A state is initial, or a transition leads to it.
+
+    Bad: a state `Locked` that is not initial and no target of a transition
+
+    Good: a transition with `target="Locked"`
+    """
+    for behaviour in behaviours(subject):
+        entered = {around for path in behaviour.entered() for around in _with_outer(path)}
+        reported: set[str] = set()
+        for path, state in behaviour.states():
+            if path in entered or path in CORE_STATES:
+                continue
+            if _is_foreign(behaviour, path) or not reported.isdisjoint(_with_outer(path)):
+                continue
+            reported.add(path)
+            yield Finding(state, f"no transition leads to the state '{path}'", "name")
+
+
+@rule("JML347", Severity.WARNING, "transition that is never taken")
+def taken(subject: Subject) -> Iterator[Finding]:
+    """Transitions of a state are tried in their order; one without a guard is always taken.
+
+    Of two transitions on the same message with the same guard, the first one is taken.
+
+    Bad: a transition on LockBrake without a guard, and a second one on LockBrake after it
+
+    Good: the one with the guard first
+    """
+    for behaviour in behaviours(subject):
+        for _, state in behaviour.states():
+            yield from _shadowed(state.transitions)
+            yield from _shadowed(state.defaults)
+
+
+@rule("JML348", Severity.ERROR, "target, push and pop do not fit")
+def kinds(subject: Subject) -> Iterator[Finding]:
+    """A push has a target, a pop and an internal transition have none; push and pop go together.
+
+    A push remembers the current state, and a pop returns to it.
+
+    Bad: a machine with a transition of `kind="pop"` and none of `kind="push"`
+
+    Good: `kind="push" target="Inspection"`, and `kind="pop"` in Inspection
+    """
+    for behaviour in behaviours(subject):
+        used = {
+            transition.kind.name
+            for node in behaviour.machine.nodes.values()
+            for state in node.elements
+            for transition in (*state.transitions, *state.defaults)
+        }
+        for _, transition in behaviour.transitions():
+            kind = transition.kind.name
+            name = described(transition)
+            if kind == "push" and not transition.target:
+                yield Finding(transition, f"the push on {name} has no target", "kind")
+            elif kind in ("pop", "internal") and transition.target:
+                yield Finding(transition, f"the {kind} transition on {name} has a target", "target")
+            elif kind in ("push", "pop") and not {"push", "pop"} <= used:
+                other = "push" if kind == "pop" else "pop"
+                text = f"'{behaviour.machine.name}' has a {kind} on {name}, but no {other}"
+                yield Finding(transition, text, "kind")
+
+
+@rule("JML349", Severity.ERROR, "not what the core services do")
+def core_states(subject: Subject) -> Iterator[Finding]:
+    """A machine named ReceiveFSM extends that of the core services, and keeps to its states.
+
+    States of its own lie inside one of the innermost core states (AS5710, Management). Of the core
+    states, a transition may enter Standby, Failure and Shutdown; into the others leads a message
+    that the core services take. A machine of another name is independent.
+
+    Bad: `<machines name="ReceiveFSM"><states name="Idle"/></machines>`
+
+    Good: `<machines name="ReceiveFSM"><states name="Receiving.Ready.Controlled.Available.Ready">
+    <states name="Idle"/></states></machines>`
+    """
+    for behaviour in behaviours(subject):
+        if not behaviour.machine.extends_core:
+            yield from _foreign_machine(behaviour)
+        elif not any(str(each.urn).startswith(CORE) for each in lineage(behaviour.service)):
+            text = f"'{behaviour.service.name}' inherits no core service whose {CORE_MACHINE}"
+            yield Finding(behaviour.element, f"{text} it could extend", "name")
+        else:
+            yield from _foreign_states(behaviour)
+            yield from _refused_targets(behaviour)
+
+
+@rule("JML350", Severity.WARNING, "transition that the core services take")
+def core_messages(subject: Subject) -> Iterator[Finding]:
+    """Messages of the core services and of ListManager are taken by the runtime.
+
+    The runtime follows AS5710. A transition of a service on one of these messages is not generated;
+    use entry and exit actions of the core states instead.
+
+    Bad: in Ready, a transition on Standby with the action stopMotor
+
+    Good: the state Ready with the exit action stopMotor
+    """
+    for behaviour in behaviours(subject):
+        for _, transition in behaviour.transitions():
+            message = transition.message
+            owner = None if message is None else message.eContainer()
+            if message is None or owner is None:
+                continue
+            if owner.urn in SERVED_BY_RUNTIME:
+                text = (
+                    f"{message.name} is taken by {owner.name} of the runtime, not by a transition"
+                )
+                hint = "entry and exit actions of the core states tell what has happened"
+                is_management = owner.name in ("AccessControl", "Management")
+                yield Finding(transition, text, "message", hint if is_management else "")
+
+
+@rule("JML351", Severity.WARNING, "command that anyone may give")
+def commands(subject: Subject) -> Iterator[Finding]:
+    """In a machine that extends the core, the guard says who may give a command.
+
+    Without `isControllingClient`, every component may. An independent machine needs no such guard:
+    there, as without a machine, the component obeys only its controller, and mostly only in Ready.
+
+    Bad: `<transitions message="SetSpeed" target="Moving"/>` in ReceiveFSM
+
+    Good: the same with `guard="isControllingClient"`
+    """
+    for behaviour in behaviours(subject):
+        services = lineage(behaviour.service)
+        if not behaviour.machine.extends_core or all(s.name != ACCESS_CONTROL for s in services):
+            continue
+        for _, transition in behaviour.transitions():
+            message = transition.message
+            if message is None or not message.isCommand:
+                continue
+            owner = message.eContainer()
+            if owner is not None and owner.urn in SERVED_BY_RUNTIME:
+                continue
+            try:
+                asked = set(conditions(parse_guard(transition.guard)))
+            except GuardError:
+                continue
+            if _CONTROLLER not in asked:
+                text = f"the command {message.name} is obeyed from every component"
+                yield Finding(transition, text, "guard", f"add {_CONTROLLER} to the guard")
+
+
+@rule("JML352", Severity.WARNING, "state machine that a bridge does not run")
+def bridges(subject: Subject) -> Iterator[Finding]:
+    """A bridge translates messages and runs no state machine of the services that it provides.
+
+    The rule ignores services of the library: a bridge handles those as its maps say.
+
+    Bad: a bridge that provides a service with a state machine
+
+    Good: a component that provides it
+    """
+    for owner in subject.instances(bridge.Bridge):
+        for service in with_inherited(owner.provides):
+            is_kept = service.urn in SERVED_BY_RUNTIME or subject.model.is_library(service)
+            if service.machines and not is_kept:
+                text = f"the bridge '{owner.name}' does not run the state machine of"
+                note = Note(service, f"'{service.name}'")
+                yield Finding(owner, f"{text} '{service.name}'", "provides", related=(note,))
+
+
+def _element(behaviour: Behaviour, path: str) -> jaus.State | jaus.StateMachine:
+    """Returns an element at which to point for a state, even one that only a path implies."""
+    node = behaviour.machine.nodes.get(path)
+    return node.elements[0] if node is not None and node.elements else behaviour.element
+
+
+def _shadowed(transitions: Iterable[jaus.Transition]) -> Iterator[Finding]:
+    earlier: dict[tuple[tuple[str, str], Guard | None], jaus.Transition] = {}
+    for transition in transitions:
+        try:
+            guard = parse_guard(transition.guard)
+        except GuardError:
+            continue
+        on, name = trigger(transition), described(transition)
+        always, same = earlier.get((on, None)), earlier.get((on, guard))
+        if always is not None:
+            text = f"an earlier transition on {name} is always taken"
+            note = Note(always, f"on {name}, without a guard")
+            yield Finding(transition, text, related=(note,))
+        elif same is not None:
+            text = f"an earlier transition on {name} has the same guard"
+            yield Finding(transition, text, "guard", related=(Note(same, f"on {name}", "guard"),))
+        else:
+            earlier[on, guard] = transition
+
+
+def _foreign_machine(behaviour: Behaviour) -> Iterator[Finding]:
+    outermost = CORE_STATES[0]
+    for path, state in behaviour.states():
+        if path.partition(".")[0] == outermost:
+            text = f"'{behaviour.machine.name}' has the core state {outermost}"
+            hint = f"name the machine {CORE_MACHINE} to extend the core services"
+            yield Finding(state, text, "name", hint)
+            return
+
+
+def _foreign_states(behaviour: Behaviour) -> Iterator[Finding]:
+    reported: set[str] = set()
+    for path, state in behaviour.states():
+        if not _is_foreign(behaviour, path) or not reported.isdisjoint(_with_outer(path)):
+            continue
+        reported.add(path)
+        hint = _suggestion(path, CORE_STATES)
+        yield Finding(state, f"the core services have no state '{path}'", "name", hint)
+
+
+def _refused_targets(behaviour: Behaviour) -> Iterator[Finding]:
+    for path, transition in behaviour.transitions():
+        target = behaviour.target(path, transition)
+        core = None if target is None else core_leaf(target)
+        if core is None or core in ENTERED_BY_SERVICES or core_leaf(path) == core:
+            continue
+        text = f"a transition may not enter '{core}' from '{path}'"
+        yield Finding(transition, text, "target", "only a message of the core services may")
+
+
+def _is_foreign(behaviour: Behaviour, path: str) -> bool:
+    is_core = path in CORE_STATES or core_leaf(path) is not None
+    return behaviour.machine.extends_core and not is_core
+
+
+def _with_outer(path: str) -> Iterator[str]:
+    """Yields the path of a state, and those of the states that it lies in."""
+    while path:
+        yield path
+        path = path.rpartition(".")[0]
+
+
+def _suggestion(name: str, known: Iterable[str]) -> str:
+    close = difflib.get_close_matches(name, sorted(known), 1)
+    return f"did you mean {close[0]!a}?" if close else ""

@@ -1,0 +1,416 @@
+"""Rules about message bodies (AS5684)."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from jausml.language import wire
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model.diagnostics import Severity
+from jausml.language.semantics.layouts import class_name, is_container, is_group
+from jausml.language.validation.rule import Finding, Note, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+    from typing import TypeAlias
+
+    from jausml.language.semantics.layouts import Group
+    from jausml.language.semantics.subject import Subject
+
+    Bytes: TypeAlias = (
+        jaus.VariableLengthString | jaus.VariableLengthField | jaus.VariableFormatField
+    )
+    Indexed: TypeAlias = jaus.Alternative | jaus.Format
+    WithValues: TypeAlias = jaus.FixedField | jaus.Alternative | jaus.SubField
+
+_PRESENCE_BITS = {"none": 0, **{name: each.bits for name, each in wire.UNSIGNED.items()}}
+_IN_RECORD = "a member of a record"
+_COUNT = ("name", "countType")
+
+
+@rule("JML321", Severity.ERROR, "type refers to itself")
+def reference_cycle(subject: Subject) -> Iterator[Finding]:
+    """A type reference leads to a type that does not hold the reference itself.
+
+    A body that contains itself has no end on the wire.
+
+    Bad: a declared record with a member that refers to that record
+
+    Good: a list of a declared record
+    """
+    for reference in subject.instances(jaus.TypeReference):
+        if _reaches(reference, reference):
+            yield Finding(reference, f"'{reference.name}' contains itself", "target")
+
+
+@rule("JML322", Severity.ERROR, "wrong kind of member")
+def member_kinds(subject: Subject) -> Iterator[Finding]:
+    """Records and arrays hold fields; bodies, sequences, lists and variants hold containers.
+
+    Containers are records, lists, variants and sequences (AS5684, JSIDL). A container inside a
+    record is an information only: the bytes are those of a sequence with records in turn, but JSIDL
+    cannot express it like this.
+
+    Bad: a sequence with a FixedField as its member
+
+    Good: a sequence with a record that holds the FixedField
+    """
+    for message in subject.instances(jaus.MessageDef):
+        yield from _kind_findings([message.body], "the body of a message", containers=True)
+    for record in subject.instances(jaus.Record):
+        yield from _kind_findings(record.fields, _IN_RECORD, containers=False)
+    for sequence in subject.instances(jaus.Sequence):
+        yield from _kind_findings(sequence.fields, "a member of a sequence", containers=True)
+    for each in subject.instances(jaus.List):
+        yield from _kind_findings([each.element], "the element of a list", containers=True)
+    for variant in subject.instances(jaus.Variant):
+        yield from _kind_findings(variant.options, "an option of a variant", containers=True)
+    for array in subject.instances(jaus.Array):
+        yield from _kind_findings([array.element], "the element of an array", containers=False)
+
+
+@rule("JML323", Severity.ERROR, "optional member without a presence bit")
+def presence_vector(subject: Subject) -> Iterator[Finding]:
+    """The presence vector of a record or sequence has a bit for each optional member.
+
+    Bit i stands for the i-th optional member (AS5684, presence_vector). For services of the
+    library, which are as they were published, this is a warning: members without a bit
+    cannot be sent.
+
+    Bad: `<body xsi:type="jaus:Record" name="rec">` with a member that is `optional="true"`
+
+    Good: the same record with `presenceVector="uint8"`
+    """
+    groups: list[Group] = [*subject.instances(jaus.Record), *subject.instances(jaus.Sequence)]
+    for group in groups:
+        optional = [field for field in group.fields if field.optional]
+        bits = _PRESENCE_BITS[group.presenceVector.name]
+        if len(optional) > bits:
+            field = optional[bits]
+            have = f"a presence vector of {bits} bits" if bits else "no presence vector"
+            message = f"{len(optional)} optional members in '{group.name}', which has {have}"
+            note = Note(group, f"'{group.name}'", "presenceVector")
+            hint, severity = _vector_hint(len(optional)), subject.severity(field)
+            yield Finding(field, message, "optional", hint, (note,), severity)
+
+
+@rule("JML324", Severity.WARNING, "optional without effect")
+def optional_elsewhere(subject: Subject) -> Iterator[Finding]:
+    """Only members of records and sequences can be optional.
+
+    Elsewhere no bit on the wire states whether the field is present, so it always is.
+
+    Bad: a list element with `optional="true"`
+
+    Good: a list with `minimumCount="0"`
+    """
+    for field in subject.instances(jaus.Field, needs=("name",)):
+        owner = field.eContainer()
+        if field.optional and owner is not None and not is_group(owner):
+            message = f"'{field.name}' is optional, but is no member of a record or sequence"
+            yield Finding(field, message, "optional")
+
+
+@rule("JML325", Severity.ERROR, "impossible scaling")
+def scale_range(subject: Subject) -> Iterator[Finding]:
+    """A scaled field is an unsigned integer whose range maps onto lower..upper.
+
+    The limits are finite and lower is below upper; a scaled field has no value set (AS5684,
+    scale_range).
+
+    Bad: `type="float32"` with a scale, or `<scale lower="1.0" upper="-1.0"/>`
+
+    Good: `type="uint16"` with `<scale lower="-1.0" upper="1.0"/>`
+    """
+    for scale in subject.instances(jaus.ScaleRange):
+        field = scale.eContainer()
+        if field is None or not subject.is_read(field):
+            continue
+        name = field.name
+        if not (math.isfinite(scale.lower) and math.isfinite(scale.upper)):
+            yield Finding(scale, f"the scale of '{name}' has a limit that is not finite")
+        elif scale.lower >= scale.upper:
+            message = f"the scale of '{name}' has lower {scale.lower:g} and upper {scale.upper:g}"
+            yield Finding(scale, message, "lower", "lower is below upper")
+        if field.type.name not in wire.UNSIGNED:
+            message = f"'{name}' is scaled, but {field.type.name} is no unsigned integer"
+            yield Finding(field, message, "type")
+        if field.values is not None:
+            yield Finding(field, f"'{name}' has both a scale and a value set", "values")
+
+
+@rule("JML326", Severity.ERROR, "impossible bit range")
+def bit_ranges(subject: Subject) -> Iterator[Finding]:
+    """The parts of a bit field lie within its unsigned integer and do not overlap.
+
+    Bit 0 is the least significant one; lowBit is at most highBit.
+
+    Bad: parts 0..3 and 3..7 of a uint8
+
+    Good: parts 0..3 and 4..7
+    """
+    for field in subject.instances(jaus.BitField):
+        whole = wire.UNSIGNED.get(field.type.name)
+        if whole is None:
+            message = f"bit field '{field.name}' is of {field.type.name}, no unsigned integer"
+            yield Finding(field, message, "type")
+            continue
+        owners: dict[int, jaus.SubField] = {}
+        for part in field.subFields:
+            if not subject.is_read(part):
+                continue
+            yield from _bit_findings(part, field, whole.bits, owners)
+
+
+@rule("JML327", Severity.ERROR, "count or tag of a wrong type")
+def count_types(subject: Subject) -> Iterator[Finding]:
+    """Counts and tags are unsigned integers, and the bounds of a count fit its type.
+
+    Bad: `<element xsi:type="jaus:List" countType="int8" .../>`
+
+    Good: `<element xsi:type="jaus:List" countType="uint8" .../>`
+    """
+    for each in subject.instances(jaus.List, needs=_COUNT):
+        yield from _count_findings(each, "Count", each.minimumCount, each.maximumCount)
+    fields: list[Bytes] = [
+        *subject.instances(jaus.VariableLengthString, needs=_COUNT),
+        *subject.instances(jaus.VariableLengthField, needs=_COUNT),
+        *subject.instances(jaus.VariableFormatField, needs=_COUNT),
+    ]
+    for field in fields:
+        yield from _count_findings(field, "Length", field.minimumLength, field.maximumLength)
+    for variant in subject.instances(jaus.Variant):
+        type_name = variant.tagType.name
+        if type_name not in wire.UNSIGNED:
+            message = f"the tag of '{variant.name}' is of {type_name}, no unsigned integer"
+            yield Finding(variant, message, "tagType")
+        elif len(variant.options) > wire.UNSIGNED[type_name].upper + 1:
+            message = f"the tag of '{variant.name}' cannot count {len(variant.options)} options"
+            yield Finding(variant, message, "tagType")
+
+
+@rule("JML328", Severity.ERROR, "impossible size or index")
+def sizes(subject: Subject) -> Iterator[Finding]:
+    """Strings and arrays have a size of 1 or more; indices are one byte and differ.
+
+    No more than 4194304 bytes or elements: larger messages are not put together from fragments.
+
+    Bad: `<fields xsi:type="jaus:FixedLengthString" name="id" length="0"/>`
+
+    Good: `length="16"`
+    """
+    for text in subject.instances(jaus.FixedLengthString, needs=("name",)):
+        if text.length < 1:
+            yield Finding(text, f"'{text.name}' has a length of {text.length}", "length")
+        elif text.length > wire.LARGEST:
+            message = f"'{text.name}' has a length of {text.length}, more than {wire.LARGEST}"
+            yield Finding(text, message, "length")
+    for array in subject.instances(jaus.Array, needs=("name",)):
+        if any(size < 1 for size in array.dimensions):
+            yield Finding(array, f"'{array.name}' has a dimension below 1", "dimensions")
+        elif math.prod(array.dimensions) > wire.LARGEST:
+            message = f"'{array.name}' has more than {wire.LARGEST} elements"
+            yield Finding(array, message, "dimensions")
+    for field in subject.instances(jaus.VariableField):
+        yield from _index_findings(field.alternatives, field)
+    for blob in subject.instances(jaus.VariableFormatField):
+        yield from _index_findings(blob.formats, blob)
+
+
+@rule("JML329", Severity.ERROR, "impossible value set")
+def value_sets(subject: Subject) -> Iterator[Finding]:
+    """The legal values of a field can occur in its type, and ranges are not empty.
+
+    A range of an integer field contains an integer: a range above 1 and below 2 is empty. A set
+    that counts from its lower limit is one of integers, and so is the limit (AS5684,
+    offset_to_lower_limit).
+
+    Bad: `<values xsi:type="jaus:EnumeratedValue" name="BIG" value="256"/>` in a uint8
+
+    Good: `value="255"`, or `type="uint16"`
+    """
+    for value_set in subject.instances(jaus.ValueSet):
+        field = value_set.eContainer()
+        if field is None or not subject.is_read(field):
+            continue
+        values = [value for value in value_set.values if subject.is_read(value)]
+        limits = _limits(field)
+        if value_set.offsetToLowerLimit and len(values) == len(value_set.values):
+            fault, limits = _counted_limits(value_set, limits)
+            if fault:
+                message = f"the values of '{field.name}' cannot count from their lower limit"
+                yield Finding(value_set, f"{message}: {fault}", "offsetToLowerLimit")
+        for value in values:
+            yield from _value_findings(value, field, limits)
+
+
+@rule("JML360", Severity.ERROR, "message beyond all bounds")
+def bounds(subject: Subject) -> Iterator[Finding]:
+    """A message has at most 10000 fields, 64 deep, and its smallest instance 4194304 values.
+
+    A field counts as often as the types that hold it are used, and arrays in arrays multiply: a few
+    lines can require more memory than any machine has.
+
+    Bad: an array of 4194304 records that hold an array of 4194304 numbers
+
+    Good: a list of 0 to 4194304 records with a list of numbers
+    """
+    for message in subject.instances(jaus.MessageDef):
+        if message.body is None or not subject.is_intact(message):
+            continue
+        try:
+            wire.resolve_field(message.body)
+        except wire.LimitError as error:
+            yield Finding(message, f"'{message.name}' is too large: {error.reason}")
+        except wire.LayoutError:
+            continue  # which other rules tell
+
+
+def _reaches(reference: jaus.TypeReference, goal: jaus.Field) -> bool:
+    pending: list[jaus.Field] = [reference.target]
+    seen = set()
+    while pending:
+        field = pending.pop()
+        if field is None or field in seen:
+            continue
+        if field is goal:
+            return True
+        seen.add(field)
+        pending += [field.target] if isinstance(field, jaus.TypeReference) else _parts(field)
+    return False
+
+
+def _parts(field: jaus.Field) -> list[jaus.Field]:
+    if is_group(field):
+        return list(field.fields)
+    if isinstance(field, jaus.Variant):
+        return list(field.options)
+    return [field.element] if isinstance(field, (jaus.List, jaus.Array)) else []
+
+
+def _kind_findings(
+    fields: Iterable[jaus.Field | None], role: str, *, containers: bool
+) -> Iterator[Finding]:
+    for field in fields:
+        target = wire.target_of(field)
+        if field is None or target is None:
+            continue
+        if is_container(target) is not containers:
+            wanted = "a record, list, variant or sequence" if containers else "a field"
+            severity = Severity.INFO if role == _IN_RECORD else None
+            message = f"'{field.name}' is a {class_name(target)}, but {role} is {wanted}"
+            yield Finding(field, message, severity=severity)
+
+
+def _vector_hint(count: int) -> str:
+    fitting = next((name for name, each in wire.UNSIGNED.items() if each.bits >= count), "")
+    return f'presenceVector="{fitting}"' if fitting else "split the group"
+
+
+def _bit_findings(
+    part: jaus.SubField, field: jaus.BitField, bits: int, owners: dict[int, jaus.SubField]
+) -> Iterator[Finding]:
+    if part.lowBit > part.highBit:
+        message = f"'{part.name}' has lowBit {part.lowBit} above highBit {part.highBit}"
+        yield Finding(part, message, "lowBit")
+        return
+    if part.lowBit < 0 or part.highBit >= bits:
+        message = f"bits {part.lowBit}..{part.highBit} of '{part.name}' are outside"
+        yield Finding(part, f"{message} {field.type.name} '{field.name}'", "highBit")
+        return
+    for bit in range(part.lowBit, part.highBit + 1):
+        owner = owners.setdefault(bit, part)
+        if owner is not part:
+            note = Note(owner, f"'{owner.name}'")
+            message = f"bit {bit} of '{part.name}' belongs to '{owner.name}' too"
+            yield Finding(part, message, "lowBit", related=(note,))
+            return
+
+
+def _count_findings(field: jaus.List | Bytes, noun: str, low: int, high: int) -> Iterator[Finding]:
+    minimum, maximum, type_name = f"minimum{noun}", f"maximum{noun}", field.countType.name
+    if type_name not in wire.UNSIGNED:
+        message = f"the count of '{field.name}' is of {type_name}, no unsigned integer"
+        yield Finding(field, message, "countType")
+        return
+    largest = wire.UNSIGNED[type_name].upper
+    for feature, value in ((minimum, low), (maximum, high)):
+        if not 0 <= value <= largest:
+            message = f"{feature} {value} of '{field.name}' is not in 0..{largest}"
+            yield Finding(field, message, feature)
+            return
+    if high and low > high:
+        message = f"'{field.name}' has {minimum} {low} above {maximum} {high}"
+        yield Finding(field, message, minimum)
+
+
+def _index_findings(choices: Iterable[Indexed], field: jaus.Field) -> Iterator[Finding]:
+    seen: dict[int, Indexed] = {}
+    largest = 255  # one byte
+    for choice in choices:
+        first = seen.setdefault(choice.index, choice)
+        if not 0 <= choice.index <= largest:
+            message = f"index {choice.index} of '{choice.name}' is not in 0..255"
+            yield Finding(choice, message, "index")
+        elif first is not choice:
+            message = f"index {choice.index} in '{field.name}' is that of '{first.name}'"
+            yield Finding(choice, message, "index", related=(Note(first, f"'{first.name}'"),))
+
+
+def _limits(field: WithValues) -> tuple[int, int] | None:
+    if isinstance(field, jaus.SubField):
+        return (0, 2 ** (field.highBit - field.lowBit + 1) - 1) if _is_sane(field) else None
+    kind = wire.INTEGERS.get(field.type.name)
+    return (kind.lower, kind.upper) if kind else None
+
+
+def _counted_limits(
+    value_set: jaus.ValueSet, limits: tuple[int, int] | None
+) -> tuple[str, tuple[int, int] | None]:
+    """Returns why a set cannot count from its lower limit, and the limits of what it can say."""
+    if limits is None:
+        return "only integers do", None
+    try:
+        offset = wire.offset_of(value_set)
+    except wire.LayoutError:
+        return "it is no integer", limits
+    return "", (limits[0] + offset, limits[1] + offset)
+
+
+def _is_sane(part: jaus.SubField) -> bool:
+    return 0 <= part.lowBit <= part.highBit < wire.UNSIGNED["uint64"].bits
+
+
+def _value_findings(
+    value: jaus.Value, field: WithValues, limits: tuple[int, int] | None
+) -> Iterator[Finding]:
+    if isinstance(value, jaus.ValueRange):
+        yield from _range_findings(value, field, limits)
+    elif not isinstance(value, jaus.EnumeratedValue) or limits is None:
+        return
+    elif not limits[0] <= value.value <= limits[1]:
+        message = f"value {value.value} of '{field.name}' is not in {limits[0]}..{limits[1]}"
+        yield Finding(value, message, "value")
+
+
+def _range_findings(
+    value: jaus.ValueRange, field: WithValues, limits: tuple[int, int] | None
+) -> Iterator[Finding]:
+    if not value.lower <= value.upper:
+        message = f"a range of '{field.name}' has lower {value.lower:g} and upper {value.upper:g}"
+        yield Finding(value, message, "lower")
+    elif _is_empty(value, integral=limits is not None):
+        yield Finding(value, f"a range of '{field.name}' has no legal value", "lower")
+    elif limits is not None and not (limits[0] <= value.lower and value.upper <= limits[1]):
+        message = f"range {value.lower:g}..{value.upper:g} of '{field.name}'"
+        feature = "lower" if value.lower < limits[0] else "upper"
+        yield Finding(value, f"{message} is not in {limits[0]}..{limits[1]}", feature)
+
+
+def _is_empty(value: jaus.ValueRange, *, integral: bool) -> bool:
+    """Whether a range whose limits are in order has no value between them."""
+    if integral:
+        stated = wire.Interval(value.lower, value.upper, value.lowerInclusive, value.upperInclusive)
+        return stated.first > stated.last
+    return value.lower == value.upper and not (value.lowerInclusive and value.upperInclusive)

@@ -1,0 +1,381 @@
+"""Rules about ROS 2: names, topics, quality of service, parameters, interfaces."""
+
+from __future__ import annotations
+
+import keyword
+import math
+import re
+from collections import defaultdict
+from typing import TYPE_CHECKING
+
+from jausml.language.interfaces.definitions import TEXTS, FieldType
+from jausml.language.interfaces.values import ValueTextError, write_value
+from jausml.language.metamodel.classes import bridge, ros
+from jausml.language.model.diagnostics import Severity
+from jausml.language.model.values import show
+from jausml.language.semantics.attributes import primitive
+from jausml.language.semantics.names import DEVICES
+from jausml.language.semantics.ros_paths import ros_name
+from jausml.language.semantics.topics import (
+    Endpoint,
+    endpoints,
+    is_latched,
+    namespace_fault,
+    topic_fault,
+)
+from jausml.language.semantics.type_extents import excesses
+from jausml.language.semantics.values import constant_fault, is_integer, is_real
+from jausml.language.validation.rule import Finding, Note, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.semantics.subject import Subject
+
+_DEEPEST = 10_000
+"""Most messages that a quality of service keeps without a word."""
+_LONGEST = 2.0**63 / 1e9
+"""Longest time in seconds: ROS 2 counts nanoseconds in 64 bits."""
+# The parts of services and actions are named SetBool_Request and the like.
+_TYPE_NAME = re.compile("[A-Z][A-Za-z0-9]*(_Request|_Response|_Goal|_Result|_Feedback)?")
+_LOWER_CASE = re.compile("[a-z](?:_?[a-z0-9]+)*")
+_LOWER_CASE_HINT = "lower case, words joined by one underscore"
+_UPPER_CASE = re.compile("[A-Z](?:_?[A-Z0-9]+)*")
+_TYPE = ("name", "type", "stringBound", "arrayKind", "arraySize")
+_LONG = 2**63
+_HIGHEST_FREQUENCY = 1000.0
+_LARGEST_ARRAY = 4 << 20
+
+
+@rule("JML401", Severity.ERROR, "illegal ROS name")
+def ros_names(subject: Subject) -> Iterator[Finding]:
+    """Topic and service names and namespaces obey the rules of ROS 2.
+
+    Parts of letters, digits and underscores are joined by '/'; no part is empty, starts with a
+    digit or has two underscores in a row; '~/' at the start means the node's own namespace.
+
+    Bad: `<topics name="/robot//odometry"/>`
+
+    Good: `<topics name="robot/odometry"/>`
+    """
+    for end in subject.instances(ros.TopicEndpoint, needs=()):
+        yield from _name_findings(end, "topic", "topic", end.topic)
+    for server in subject.instances(ros.ServiceEndpoint, needs=()):
+        yield from _name_findings(server, "service", "service", server.service)
+    for topic in subject.instances(bridge.Topic, needs=()):
+        yield from _name_findings(topic, "name", "topic", topic.name)
+    for node in _nodes(subject):
+        fault = namespace_fault(node.namespace or "")
+        if fault:
+            message = f"namespace {node.namespace!a} of '{node.name}' {fault}"
+            yield Finding(node, message, "namespace")
+
+
+@rule("JML402", Severity.ERROR, "topic of two types")
+def topic_types(subject: Subject) -> Iterator[Finding]:
+    """All publishers and subscriptions of a topic have one type, bridges included.
+
+    ROS 2 never connects endpoints of different types, and does not report it. Names are compared as
+    they resolve in the namespaces of their nodes.
+
+    Bad: a node that publishes Twist on cmd_vel, and a bridge that subscribes to TwistStamped there
+
+    Good: TwistStamped at both ends
+    """
+    for ends in _topics(subject):
+        first = ends[0]
+        for end in ends[1:]:
+            if end.type is not first.type and ros_name(end.type) != ros_name(first.type):
+                note = Note(first.element, f"{ros_name(first.type)} here", first.feature)
+                yield Finding(
+                    end.element,
+                    f"topic {end.topic} is of {ros_name(end.type)} here, but of"
+                    f" {ros_name(first.type)} in '{first.owner.name}'",
+                    end.feature,
+                    related=(note,),
+                )
+
+
+@rule("JML403", Severity.WARNING, "incompatible quality of service")
+def qos_compatible(subject: Subject) -> Iterator[Finding]:
+    """A subscription asks for no more than the publishers of its topic offer.
+
+    Otherwise ROS 2 does not connect the two. A subscription that is reliable needs a reliable
+    publisher, a transient_local one a transient_local publisher; a deadline or a lease needs one
+    that is no longer at the publisher. What was published before a subscription began is repeated
+    between reliable ends alone: best_effort and transient_local together have no effect.
+
+    Bad: a best_effort publisher and a subscription of a node, which is reliable unless it says
+    otherwise
+
+    Good: `<qos reliability="best_effort"/>` at both ends
+    """
+    for profile in subject.instances(ros.QoSProfile, needs=("reliability", "durability")):
+        if profile.reliability.name == "best_effort" and is_latched(profile):
+            message = "transient_local has no effect with best_effort: what was published before"
+            hint = "leave reliability out, or set durability volatile"
+            yield Finding(profile, f"{message} does not come", "durability", hint)
+    for ends in _topics(subject):
+        offering: dict[object, list[Endpoint]] = defaultdict(list)
+        for publisher in (end for end in ends if end.publishes):
+            offering[_offer(publisher)].append(publisher)
+        for subscription in (end for end in ends if not end.publishes):
+            for publisher, *others in offering.values():
+                reason = _incompatible(publisher, subscription)
+                if reason:
+                    note = Note(publisher.element, f"'{publisher.owner.name}' publishes", "qos")
+                    message = f"subscription to {subscription.topic} gets nothing from"
+                    more = f" and {len(others)} more" if others else ""
+                    yield Finding(
+                        subscription.element,
+                        f"{message} '{publisher.owner.name}'{more}: {reason}",
+                        "qos",
+                        related=(note,),
+                    )
+
+
+@rule("JML404", Severity.ERROR, "impossible quality of service")
+def qos_values(subject: Subject) -> Iterator[Finding]:
+    """The depth is 1 or more with keep_last; a time is not negative, and 0 means none.
+
+    ROS 2 counts nanoseconds in 64 bits: no time is longer than 292 years. More than 10000 messages
+    are a warning: a receiver that is late gets what was said long ago, and memory keeps it all.
+
+    Bad: `<qos depth="0"/>`, `<qos depth="2000000"/>`
+
+    Good: `<qos depth="1"/>`
+    """
+    for profile in subject.instances(ros.QoSProfile, needs=("history",)):
+        lowest = 1 if profile.history.name == "keep_last" else 0
+        if profile.depth < lowest:
+            yield Finding(profile, f"depth {profile.depth} is below {lowest}", "depth")
+        elif profile.depth > _DEEPEST:
+            message = f"depth {profile.depth} keeps more messages than {_DEEPEST}"
+            hint = "1 to 100 is usual: what is late is of no use"
+            yield Finding(profile, message, "depth", hint, severity=Severity.WARNING)
+        for feature, value in (
+            ("deadline", profile.deadline),
+            ("lifespan", profile.lifespan),
+            ("leaseDuration", profile.leaseDuration),
+        ):
+            if not 0 <= value <= _LONGEST:
+                yield Finding(profile, f"{feature} {value:g} is no time in seconds", feature)
+
+
+@rule("JML405", Severity.ERROR, "impossible parameter value")
+def parameter_values(subject: Subject) -> Iterator[Finding]:
+    """The default of a parameter is of its type and within its range.
+
+    Bad: `<parameters name="gain" type="double" value="high"/>`
+
+    Good: `<parameters name="gain" type="double" value="0.5" maximum="1.0"/>`
+    """
+    for parameter in subject.instances(ros.Parameter, needs=("name", "type")):
+        if parameter.value is None:
+            continue
+        fault = _parameter_fault(parameter)
+        if fault:
+            message = f"value {parameter.value!a} of parameter '{parameter.name}' {fault}"
+            yield Finding(parameter, message, "value")
+        for feature, limit in (("minimum", parameter.minimum), ("maximum", parameter.maximum)):
+            if not math.isfinite(limit):
+                message = f"{feature} of parameter '{parameter.name}' is not finite"
+                yield Finding(parameter, message, feature)
+
+
+@rule("JML406", Severity.ERROR, "illegal ROS interface")
+def interfaces(subject: Subject) -> Iterator[Finding]:
+    """Interface packages, types, fields and constants are named as ROS 2 demands.
+
+    Packages and fields are of lower case with single underscores, types are in CamelCase,
+    constants of upper case. A field is no keyword of Python: rosidl would write a class that cannot
+    be imported. A fixed array and a bounded sequence have a size of 1 or more; a fixed array no
+    more than 4194304, for each message holds all of it.
+
+    Bad: `<messages name="wheel_speeds">` with a field named frontLeft
+
+    Good: `<messages name="WheelSpeeds">` with a field named front_left
+    """
+    kinds: tuple[tuple[type[ros.NamedElement], re.Pattern[str], str, str], ...] = (
+        (ros.InterfacePackage, _LOWER_CASE, "package", _LOWER_CASE_HINT),
+        (ros.MessageType, _TYPE_NAME, "type", "CamelCase"),
+        (ros.ServiceType, _TYPE_NAME, "type", "CamelCase"),
+        (ros.ActionType, _TYPE_NAME, "type", "CamelCase"),
+        (ros.Field, _LOWER_CASE, "field", _LOWER_CASE_HINT),
+        (ros.Constant, _UPPER_CASE, "constant", "UPPER_CASE"),
+    )
+    for kind, pattern, noun, hint in kinds:
+        for element in subject.instances(kind, needs=("name",)):
+            name = element.name
+            if name is not None and not pattern.fullmatch(name):
+                yield Finding(element, f"{name!a} is no {noun} name", "name", hint)
+            elif noun == "type" and (name or "").lower() in DEVICES:
+                message = f"type name '{name}' is a device name on Windows"
+                yield Finding(element, message, "name", "its file would have that name")
+    for field in subject.instances(ros.Field, needs=("name", "arrayKind")):
+        if keyword.iskeyword(field.name or ""):
+            yield Finding(field, f"field name '{field.name}' is a keyword of Python", "name")
+        array, size = field.arrayKind.name, field.arraySize
+        is_too_large = array == "fixedArray" and size > _LARGEST_ARRAY
+        if is_too_large or (array in ("fixedArray", "boundedSequence") and size < 1):
+            message = f"'{field.name}' is a {array} of size {size}"
+            yield Finding(field, message, "arraySize")
+
+
+@rule("JML407", Severity.ERROR, "impossible frequency")
+def frequencies(subject: Subject) -> Iterator[Finding]:
+    """A frequency in calls each second is finite, not negative and at most 1000.
+
+    0 means no timer.
+
+    Bad: `<nodes name="controller" frequency="-1.0"/>`
+
+    Good: `<nodes name="controller" frequency="20.0"/>`
+    """
+    for node in _nodes(subject):
+        if not 0 <= node.frequency <= _HIGHEST_FREQUENCY:
+            message = f"frequency {node.frequency:g} of '{node.name}'"
+            yield Finding(node, f"{message} is not in 0..1000", "frequency")
+
+
+@rule("JML408", Severity.ERROR, "impossible constant")
+def constant_values(subject: Subject) -> Iterator[Finding]:
+    """The value of a constant of an interface is of its type.
+
+    Bad: `<constants name="LIMIT" type="uint8" value="256"/>`
+
+    Good: `<constants name="LIMIT" type="uint8" value="255"/>`
+    """
+    for constant in subject.instances(ros.Constant, needs=("name", "type")):
+        # A byte is no number to rclpy, but its constants are.
+        kind = "uint8" if constant.type.name == "byte" else constant.type.name
+        fault = constant_fault(constant.value or "", primitive(kind))
+        if not fault and kind in TEXTS:
+            fault = _text_fault(constant.value or "", kind)
+        if fault:
+            message = f"value {constant.value!a} of constant '{constant.name}' {fault}"
+            yield Finding(constant, message, "value")
+
+
+@rule("JML410", Severity.ERROR, "impossible default")
+def default_values(subject: Subject) -> Iterator[Finding]:
+    """A default has the type of its field, and can be written in an interface definition.
+
+    Arrays are written as JSON. A text contains no # and no line end, which would end it in a
+    definition, and no =, which would turn the field into a constant.
+
+    Bad: `<fields xsi:type="ros:PrimitiveField" name="gain" type="uint8" defaultValue="256"/>`
+
+    Good: `<fields xsi:type="ros:PrimitiveField" name="gain" type="uint8" defaultValue="255"/>`
+    """
+    for field in subject.instances(ros.PrimitiveField, needs=_TYPE):
+        if field.defaultValue is None:
+            continue
+        array = (field.arrayKind.name, field.arraySize)
+        kind = FieldType(field.type.name, "", field.stringBound, *array)
+        try:
+            write_value(field.defaultValue, kind, is_default=True)
+        except ValueTextError as error:
+            message = f"default {show(field.defaultValue)} of '{field.name}' {error}"
+            yield Finding(field, message, "defaultValue")
+
+
+@rule("JML430", Severity.ERROR, "ROS type that is too large")
+def type_extents(subject: Subject) -> Iterator[Finding]:
+    """A ROS type has an end: at most 64 levels, 16384 parts and 4194304 values.
+
+    A number, a text, an array of numbers and a sequence are one part each, wherever types that it
+    uses have them; arrays of types and texts count as often as they have elements. Types that use
+    each other twice double with each level.
+
+    Bad: thirty types, each with two fields of the type before it
+
+    Good: a sequence of the type
+    """
+    types = subject.instances(ros.MessageType, needs=())
+    for excess in excesses(types):
+        message = f"'{excess.field.name}' {excess.reason}"
+        yield Finding(excess.field, message, "messageType")
+
+
+def _topics(subject: Subject) -> Iterator[list[Endpoint]]:
+    for group in subject.systems(("name", "namespace")):
+        by_topic: dict[str, list[Endpoint]] = defaultdict(list)
+        for end in endpoints(group):
+            if subject.is_read(end.element):
+                by_topic[end.topic].append(end)
+        yield from by_topic.values()
+
+
+def _text_fault(text: str, kind: str) -> str:
+    try:
+        write_value(text, FieldType(kind))
+    except ValueTextError as error:
+        return str(error)
+    return ""
+
+
+def _offer(publisher: Endpoint) -> object:
+    """Returns what subscriptions look at: publishers that offer the same are looked at once."""
+    offered = publisher.element.qos
+    times = (offered.deadline, offered.leaseDuration) if offered else (0.0, 0.0)
+    return publisher.reliability, _durability(offered), *times
+
+
+def _incompatible(publisher: Endpoint, subscription: Endpoint) -> str:
+    """Says what a subscription asks for and a publisher does not offer; no profile: defaults."""
+    if publisher.reliability == "best_effort" and subscription.reliability == "reliable":
+        return "it is best_effort, the subscription reliable"
+    offered, asked = publisher.element.qos, subscription.element.qos
+    if _durability(offered) == "volatile" and _durability(asked) == "transient_local":
+        return "it is volatile, the subscription transient_local"
+    if asked is None:
+        return ""
+    if _seconds(offered.deadline if offered else 0.0) > _seconds(asked.deadline):
+        return "its deadline is longer than that of the subscription"
+    if _seconds(offered.leaseDuration if offered else 0.0) > _seconds(asked.leaseDuration):
+        return "its leaseDuration is longer than that of the subscription"
+    return ""
+
+
+def _durability(profile: ros.QoSProfile | None) -> str:
+    return "volatile" if profile is None else profile.durability.name
+
+
+def _seconds(time: float) -> float:
+    return time if time > 0 else math.inf
+
+
+def _nodes(subject: Subject) -> list[ros.Node | bridge.Bridge]:
+    return [
+        *subject.instances(ros.Node, needs=("name",)),
+        *subject.instances(bridge.Bridge, needs=("name",)),
+    ]
+
+
+def _name_findings(
+    element: EObject, feature: str, noun: str, name: str | None
+) -> Iterator[Finding]:
+    fault = topic_fault(name) if name is not None else ""
+    if fault:
+        yield Finding(element, f"{noun} name {name!a} {fault}", feature)
+
+
+def _parameter_fault(parameter: ros.Parameter) -> str:
+    kind, text = parameter.type.name, parameter.value
+    if kind == "string":
+        return ""
+    if kind == "bool":
+        return "" if text in ("true", "false") else "is not true or false"
+    if kind == "integer" and not is_integer(text):
+        return "is not an integer"
+    if kind == "double" and not is_real(text):
+        return "is not a number"
+    value = int(text) if kind == "integer" else float(text)
+    if kind == "integer" and not -_LONG <= value < _LONG:
+        return "does not fit 64 bits"
+    is_limited = parameter.minimum < parameter.maximum
+    if is_limited and not parameter.minimum <= value <= parameter.maximum:
+        return f"is not in {parameter.minimum:g}..{parameter.maximum:g}"
+    return ""

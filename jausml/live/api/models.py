@@ -1,0 +1,111 @@
+"""Models: read, validated, generated from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from jausml.generation.target import load_targets
+from jausml.generation.workspace import generate as generate_workspace
+from jausml.generation.workspace import select
+from jausml.language.model.reading.reader import ReadResult, read_models
+from jausml.language.text.notation import NOTATIONS
+from jausml.language.validation.engine import check
+from jausml.language.validation.formats import text
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Collection
+
+    from jausml.generation.workspace import Result
+    from jausml.language.validation.report import Report
+
+
+class ModelError(Exception):
+    """A model has errors; the text lists them with their places.
+
+    Attributes:
+        report: All findings.
+    """
+
+    def __init__(self, report: Report) -> None:
+        super().__init__(text.render(report).rstrip())
+        self.report = report
+
+
+def read(
+    *paths: str | os.PathLike[str],
+    project_root: str | os.PathLike[str] | None = None,
+    allow_outside: bool = False,
+) -> ReadResult:
+    """Reads models, XMI or ros2jaus text, and all that they refer to.
+
+    Args:
+        paths: Files.
+        project_root: The folder that references may not leave; found by itself when None.
+        allow_outside: Whether references may leave it.
+
+    Returns:
+        The model, as far as it can be read, and what is wrong with it.
+    """
+    return read_models(
+        paths, project_root=project_root, allow_outside=allow_outside, notations=NOTATIONS
+    )
+
+
+def validate(
+    *paths: str | os.PathLike[str],
+    project_root: str | os.PathLike[str] | None = None,
+    allow_outside: bool = False,
+) -> Report:
+    """Reads models and checks them by all rules.
+
+    Args:
+        paths: Files.
+        project_root: The folder that references may not leave; found by itself when None.
+        allow_outside: Whether references may leave it.
+
+    Returns:
+        The findings, with their places, hints and rules.
+    """
+    return check(read(*paths, project_root=project_root, allow_outside=allow_outside))
+
+
+def generate(
+    path: str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    *,
+    targets: Collection[str] = (),
+    force: bool = False,
+    write: bool = True,
+) -> Result:
+    """Generates the workspace of a model.
+
+    Args:
+        path: The model.
+        out: The folder; it may be missing.
+        targets: Names of targets; all that need not be asked for by name when there is none.
+        force: Whether to overwrite edited generated files, after a copy. Skeletons stay.
+        write: Whether to write; else the result tells what would happen.
+
+    Returns:
+        What happened to each file.
+
+    Raises:
+        ModelError: The model has errors.
+        GenerationError: A target is unknown, or cannot generate what the model has.
+        OwnershipError: A file is not ours to overwrite.
+    """
+    report = validate(path)
+    if report.has_errors:
+        raise ModelError(report)
+    chosen = select(load_targets(), targets)
+    return generate_workspace(
+        report.model,
+        chosen.targets,
+        Path(out),
+        kept=chosen.kept,
+        renewed=chosen.renewed,
+        force=force,
+        write=write,
+    )

@@ -1,0 +1,107 @@
+"""A capture becomes an MCAP file: topics by the maps of a model, and JAUS messages where wanted."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING
+
+from jausml.live.messages import MessageError
+from jausml.live.recording.captured import CapturedMessages
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from jausml.live.messages import Catalogue
+    from jausml.live.traffic.frames import Datagram
+    from jausml.live.recording.mcap_writing import McapFile
+    from jausml.live.recording.translating import JausMessage, Translator
+    from jausml.runtime.transports.packets.packet import Packet
+
+
+class JausWriter:
+    """Writes JAUS messages as JSON.
+
+    Attributes:
+        undecoded: How many could not be decoded, by reason.
+    """
+
+    def __init__(self, catalogue: Catalogue) -> None:
+        """Writes nothing yet.
+
+        Args:
+            catalogue: What messages there are.
+        """
+        self.undecoded: Counter[str] = Counter()
+        self._catalogue = catalogue
+
+    def write(self, file: McapFile, message: JausMessage, packet: Packet) -> None:
+        """Writes a message.
+
+        Args:
+            file: Where it goes.
+            message: The message.
+            packet: The packet that completed it, of which the header is.
+        """
+        try:
+            found = self._catalogue.decode(message.payload)
+            channel = file.jaus_channel(message.source, found.entry)
+        except MessageError as error:
+            self.undecoded[str(error)] += 1
+            return
+        value = {
+            "source": message.source,
+            "destination": str(packet.destination),
+            "sequence": packet.sequence,
+            "payload": message.payload.hex(),
+            "fields": found.entry.shortened(found.fields),
+        }
+        file.write_json(channel, message.time, value)
+
+
+class CaptureReplay:
+    """The way of a capture into a file.
+
+    Attributes:
+        captured: What was found in the capture.
+        topics: How many messages each topic got.
+        sources: Who sent what became messages of each topic.
+    """
+
+    def __init__(
+        self, translator: Translator, file: McapFile, jaus: JausWriter | None = None
+    ) -> None:
+        """Has read nothing yet.
+
+        Args:
+            translator: The maps.
+            file: Where messages go.
+            jaus: What writes the JAUS messages too; None leaves them out.
+        """
+        self.captured = CapturedMessages()
+        self.topics: Counter[str] = Counter()
+        self.sources: dict[str, set[str]] = {}
+        self._translator = translator
+        self._file = file
+        self._jaus = jaus
+
+    def run(self, datagrams: Iterable[Datagram]) -> None:
+        """Writes what becomes of datagrams.
+
+        Args:
+            datagrams: The datagrams, with their times.
+
+        Raises:
+            RecordingError: The translations have failed.
+        """
+        for found in self._translator.translate(self._messages(datagrams)):
+            for topic in found.route.topics:
+                channel = self._file.ros_channel(topic.name, topic.type, topic.definition)
+                self._file.write(channel, found.time, found.data)
+                self.topics[topic.name] += 1
+                self.sources.setdefault(topic.name, set()).add(found.source)
+
+    def _messages(self, datagrams: Iterable[Datagram]) -> Iterator[JausMessage]:
+        for message, packet in self.captured.read(datagrams):
+            if self._jaus is not None:
+                self._jaus.write(self._file, message, packet)
+            yield message

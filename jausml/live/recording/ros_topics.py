@@ -1,0 +1,161 @@
+"""Topics of ROS while they are recorded: serialized messages as they come. Needs rclpy."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from typing import TYPE_CHECKING, Any
+
+from jausml.live.ros import QuietNode, RosFault, message_class
+from jausml.live.recording.errors import RecordingError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Iterator
+
+    from jausml.live.recording.selection import Selection
+
+    Take = Callable[[str, str, bytes, int, int], None]
+    """Takes topic, type, message, and when it was heard and published, in nanoseconds."""
+
+_LOOK = 0.1
+"""Seconds from one look for publishers to the next."""
+
+_DEPTH = 1000
+
+
+def _drop(*_: object) -> None:
+    """Nobody takes messages yet."""
+
+
+class RosTopics:
+    """A node that subscribes to what is published, with the quality of service that is offered.
+
+    Attributes:
+        wanted: Full names of the topics that are wanted, None for all.
+        heard: Topics that were subscribed to.
+        missing: Types that are not installed, by topic.
+        lost: How many messages of each topic did not come, as their numbers tell.
+    """
+
+    def __init__(self, wanted: Collection[str] | None, selection: Selection) -> None:
+        """Does nothing before `open`.
+
+        Args:
+            wanted: Full names of topics, None for all.
+            selection: Which of these are recorded.
+        """
+        self.lost: Counter[str] = Counter()
+        self.heard: dict[str, Any] = {}
+        self.missing: dict[str, str] = {}
+        self.wanted = None if wanted is None else frozenset(filter(selection.wants_topic, wanted))
+        self._selection = selection
+        self._latched: set[str] = set()
+        self._repeats = False
+        self._take: Take = _drop
+        self._quiet = QuietNode("record")
+
+    def open(self) -> None:
+        """Enters ROS.
+
+        Raises:
+            RecordingError: rclpy is missing or does not work.
+        """
+        try:
+            self._quiet.open()
+        except RosFault as error:
+            raise RecordingError(str(error)) from error
+
+    def begin(self, take: Take) -> None:
+        """Begins to look for publishers.
+
+        Args:
+            take: Takes each message, on another thread.
+        """
+        self._take = take
+        self._quiet.node.create_timer(_LOOK, self._look)
+        self._quiet.spin()
+
+    def repeat_latched(self) -> None:
+        """Has the latest messages of latched topics come again, from those who publish them.
+
+        So they stand in each of several files. Callable from any thread.
+        """
+        self._repeats = True
+
+    def stop(self) -> None:
+        """Leaves ROS."""
+        self._quiet.close()
+
+    def _look(self) -> None:
+        if self._repeats:
+            self._repeats = False
+            for topic in self._latched:  # who subscribes anew is sent them by the middleware
+                self._quiet.node.destroy_subscription(self.heard.pop(topic))
+            self._latched.clear()
+        for topic, kind in self._published():
+            if topic not in self.heard and topic not in self.missing:
+                self._subscribe(topic, kind)
+
+    def _published(self) -> Iterator[tuple[str, str]]:
+        for topic, kinds in self._quiet.node.get_topic_names_and_types():
+            if self._wants(topic) and len(kinds) == 1:
+                yield topic, kinds[0]
+
+    def _wants(self, topic: str) -> bool:
+        if self.wanted is not None:
+            return topic in self.wanted
+        return self._selection.wants_topic(topic)
+
+    def _subscribe(self, topic: str, kind: str) -> None:
+        offered = [
+            each.qos_profile for each in self._quiet.node.get_publishers_info_by_topic(topic)
+        ]
+        if not offered:
+            return  # somebody waits for it, as we do
+        cls = message_class(kind)
+        if cls is None:
+            self.missing[topic] = kind
+            return
+        asked = _asked(offered)
+        if _is_latched(asked):
+            self._latched.add(topic)
+        self.heard[topic] = self._quiet.node.create_subscription(
+            cls, topic, self._noting(topic, kind), asked, raw=True
+        )
+
+    def _noting(self, topic: str, kind: str) -> Callable[[bytes, Any], None]:
+        """Returns what takes the messages of a topic, and counts those that did not come."""
+        expected = None
+
+        def note(data: bytes, told: Any) -> None:
+            nonlocal expected
+            number = told.get("publication_sequence_number")
+            if number is not None:
+                # Nothing tells whose a message is: a gap is one where a single one publishes.
+                is_gap = expected is not None and number > expected
+                if is_gap and self._quiet.node.count_publishers(topic) == 1:
+                    self.lost[topic] += number - expected
+                expected = number + 1
+            self._take(topic, kind, bytes(data), time.time_ns(), told["source_timestamp"])
+
+        return note
+
+
+def _is_latched(profile: Any) -> bool:
+    from rclpy.qos import DurabilityPolicy  # noqa: PLC0415
+
+    return bool(profile.durability == DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+def _asked(offered: list[Any]) -> Any:
+    """Returns the most of quality of service that all publishers offer."""
+    from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy  # noqa: PLC0415
+
+    is_reliable = all(each.reliability == ReliabilityPolicy.RELIABLE for each in offered)
+    is_latched = all(map(_is_latched, offered))
+    profile: Any = QoSProfile
+    return profile(
+        depth=_DEPTH,
+        reliability=ReliabilityPolicy.RELIABLE if is_reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=(DurabilityPolicy.TRANSIENT_LOCAL if is_latched else DurabilityPolicy.VOLATILE),
+    )

@@ -1,0 +1,164 @@
+"""The process in which recorded JAUS messages become messages of ROS, by generated translations.
+
+It answers each line of JSON on its input with one on its output; `jausml/live/workers` runs it. The
+bridges are not opened: nothing is shaped, and the time is that of the recording.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+import typing
+from importlib import import_module
+
+from jausml_runtime.bridge.connections.transcoding import readable, transcoder_of
+from jausml_runtime.bridge.messages.errors import StaleJoinError
+from jausml_runtime.conversions import Time
+
+_NANO = 10**9
+
+Answer = typing.Any
+"""Hexadecimal digits of the message of ROS, or kind and text of what is wrong."""
+
+
+class Clock:
+    """The time of the message that is translated."""
+
+    def __init__(self) -> None:
+        self.nanoseconds = 0
+
+    def now(self) -> Time:
+        """Returns it as bridges have it."""
+        return Time(*divmod(self.nanoseconds, _NANO))
+
+
+class Join:
+    """The latest joined reports.
+
+    Args:
+        plan: What the model says of the join.
+        kind: Class of the report.
+    """
+
+    def __init__(self, plan: dict[str, typing.Any], kind: typing.Any) -> None:
+        self._plan, self._kind = plan, kind
+        self._latest: dict[int, tuple[int, bytes]] = {}
+
+    def keep(self, subsystem: int, at: int, data: bytes) -> None:
+        """Takes a report of a subsystem, or of anybody when the model names who sends it."""
+        self._latest[self._key(subsystem)] = at, data
+
+    def fresh(self, subsystem: int, at: int) -> typing.Any:
+        """Returns the latest report if it is fresh.
+
+        Raises:
+            StaleJoinError: It is not, and nothing is made without.
+        """
+        found = self._latest.get(self._key(subsystem))
+        if found is not None and 0 <= at - found[0] <= self._plan["freshness"] * _NANO:
+            return self._kind.decode(found[1])
+        if self._plan["drop"]:
+            raise StaleJoinError(self._plan["name"], "there is no fresh report")
+        return None
+
+    def _key(self, subsystem: int) -> int:
+        return 0 if self._plan["senders"] else subsystem
+
+
+class Translation:
+    """The translation of one connection.
+
+    Args:
+        plan: The route.
+        clock: The time of the recording.
+    """
+
+    def __init__(self, plan: dict[str, typing.Any], clock: Clock) -> None:
+        package, name = plan["package"], plan["connection"]
+        bridge = getattr(import_module(f"{package}.{package}"), plan["bridge"])()
+        bridge.now = clock.now
+        base = import_module(f"{package}.{package}_base")
+        method = getattr(getattr(base, plan["base"]), f"translate_{name}")
+        kinds = {key: _class_of(hint) for key, hint in _hints(method, base).items()}
+        translate = getattr(bridge, f"translate_{name}")
+        self.connection = getattr(bridge, name)
+        self.joins = {each["name"]: Join(each, kinds[each["name"]]) for each in plan["joins"]}
+        factory = transcoder_of(translate)
+        if factory is not None:
+            self._run = factory(bridge, self.connection)
+        else:
+            source = kinds["source"]
+            self._run = readable(translate, source.decode, _encode, _ignore, time.monotonic)
+        self._clock = clock
+
+    def run(self, subsystem: int, at: int, data: bytes) -> Answer:
+        """Returns what becomes of a message."""
+        self._clock.nanoseconds = at
+        try:
+            joins = {name: each.fresh(subsystem, at) for name, each in self.joins.items()}
+            target = self._run(data, **joins)
+        except Exception as error:
+            return [type(error).__name__, str(error)]
+        return ["dropped", ""] if target is None else bytes(target).hex()
+
+
+def _hints(method: typing.Any, module: typing.Any) -> dict[str, typing.Any]:
+    return typing.get_type_hints(getattr(method, "__wrapped__", method), vars(module))
+
+
+def _class_of(hint: typing.Any) -> typing.Any:
+    """Returns the class of a parameter, which may be one of `X | None`."""
+    inner = [each for each in typing.get_args(hint) if each is not type(None)]
+    return inner[0] if inner else hint
+
+
+def _encode(target: typing.Any) -> bytes:
+    data: bytes = target.to_cdr()
+    return data
+
+
+def _ignore(_seconds: float) -> None:
+    """Nobody waits for a translation of a recording."""
+
+
+class Work:
+    """All translations."""
+
+    def __init__(self) -> None:
+        self._translations: list[Translation] = []
+
+    def answer(self, request: dict[str, typing.Any]) -> Answer:
+        """Answers one line."""
+        if "routes" in request:
+            clock = Clock()
+            self._translations = [Translation(each, clock) for each in request["routes"]]
+            return len(self._translations)
+        if "messages" in request:
+            return [self._one(*each) for each in request["messages"]]
+        return [_counts(each.connection) for each in self._translations]
+
+    def _one(self, route: int, join: str, subsystem: int, at: int, payload: str) -> Answer:
+        translation, data = self._translations[route], bytes.fromhex(payload)
+        if join:
+            translation.joins[join].keep(subsystem, at, data)
+            return None
+        return translation.run(subsystem, at, data)
+
+
+def _counts(connection: typing.Any) -> dict[str, int]:
+    """Returns how often values did not fit their field, by what was done about it."""
+    found = connection.statistics.out_of_range
+    return {f"{field}: {policy}": number for (policy, field), number in found.items()}
+
+
+def main() -> None:
+    """Answers until the input ends."""
+    work = Work()
+    for line in sys.stdin:
+        sys.stdout.write(json.dumps(work.answer(json.loads(line))) + "\n")
+        sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()

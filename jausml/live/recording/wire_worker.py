@@ -1,0 +1,99 @@
+"""The process in which recorded messages of ROS go through generated bridges to JAUS.
+
+It answers each line of JSON on its input with one on its output; `jausml/live/workers` runs it. The
+bridges are on the real network, and what they have of ROS is in this process. When the input ends
+they are closed in good order: what they control is stopped and released.
+"""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+import typing
+from contextlib import ExitStack
+from dataclasses import replace
+from importlib import import_module
+from random import Random
+
+from jausml_runtime import Qos
+from jausml_runtime.bridge.messages.errors import RosTypeError
+from jausml_runtime.component.process import running_transport
+from jausml_runtime.virtual import Link, RosGraph, VirtualRosNode
+
+_OFFERED = Qos(durability="transient_local", depth=1)
+"""What meets any subscription."""
+
+
+class Wire:
+    """The bridges on the network."""
+
+    def __init__(self) -> None:
+        self._stack = ExitStack()
+        self._bridges: list[typing.Any] = []
+        self._graph: typing.Any = None
+
+    def answer(self, request: dict[str, typing.Any]) -> typing.Any:
+        """Answers one line."""
+        if "bridges" in request:
+            return self._open(request)
+        if "message" in request:
+            return self._publish(*request["message"])
+        return self._close()
+
+    def _open(self, request: dict[str, typing.Any]) -> typing.Any:
+        for package, name, _ in request["bridges"]:
+            self._bridges.append(getattr(import_module(f"{package}.{package}"), name)())
+        try:
+            settings = replace(self._bridges[0].settings.transport, **request["transport"])
+            transport = self._stack.enter_context(running_transport(settings))
+            self._graph = RosGraph(transport.loop, Random(), _ignore)
+            for bridge, (_, _, node) in zip(self._bridges, request["bridges"], strict=True):
+                bridge.open(VirtualRosNode(self._graph, node, {}, Link()), transport)
+                self._stack.callback(bridge.close)
+        except (OSError, ValueError) as error:
+            self._stack.close()
+            return {"error": str(error)}
+        return {}
+
+    def _publish(self, topic: str, kind: str, data: str) -> str:
+        """Publishes a message; returns why it could not be, empty when it was."""
+        with self._graph.loop.lock:
+            try:
+                self._graph.publish(topic, kind, bytes.fromhex(data), _OFFERED)
+            except (RosTypeError, ValueError) as error:
+                return str(error)
+        return ""
+
+    def _close(self) -> dict[str, typing.Any]:
+        """Closes all; returns what became of messages, by connection."""
+        self._stack.close()
+        return {
+            f"{bridge.settings.name}.{each.name}": _counts(each.statistics)
+            for bridge in self._bridges
+            for each in bridge.connections
+        }
+
+
+def _counts(found: typing.Any) -> dict[str, typing.Any]:
+    return {"passed": found.passed, "arrivals": found.arrivals, "drops": dict(found.drops)}
+
+
+def _ignore(_where: str, _data: bytes) -> None:
+    """Nobody watches."""
+
+
+def main() -> None:
+    """Answers until the input ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # who started us tells when to end
+    wire = Wire()
+    try:
+        for line in sys.stdin:
+            sys.stdout.write(json.dumps(wire.answer(json.loads(line))) + "\n")
+            sys.stdout.flush()
+    finally:
+        wire.answer({})
+
+
+if __name__ == "__main__":
+    main()

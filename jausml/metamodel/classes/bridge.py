@@ -1,9 +1,0 @@
-"""The classes of the bridge language, made when they are first asked for."""
-
-from jausml.metamodel.loading import python_class
-
-
-def __getattr__(name: str) -> type:
-    # Kept as an attribute, so that it is asked for once.
-    found = globals()[name] = python_class("bridge", name)
-    return found

@@ -1,0 +1,120 @@
+"""What clients ask providers for: reports, as events or by queries."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from jausml.views.analysis.streams import is_single, is_to_ros
+from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.semantics.report_joins import joined_reports
+from jausml.language.semantics.services import find_query
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.views.analysis.streams import Asking
+    from jausml.language.metamodel.classes.system import System
+    from jausml.language.semantics.report_joins import JoinedReport
+    from jausml.language.semantics.services import Provider
+
+_KINDS = {"everyChangeEvent": "change", "query": "query", "periodicEvent": "periodic"}
+
+
+@dataclass(frozen=True)
+class Ask:
+    """What a client asks a provider for.
+
+    Attributes:
+        client: Who asks.
+        connection: For which connection.
+        message: The report.
+        exchange: `periodic`, `change` or `query`.
+        hertz: How often; 0 for every change.
+        joined: The join that the report is for; None for what the connection is for.
+    """
+
+    client: jaus.Component
+    connection: Asking
+    message: jaus.MessageDef
+    exchange: str
+    hertz: float
+    joined: JoinedReport | None = None
+
+    @property
+    def named_provider(self) -> Provider | None:
+        """Whoever is asked first; None when the model names nobody."""
+        if self.joined is not None:
+            return next(iter(self.joined.peers), None)
+        if isinstance(self.connection, bridge.Connection):
+            return next(iter(self.connection.peers), self.connection.search)
+        return None
+
+    def query_of(self, provider: Provider | None) -> jaus.MessageDef | None:
+        """Returns what asks a provider; None when that is not known."""
+        if provider is None:
+            return None
+        if self.joined is not None:
+            return self.joined.query_of(provider)
+        return find_query(self.connection, provider)
+
+
+def asks_of(system: System) -> Iterator[tuple[jaus.Component | None, Ask]]:
+    """Yields whom clients ask for reports, and what for; None stands for those that nobody names.
+
+    Args:
+        system: The system.
+    """
+    for owner in system.bridges:
+        for each in owner.bridgeConnections:
+            if is_to_ros(each) and not is_single(each):
+                kind = _KINDS[each.exchange.name]
+                rate = 0.0 if kind == "change" else float(each.rate or owner.frequency)
+                for peer in peers_of(each):
+                    yield peer, Ask(owner, each, each.map.message, kind, rate)
+            yield from _joined_asks(owner, each)
+    for component in (*system.components, *system.bridges):
+        for wanted in component.connections:
+            if wanted.exchange.name != "oneTime":
+                is_periodic = wanted.exchange.name == "periodic"
+                rate = float(wanted.rate) if is_periodic else 0.0
+                kind = "periodic" if is_periodic else "change"
+                yield wanted.provider, Ask(component, wanted, wanted.message, kind, rate)
+
+
+def _joined_asks(
+    owner: bridge.Bridge, connection: bridge.Connection
+) -> Iterator[tuple[jaus.Component | None, Ask]]:
+    """Yields whom a connection asks for joined reports, and what for."""
+    for report in joined_reports(connection):
+        if report.exchange != "message":
+            kind, message = _KINDS[report.exchange], report.join.message
+            ask = Ask(owner, connection, message, kind, report.rate, report)
+            named: list[jaus.Component | None] = [
+                each for each in report.peers if isinstance(each, jaus.Component)
+            ]
+            yield from ((peer, ask) for peer in named or [None])
+
+
+def peers_of(connection: bridge.Connection) -> list[jaus.Component | None]:
+    """Returns who is at the other end; None stands for those that nobody names.
+
+    Args:
+        connection: A connection of a bridge.
+    """
+    return [*connection.peers] or [None]
+
+
+def by_way(asks: list[Ask]) -> Iterator[list[Ask]]:
+    """Yields those that share an event; beside one of every change, a rate is served by queries.
+
+    Args:
+        asks: What one client asks one provider for, of one report.
+    """
+    periodic = [each for each in asks if each.exchange == "periodic"]
+    others = [each for each in asks if each.exchange != "periodic"]
+    if not (periodic and others):
+        yield asks
+        return
+    yield others
+    yield [replace(each, exchange="query") for each in periodic]

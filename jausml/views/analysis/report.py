@@ -1,0 +1,342 @@
+"""Report of a system: its connections with load and times, and sums by bridge and by host."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.views.analysis.budgets import Budget, budgets_of
+from jausml.views.analysis.calls import CallReport, calls_of
+from jausml.views.analysis.cdr import ros_size
+from jausml.views.analysis.costs import seconds_of
+from jausml.views.analysis.datagrams import Wire
+from jausml.views.analysis.streams import is_to_ros
+from jausml.views.analysis.traffic import traffic_of
+from jausml.views.analysis.warnings import asked_rate, warnings_of
+from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.semantics import stops
+from jausml.language.semantics.hosts import host_of
+from jausml.language.semantics.report_joins import joined_reports
+from jausml.language.semantics.services import code
+from jausml.language.semantics.shaping import passed_rate
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from jausml.views.analysis.assumptions import Assumptions
+    from jausml.views.analysis.sizes import Size
+    from jausml.views.analysis.streams import Stream, Traffic
+    from jausml.language.metamodel.classes.system import System
+
+
+@dataclass(frozen=True)
+class Load:
+    """What passes in a second.
+
+    Attributes:
+        messages_sent: JAUS messages that are sent.
+        messages_received: JAUS messages that are received.
+        sent: Their packets and acknowledgements on the network.
+        received: Those that come.
+    """
+
+    messages_sent: float
+    messages_received: float
+    sent: Wire
+    received: Wire
+
+
+@dataclass(frozen=True)
+class Flow:
+    """A stream as a connection sees it.
+
+    Attributes:
+        sender: Who sends.
+        receiver: Who receives.
+        message: Name of the message.
+        kind: `message`, `event`, `query`, `report` or `upkeep`.
+        size: Bytes of the message with its code.
+        packets: Packets of an expected message.
+        datagram_bytes: Bytes of UDP payload of an expected message.
+        hertz: Messages each second.
+        basis: Where the rate is from.
+        is_acknowledged: Whether each packet is acknowledged.
+    """
+
+    sender: str
+    receiver: str
+    message: str
+    kind: str
+    size: Size
+    packets: int
+    datagram_bytes: int
+    hertz: float
+    basis: str
+    is_acknowledged: bool
+
+
+@dataclass(frozen=True)
+class ConnectionReport:
+    """A connection of a bridge.
+
+    Attributes:
+        name: Its name.
+        direction: Literal of `bridge.Direction`.
+        exchange: `command`, `message`, `periodic event`, `every-change event` or `query`.
+        message: Name of the JAUS message.
+        code: Its code.
+        type: Name of the ROS type.
+        topics: Its topics.
+        joins: The joined topics, or the joined reports.
+        peers: Who is at the other end.
+        fan_out: Datagrams or topics that one message becomes, packets counted once.
+        flows: What flows.
+        load: What passes in a second.
+        ros_size: Bytes of the ROS message.
+        ros_rate: ROS messages each second, of all topics.
+        share: Share of a processor that it takes.
+        budgets: Worst-case times.
+        warnings: What does not go together.
+    """
+
+    name: str
+    direction: str
+    exchange: str
+    message: str
+    code: int
+    type: str
+    topics: tuple[str, ...]
+    joins: tuple[str, ...]
+    peers: tuple[str, ...]
+    fan_out: int
+    flows: tuple[Flow, ...]
+    load: Load
+    ros_size: Size
+    ros_rate: float
+    share: float
+    budgets: tuple[Budget, ...]
+    warnings: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class ComponentReport:
+    """A component or bridge.
+
+    Attributes:
+        name: Its name.
+        address: Its JAUS id.
+        is_bridge: Whether it is a bridge.
+        host: Name of its host, empty when it has none.
+        load: What passes in a second, upkeep included.
+        upkeep: The part of it that keeps control and events.
+        share: Share of a processor that its connections take.
+        warnings: What does not go together.
+        connections: The connections of a bridge.
+        calls: Its connections with ROS services and actions.
+    """
+
+    name: str
+    address: str
+    is_bridge: bool
+    host: str
+    load: Load
+    upkeep: Load
+    share: float
+    warnings: tuple[str, ...]
+    connections: tuple[ConnectionReport, ...] = ()
+    calls: tuple[CallReport, ...] = ()
+
+
+@dataclass(frozen=True)
+class HostReport:
+    """A host.
+
+    Attributes:
+        name: Its name.
+        transport: Literal of `system.Transport`.
+        components: Names of the components and bridges on it.
+        load: What all of them send and receive.
+    """
+
+    name: str
+    transport: str
+    components: tuple[str, ...]
+    load: Load
+
+
+@dataclass(frozen=True)
+class Report:
+    """A system.
+
+    Attributes:
+        system: Its name.
+        assumptions: What stood in where the model says nothing.
+        hosts: Its hosts.
+        components: Its components and bridges, bridges last.
+    """
+
+    system: str
+    assumptions: Assumptions
+    hosts: tuple[HostReport, ...]
+    components: tuple[ComponentReport, ...]
+
+    @property
+    def bridges(self) -> tuple[ComponentReport, ...]:
+        """The bridges."""
+        return tuple(each for each in self.components if each.is_bridge)
+
+
+def report_of(system: System, assumptions: Assumptions) -> Report:
+    """Returns the report of a system.
+
+    Args:
+        system: A valid system.
+        assumptions: What stands in where it says nothing.
+    """
+    traffic = traffic_of(system, assumptions)
+    elements = [*system.components, *system.bridges]
+    components = tuple(_component(each, system, traffic, assumptions) for each in elements)
+    hosts = tuple(
+        HostReport(
+            str(host.name),
+            str(host.transport.name),
+            tuple(each.name for each in components if each.host == host.name),
+            _load_at({e for e in elements if host_of(system, e) is host}, traffic.streams),
+        )
+        for host in system.hosts
+    )
+    return Report(str(system.name), assumptions, hosts, components)
+
+
+def _component(
+    element: jaus.Component, system: System, traffic: Traffic, assumptions: Assumptions
+) -> ComponentReport:
+    host = host_of(system, element)
+    connections = tuple(
+        connection_report(each, traffic, assumptions)
+        for each in (element.bridgeConnections if isinstance(element, bridge.Bridge) else ())
+    )
+    asked = (
+        f"{each.name}: {text}"
+        for each in element.connections
+        if each.exchange.name == "periodic" and each.provider is not None
+        for text in asked_rate(each.provider, float(each.rate))
+    )
+    upkeep = [each for each in traffic.streams if each.kind == "upkeep"]
+    return ComponentReport(
+        str(element.name),
+        str(element.address),
+        isinstance(element, bridge.Bridge),
+        str(host.name) if host is not None else "",
+        _load_at({element}, traffic.streams),
+        _load_at({element}, upkeep),
+        sum(each.share for each in connections),
+        tuple(asked),
+        connections,
+        tuple(calls_of(element)) if isinstance(element, bridge.Bridge) else (),
+    )
+
+
+def connection_report(
+    connection: bridge.Connection, traffic: Traffic, assumptions: Assumptions
+) -> ConnectionReport:
+    """Returns what is told of a connection.
+
+    Args:
+        connection: The connection.
+        traffic: The streams of its system.
+        assumptions: What stands in where the model says nothing.
+    """
+    streams, owner = traffic.of(connection), connection.eContainer()
+    topics = [str(each.name) for each in connection.topics if each.join is None]
+    carried = [each for each in streams if each.kind in ("message", "event", "report")]
+    out = [each for each in carried if each.sender is owner]
+    to_ros = is_to_ros(connection)
+    joined = {each.join.message.name for each in joined_reports(connection)}
+    joined.discard(connection.map.message.name)
+    driving = [each for each in streams if each.message not in joined]
+    carried = [each for each in carried if each.message not in joined]
+    arriving = sum(each.hertz for each in carried) if to_ros else assumptions.rate_of(connection)
+    passing = passed_rate(connection, arriving)
+    size = ros_size(connection.map.type, assumptions.length_of(connection))
+    return ConnectionReport(
+        name=str(connection.name),
+        direction=str(connection.direction.name),
+        exchange=_exchange(connection),
+        message=str(connection.map.message.name),
+        code=code(connection.map.message),
+        type=_type_name(connection),
+        topics=tuple(topics),
+        joins=(
+            *(str(each.name) for each in connection.topics if each.join is not None),
+            *(str(each.join.message.name) for each in joined_reports(connection)),
+        ),
+        peers=_peers(connection, streams, owner),
+        fan_out=len(topics) if to_ros else len(out),
+        flows=tuple(map(_flow, streams)),
+        load=_load_at({owner}, streams),
+        ros_size=size,
+        ros_rate=(passing if to_ros else arriving) * len(topics),
+        share=seconds_of(connection, streams, size, passing),
+        budgets=budgets_of(connection, driving, assumptions.rate_of(connection)),
+        warnings=tuple(warnings_of(connection, streams, assumptions.rate_of(connection))),
+    )
+
+
+def _exchange(connection: bridge.Connection) -> str:
+    words = {
+        "periodicEvent": "periodic event",
+        "everyChangeEvent": "every-change event",
+        "query": "query",
+    }
+    otherwise = "command" if stops.is_command(connection) else "message"
+    return words.get(connection.exchange.name, otherwise)
+
+
+def _type_name(connection: bridge.Connection) -> str:
+    kind = connection.map.type
+    package = kind.eContainer()
+    return f"{package.name}/{kind.name}" if package is not None else str(kind.name)
+
+
+def _peers(
+    connection: bridge.Connection, streams: list[Stream], owner: bridge.Bridge | None
+) -> tuple[str, ...]:
+    if connection.search is not None:
+        return ("found by service",)
+    others = (end for each in streams for end in (each.sender, each.receiver) if end is not owner)
+    named = dict.fromkeys(str(each.name) if each is not None else "anybody" for each in others)
+    return tuple(named)
+
+
+def _flow(stream: Stream) -> Flow:
+    whole = stream.forth.times(1 / stream.hertz)
+    return Flow(
+        _name(stream.sender),
+        _name(stream.receiver),
+        stream.message,
+        stream.kind,
+        stream.size,
+        stream.packets,
+        round(whole.judp),
+        stream.hertz,
+        stream.basis,
+        stream.is_acknowledged,
+    )
+
+
+def _name(component: jaus.Component | None) -> str:
+    return str(component.name) if component is not None else "anybody"
+
+
+def _load_at(elements: set[jaus.Component | None], streams: Iterable[Stream]) -> Load:
+    """Returns what some components send and receive."""
+    counts, out, come = [0.0, 0.0], Wire(), Wire()
+    for each in streams:
+        if each.sender in elements and each.sender is not None:
+            counts[0] += each.hertz
+            out, come = out + each.forth, come + each.back
+        if each.receiver in elements and each.receiver is not None:
+            counts[1] += each.hertz
+            out, come = out + each.back, come + each.forth
+    return Load(counts[0], counts[1], out, come)

@@ -1,0 +1,136 @@
+"""Sizes of messages: between which bounds they lie, and what to reckon with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.language import wire
+from jausml.views.analysis.constants import runtime_constants
+
+if TYPE_CHECKING:
+    from collections.abc import Container
+
+TEXT_LENGTH = 16
+"""Characters of a text whose length nobody knows, such as the name of a frame."""
+
+
+@dataclass(frozen=True)
+class Size:
+    """Bytes of a message.
+
+    Attributes:
+        least: Fewest bytes.
+        expected: Bytes with the assumed length of what varies, every field there that may be.
+        most: Most bytes; None where nothing but the receiver limits them.
+    """
+
+    least: int
+    expected: int
+    most: int | None
+
+    def plus(self, more: int) -> Size:
+        """Returns the size with so many bytes around it."""
+        return Size(
+            self.least + more, self.expected + more, None if self.most is None else self.most + more
+        )
+
+
+def jaus_size(message: wire.Message, length: int, present: Container[str] | None = None) -> Size:
+    """Returns the size of a JAUS message without the header of the transport (AS5684).
+
+    Args:
+        message: The message.
+        length: Assumed elements of lists and bytes of octets, as far as their counts allow.
+        present: Optional fields of the body that may be there; None means all.
+    """
+    size = _Walk(length).body(message, present).plus(message.header.size)
+    limit = runtime_constants().largest_message
+    if size.most is None or size.most > limit:
+        return Size(size.least, min(size.expected, limit), None)
+    return size
+
+
+class _Walk:
+    """Sums the sizes of fields.
+
+    Args:
+        length: Assumed length of what varies.
+    """
+
+    def __init__(self, length: int) -> None:
+        self._length = length
+
+    def body(self, message: wire.Message, present: Container[str] | None) -> Size:
+        if message.body is None:
+            return Size(0, 0, 0)
+        kind = message.body.kind
+        if isinstance(kind, wire.Record):
+            return self._record(kind, present)
+        return self.kind(kind)
+
+    def kind(self, kind: wire.Kind) -> Size:
+        match kind:
+            case wire.Text():
+                return self._counted(kind.count, TEXT_LENGTH, _fixed(1))
+            case wire.Octets():
+                return self._counted(kind.count, self._length, _fixed(1))
+            case wire.FormattedOctets():
+                return self._counted(kind.count, self._length, _fixed(1)).plus(1)
+            case wire.List():
+                return self._counted(kind.count, self._length, self.kind(kind.element.kind))
+            case wire.Array():
+                each = self.kind(kind.element.kind)
+                return _times(each, kind.length, kind.length, kind.length)
+            case wire.Record():
+                return self._record(kind, None)
+            case wire.Variant():
+                return self._one_of([self.kind(each.kind) for each in kind.options]).plus(
+                    kind.tag.size
+                )
+            case wire.VariableNumber():
+                numbers = [_fixed(each.number.minimum_size) for each in kind.alternatives]
+                return self._one_of(numbers).plus(1)
+        return _fixed(kind.minimum_size)
+
+    def _record(self, record: wire.Record, present: Container[str] | None) -> Size:
+        total = _fixed(record.presence.size if record.presence else 0)
+        for member in record.members:
+            if member.is_optional and present is not None and member.name not in present:
+                continue
+            size = self.kind(member.kind)
+            total = _sum(total, Size(0, size.expected, size.most) if member.is_optional else size)
+        return total
+
+    @staticmethod
+    def _one_of(options: list[Size]) -> Size:
+        if not options:
+            return _fixed(0)
+        mosts = [each.most for each in options]
+        return Size(
+            min(each.least for each in options),
+            max(each.expected for each in options),
+            None if None in mosts else max(each for each in mosts if each is not None),
+        )
+
+    @staticmethod
+    def _counted(count: wire.Count, length: int, element: Size) -> Size:
+        expected = min(max(length, count.lower), count.upper)
+        return _times(element, count.lower, expected, count.upper).plus(count.type.size)
+
+
+def _fixed(size: int) -> Size:
+    return Size(size, size, size)
+
+
+def _sum(first: Size, second: Size) -> Size:
+    most = None if first.most is None or second.most is None else first.most + second.most
+    return Size(first.least + second.least, first.expected + second.expected, most)
+
+
+def _times(each: Size, least: int, expected: int, most: int) -> Size:
+    return Size(
+        each.least * least,
+        each.expected * expected,
+        None if each.most is None else each.most * most,
+    )

@@ -1,0 +1,346 @@
+"""Traffic: the streams of a system.
+
+Each stream is made once, at the end that decides about it: reports at the client that asks for
+them, single messages at their sender. Connections at the other end share it.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import TYPE_CHECKING
+
+from jausml.language import wire
+from jausml.views.analysis.asks import Ask, asks_of, by_way, peers_of
+from jausml.views.analysis.constants import runtime_constants
+from jausml.views.analysis.sizes import Size, jaus_size
+from jausml.views.analysis.streams import (
+    ASSUMED,
+    DECLARED,
+    Stream,
+    Traffic,
+    is_single,
+    is_to_ros,
+    keeps_control,
+)
+from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.semantics.hosts import host_of
+from jausml.language.semantics.paths import parse_path, target_paths
+from jausml.language.semantics.requests import requested_fields
+from jausml.language.semantics.services import code, with_inherited
+from jausml.language.semantics.shaping import passed_rate
+from jausml.language.semantics.standard_services import standard_services
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.views.analysis.assumptions import Assumptions
+    from jausml.views.analysis.streams import Asking
+    from jausml.language.metamodel.classes.system import System
+
+_PRESENCE_VECTOR = "PresenceVector"
+
+
+def traffic_of(system: System, assumptions: Assumptions) -> Traffic:
+    """Returns the streams of a system.
+
+    Args:
+        system: A valid system.
+        assumptions: What stands in where it says nothing.
+    """
+    streams = _Streams(system, assumptions).all()
+    by_connection: dict[Asking, list[Stream]] = defaultdict(list)
+    for stream in streams:
+        for connection in stream.connections:
+            by_connection[connection].append(stream)
+    return Traffic(tuple(streams), dict(by_connection))
+
+
+class _Streams:
+    """Makes the streams of a system.
+
+    Args:
+        system: The system.
+        assumptions: What stands in where it says nothing.
+    """
+
+    def __init__(self, system: System, assumptions: Assumptions) -> None:
+        self._system = system
+        self._assumptions = assumptions
+        self._constants = runtime_constants()
+        self._components: list[jaus.Component] = [*system.components, *system.bridges]
+        self._core = {
+            str(each.name): wire.resolve(each)
+            for service in with_inherited(standard_services())
+            for each in (*service.inputs, *service.outputs)
+        }
+
+    def all(self) -> list[Stream]:
+        return [*self._reports(), *self._messages(), *self._upkeep()]
+
+    # ------------------------------------------------------------------ reports
+
+    def _reports(self) -> Iterator[Stream]:
+        groups: dict[tuple[object, object, int, bool], list[Ask]] = defaultdict(list)
+        for provider, ask in asks_of(self._system):
+            is_query = ask.exchange == "query"
+            key = provider or ask.connection, ask.client, code(ask.message), is_query
+            groups[key].append(ask)
+        served = set()
+        for (found, *_), asks in groups.items():
+            provider = found if isinstance(found, jaus.Component) else None
+            feeding = self._feeding(provider, asks[0].message)
+            served.update(feeding)
+            for alike in by_way(asks):
+                yield from self._asked(provider, alike, feeding)
+        for owner in self._system.bridges:
+            for connection in owner.bridgeConnections:
+                if not (is_to_ros(connection) or is_single(connection) or connection in served):
+                    yield from self._unasked(owner, connection)
+
+    def _feeding(
+        self, provider: jaus.Component | None, message: jaus.MessageDef
+    ) -> list[bridge.Connection]:
+        """Returns the connections of a bridge that make a report."""
+        if not isinstance(provider, bridge.Bridge):
+            return []
+        return [
+            each
+            for each in provider.bridgeConnections
+            if not (is_to_ros(each) or is_single(each)) and code(each.map.message) == code(message)
+        ]
+
+    def _asked(
+        self, provider: jaus.Component | None, asks: list[Ask], feeding: list[bridge.Connection]
+    ) -> Iterator[Stream]:
+        first = asks[0]
+        connections: list[Asking] = [*(each.connection for each in asks), *feeding]
+        length = max(self._assumptions.length_of(each) for each in connections)
+        size = self._report_size(first, feeding, length)
+        rates = [each.hertz for each in asks if each.exchange != "change"]
+        source = feeding[0] if feeding else first.connection
+        hertz = max(rates) if rates else self._changes_of(source)
+        basis = DECLARED if rates else ASSUMED
+        if first.exchange == "query":
+            # Each connection asks by itself.
+            for each in asks:
+                query = self._query_size(each, provider)
+                yield self._stream(
+                    first.client, provider, query[0], "query", query[1], each.hertz, DECLARED,
+                    [each.connection],
+                )  # fmt: skip
+                yield self._stream(
+                    provider, first.client, str(first.message.name), "report", size, each.hertz,
+                    DECLARED, [each.connection, *feeding],
+                )  # fmt: skip
+            return
+        hertz = self.offered_rate(provider, hertz) if rates else hertz
+        size = size.plus(self._constants.event_header)
+        yield self._stream(
+            provider,
+            first.client,
+            str(first.message.name),
+            "event",
+            size,
+            hertz,
+            basis,
+            connections,
+        )
+        yield from self._renewals(provider, first, is_periodic=bool(rates))
+
+    def _unasked(self, owner: bridge.Bridge, connection: bridge.Connection) -> Iterator[Stream]:
+        """Yields what one client would get that nobody has modelled."""
+        size = self._message_size(connection)
+        name, exchange = str(connection.map.message.name), connection.exchange.name
+        rate = float(connection.rate or owner.frequency)
+        if exchange == "everyChangeEvent":
+            rate = self._changes_of(connection)
+        if exchange == "query":
+            ask = Ask(owner, connection, connection.map.message, "query", rate)
+            query = self._query_size(ask, owner)
+            yield self._stream(
+                None, owner, query[0], "query", query[1], rate, ASSUMED, [connection]
+            )
+            yield self._stream(owner, None, name, "report", size, rate, ASSUMED, [connection])
+            return
+        size = size.plus(self._constants.event_header)
+        yield self._stream(owner, None, name, "event", size, rate, ASSUMED, [connection])
+
+    def offered_rate(self, provider: jaus.Component | None, hertz: float) -> float:
+        """Returns the rate that a provider gives a client that asks for another."""
+        if provider is None or provider.external:
+            return min(hertz, self._constants.highest_event_rate)
+        return min(max(hertz, self._constants.event_rate_min), self._constants.highest_event_rate)
+
+    def _report_size(self, ask: Ask, feeding: list[bridge.Connection], length: int) -> Size:
+        present: frozenset[str] | None = None
+        if feeding:
+            present = frozenset().union(*map(_assigned_fields, feeding))
+        if isinstance(ask.connection, bridge.Connection) and isinstance(ask.client, bridge.Bridge):
+            query = ask.query_of(ask.named_provider)
+            if query is not None and _has_presence_vector(query):
+                asked = requested_fields(ask.client).get(ask.message, frozenset())
+                present = asked if present is None else present & asked
+        return jaus_size(wire.resolve(ask.message), length, present)
+
+    def _query_size(self, ask: Ask, provider: jaus.Component | None) -> tuple[str, Size]:
+        search = getattr(ask.connection, "search", None)
+        from_ = provider or search
+        query = ask.query_of(from_)
+        if query is None:
+            return "its query", Size(2, 2, 2)
+        return str(query.name), jaus_size(wire.resolve(query), self._assumptions.length)
+
+    # ------------------------------------------------------------------ single messages
+
+    def _messages(self) -> Iterator[Stream]:
+        sent: list[tuple[bridge.Connection, Stream]] = []
+        for owner in self._system.bridges:
+            for each in owner.bridgeConnections:
+                if not is_to_ros(each) and is_single(each):
+                    for peer in peers_of(each):
+                        sent.append((each, self._sent(owner, peer, each)))
+        for receiver in self._system.bridges:
+            for each in receiver.bridgeConnections:
+                if is_to_ros(each) and is_single(each):
+                    sent += self._received(receiver, each, [stream for _, stream in sent])
+        yield from (stream for _, stream in sent)
+
+    def _sent(
+        self, owner: bridge.Bridge, peer: jaus.Component | None, connection: bridge.Connection
+    ) -> Stream:
+        stream = self._stream(
+            owner,
+            peer,
+            str(connection.map.message.name),
+            "message",
+            self._message_size(connection),
+            self._changes_of(connection),
+            ASSUMED,
+            [connection],
+        )
+        stream.wants_acknowledgement = bool(connection.acknowledge)
+        return stream
+
+    def _received(
+        self, receiver: bridge.Bridge, connection: bridge.Connection, sent: list[Stream]
+    ) -> list[tuple[bridge.Connection, Stream]]:
+        """Adds a connection to the streams that it takes; returns those that nobody modelled."""
+        name, known = str(connection.map.message.name), set()
+        for stream in sent:
+            is_peer = not connection.peers or stream.sender in connection.peers
+            if stream.receiver is receiver and stream.message == name and is_peer:
+                stream.connections.append(connection)
+                known.add(stream.sender)
+        missing: list[jaus.Component | None] = [
+            each for each in connection.peers if each not in known
+        ]
+        if not connection.peers and not known:
+            missing = [None]
+        size = jaus_size(
+            wire.resolve(connection.map.message), self._assumptions.length_of(connection)
+        )
+        rate = self._assumptions.rate_of(connection)
+        return [
+            (
+                connection,
+                self._stream(sender, receiver, name, "message", size, rate, ASSUMED, [connection]),
+            )
+            for sender in missing
+        ]
+
+    def _changes_of(self, source: Asking) -> float:
+        """Returns how often a source makes its connection send something by itself."""
+        rate = self._assumptions.rate_of(source)
+        if not isinstance(source, bridge.Connection) or is_to_ros(source):
+            return rate
+        return passed_rate(source, rate)
+
+    def _message_size(self, connection: bridge.Connection) -> Size:
+        layout = wire.resolve(connection.map.message)
+        length = self._assumptions.length_of(connection)
+        return jaus_size(layout, length, _assigned_fields(connection))
+
+    # ------------------------------------------------------------------ upkeep
+
+    def _renewals(
+        self, provider: jaus.Component | None, ask: Ask, *, is_periodic: bool
+    ) -> Iterator[Stream]:
+        """Yields the renewals of an event (AS5710, Events)."""
+        minutes = int(provider.eventTimeout) if provider is not None else 1
+        waits = [30.0 * minutes] if minutes else []
+        if not is_periodic:
+            waits.append(self._constants.check_interval)
+        if not waits:
+            return
+        query = self._query_size(ask, provider)[1].expected
+        hertz = 1 / min(waits)
+        yield self._core_stream(ask.client, provider, "UpdateEvent", hertz, query, asks=True)
+        yield self._core_stream(provider, ask.client, "ConfirmEventRequest", hertz)
+
+    def _upkeep(self) -> Iterator[Stream]:
+        """Yields what keeps control of others (AS5710, AccessControl)."""
+        for owner in self._components:
+            for target in dict.fromkeys(_controlled(owner)):
+                longest = self._constants.watch_interval
+                timeout = int(target.controlTimeout)
+                interval = min(longest, timeout / self._constants.renewals) if timeout else longest
+                hertz = 1 / interval
+                yield self._core_stream(owner, target, "RequestControl", hertz, asks=True)
+                yield self._core_stream(target, owner, "ConfirmControl", hertz)
+                yield self._core_stream(owner, target, "QueryStatus", hertz)
+                yield self._core_stream(target, owner, "ReportStatus", hertz)
+
+    def _core_stream(
+        self,
+        sender: jaus.Component | None,
+        receiver: jaus.Component | None,
+        name: str,
+        hertz: float,
+        length: int = 0,
+        *,
+        asks: bool = False,
+    ) -> Stream:
+        size = jaus_size(self._core[name], length)
+        stream = self._stream(sender, receiver, name, "upkeep", size, hertz, DECLARED, [])
+        stream.wants_acknowledgement = asks
+        return stream
+
+    def _stream(
+        self,
+        sender: jaus.Component | None,
+        receiver: jaus.Component | None,
+        message: str,
+        kind: str,
+        size: Size,
+        hertz: float,
+        basis: str,
+        connections: list[Asking],
+    ) -> Stream:
+        host = host_of(self._system, sender) if sender is not None else None
+        fragment = int(host.fragmentSize) if host else self._constants.largest_fragment
+        return Stream(
+            sender, receiver, message, kind, size, hertz, basis, fragment, connections=connections
+        )
+
+
+def _controlled(owner: jaus.Component) -> Iterator[jaus.Component]:
+    """Yields the components whose control a component keeps."""
+    yield from owner.controls
+    for connection in owner.bridgeConnections if isinstance(owner, bridge.Bridge) else ():
+        if keeps_control(connection):
+            yield from connection.peers
+
+
+def _assigned_fields(connection: bridge.Connection) -> frozenset[str]:
+    """Returns the fields of a JAUS message that a map may fill."""
+    paths = [
+        parse_path(path)
+        for each in connection.map.toJaus
+        if not isinstance(each, bridge.Ignore)
+        for path in target_paths(each)
+    ]
+    return frozenset(path[0] for path in paths if path)
+
+
+def _has_presence_vector(query: jaus.MessageDef) -> bool:
+    return any(each.name == _PRESENCE_VECTOR for each in wire.resolve(query).members)

@@ -1,0 +1,121 @@
+"""Bundling: a system of many connections as a frame for each bridge, and one edge for each pair."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from jausml.views.diagrams.framing import FRAME, MOST_EDGES, bridges_around, is_crowded
+from jausml.views.diagrams.graph import CHANGED, Edge, End, Group, Port
+
+if TYPE_CHECKING:
+    from jausml.views.diagrams.graph import Graph, Node
+
+
+def bundled(graph: Graph, most: int = MOST_EDGES) -> Graph:
+    """Returns a graph that can be read: as it is, or bundled where it has too many edges.
+
+    What two frames have in common is told in the boxes, not by edges across.
+
+    Args:
+        graph: A graph.
+        most: Edges up to which it stays as it is.
+    """
+    bridges = [each for each in graph.nodes if each.kind == "bridge"]
+    if not is_crowded(graph, most):
+        return graph
+    frames = bridges_around(graph)
+    inside: dict[tuple[str, str, str], list[Edge]] = defaultdict(list)
+    within: dict[str, Counter[str]] = defaultdict(Counter)
+    across: dict[str, Counter[str]] = defaultdict(Counter)
+    for edge in graph.edges:
+        source, target = edge.source.node, edge.target.node
+        if frames[source] and frames[source] == frames[target]:
+            inside[source, target, edge.kind].append(edge)
+            within[source][target] += 1
+            within[target][source] += 1
+        else:
+            across[source][target] += 1
+            across[target][source] += 1
+    nodes = graph.by_id
+    hosts = {each.id: each.title for each in graph.groups}
+    groups = tuple(
+        Group(f"{b.id}{FRAME}", "bridge", b.title, element=b.element, key=f"{b.key}{FRAME}")
+        for b in bridges
+    )
+    return replace(
+        graph,
+        nodes=tuple(
+            _box(each, frames[each.id], within[each.id], across[each.id], nodes, hosts)
+            for each in graph.nodes
+        ),
+        groups=groups,
+        edges=tuple(_bundle(each, {b.id for b in bridges}) for each in inside.values()),
+    )
+
+
+def _box(
+    node: Node,
+    frame: str,
+    within: Counter[str],
+    across: Counter[str],
+    nodes: dict[str, Node],
+    hosts: dict[str, str],
+) -> Node:
+    shown = {} if node.kind == "bridge" else within
+    rows = (
+        *(
+            Port(f"{node.id}!with {other}", f"with {nodes[other].title}", _words(count),
+                 key=f"{node.key}!with {nodes[other].key}")
+            for other, count in shown.items()
+        ),
+        *(
+            Port(f"{node.id}!also {other}", f"also with {nodes[other].title}", _words(count),
+                 key=f"{node.key}!also {nodes[other].key}")
+            for other, count in across.items()
+        ),
+    )  # fmt: skip
+    host = hosts.get(node.group, "")
+    subtitle = f"{node.subtitle}, {host}" if host else node.subtitle
+    findings = dict.fromkeys([*node.findings, *(f for p in node.ports for f in p.findings)])
+    return replace(
+        node,
+        ports=rows,
+        group=f"{frame}{FRAME}" if frame else "",
+        subtitle=subtitle,
+        details=(*node.details, *((each.label, each.note) for each in node.ports)),
+        findings=tuple(findings),
+        state=node.state or (CHANGED if any(each.state for each in node.ports) else ""),
+    )
+
+
+def _bundle(edges: list[Edge], bridges: set[str]) -> Edge:
+    first = edges[0]
+    titles = dict.fromkeys(each.title for each in edges)
+    return replace(
+        first,
+        source=_end(first.source.node, first.target.node, bridges),
+        target=_end(first.target.node, first.source.node, bridges),
+        title=", ".join(titles),
+        labels=(),
+        count=len(edges),
+        element=first.element if len(edges) == 1 else "",
+        details=tuple((each.title, ", ".join(each.labels) or each.kind) for each in edges),
+        findings=tuple(dict.fromkeys(f for each in edges for f in each.findings)),
+        state=_common_state(edges),
+    )
+
+
+def _common_state(edges: list[Edge]) -> str:
+    states = {each.state for each in edges}
+    return states.pop() if len(states) == 1 else CHANGED
+
+
+def _end(node: str, other: str, bridges: set[str]) -> End:
+    """Returns the end of a bundle: the row of a box that tells how much there is."""
+    return End(node) if node in bridges else End(node, f"{node}!with {other}")
+
+
+def _words(count: int) -> str:
+    return f"{count} connection{'s' if count > 1 else ''}"

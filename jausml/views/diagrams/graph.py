@@ -1,0 +1,219 @@
+"""Graphs: what a diagram shows of a model, as plain values without any drawing.
+
+Ids are those of the model (`Model.fragment`), so that an editor or a live view can speak of
+the same things; what stands for no element has the id of its owner with a mark behind `!`. Parts
+have the reference to the element that they show (`language/model/refs.py`), and a key: the id in
+names, which stays when elements are added before it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+LEFT, RIGHT = "left", "right"
+"""Sides of ports."""
+
+JAUS_COLUMN, BRIDGE_COLUMN, ROS_COLUMN = 0, 1, 2
+"""Columns of nodes, from the left."""
+
+Details = tuple[tuple[str, str], ...]
+"""What is told on request: names and texts."""
+
+ADDED, REMOVED, CHANGED = "added", "removed", "changed"
+"""States of parts, where a diagram compares two states of a model."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What is wrong with an element.
+
+    Attributes:
+        severity: `error`, `warning` or `info`.
+        rule: Id of the rule.
+        message: What is wrong.
+    """
+
+    severity: str
+    rule: str
+    message: str
+
+
+@dataclass(frozen=True)
+class Port:
+    """A row of a node, at which edges end.
+
+    Attributes:
+        id: Its id, its own among those of the node.
+        label: Its name.
+        note: What stands behind the name: a type, a unit, a range.
+        mark: One word about it, such as `required` or `unmapped`; empty for none.
+        depth: How many rows it lies in.
+        details: What is told on request.
+        findings: What is wrong with it.
+        element: Reference to the element that it shows, empty for none.
+        key: What names it when positions of elements change.
+        state: What became of it since another state of the model, empty for nothing.
+    """
+
+    id: str
+    label: str
+    note: str = ""
+    mark: str = ""
+    depth: int = 0
+    details: Details = ()
+    findings: tuple[Finding, ...] = ()
+    element: str = ""
+    key: str = ""
+    state: str = ""
+
+
+@dataclass(frozen=True)
+class Node:
+    """A box.
+
+    Attributes:
+        id: Its id.
+        kind: `component`, `bridge`, `node`, `others`, `message`, `type`, `service`, `messages`,
+            `state`.
+        title: Its name.
+        subtitle: What stands below the name.
+        ports: Its rows.
+        group: Id of the group that it stands in, empty for none.
+        column: Its column, where the view has columns.
+        details: What is told on request.
+        findings: What is wrong with it.
+        element: Reference to the element that it shows, empty for none.
+        key: What names it when positions of elements change.
+        state: What became of it since another state of the model, empty for nothing.
+    """
+
+    id: str
+    kind: str
+    title: str
+    subtitle: str = ""
+    ports: tuple[Port, ...] = ()
+    group: str = ""
+    column: int = BRIDGE_COLUMN
+    details: Details = ()
+    findings: tuple[Finding, ...] = ()
+    element: str = ""
+    key: str = ""
+    state: str = ""
+
+
+@dataclass(frozen=True)
+class Group:
+    """A frame around nodes.
+
+    Attributes:
+        id: Its id.
+        kind: `host`, `bridge`, `service` or `state`.
+        title: Its name.
+        parent: Id of the group around it, empty for none.
+        element: Reference to the element that it shows, empty for none.
+        key: What names it when positions of elements change.
+        state: What became of it since another state of the model, empty for nothing.
+    """
+
+    id: str
+    kind: str
+    title: str
+    parent: str = ""
+    element: str = ""
+    key: str = ""
+    state: str = ""
+
+
+@dataclass(frozen=True)
+class End:
+    """Where an edge ends.
+
+    Attributes:
+        node: Id of a node.
+        port: Id of a port of it, empty for the node as a whole.
+    """
+
+    node: str
+    port: str = ""
+
+
+@dataclass(frozen=True)
+class Edge:
+    """A line from where something comes to where it goes.
+
+    Attributes:
+        id: Its id.
+        source: Where it comes from.
+        target: Where it goes.
+        kind: `message`, `topic`, `call`, `control`, `to_ros`, `to_jaus`, `inherits`, `answers` or
+            `transition`.
+        title: What flows, which the rows at its ends tell too.
+        labels: What stands at it, in lines.
+        count: How many edges it stands for.
+        details: What is told on request.
+        findings: What is wrong with it.
+        element: Reference to the element that it shows, empty for none.
+        key: What names it when positions of elements change.
+        state: What became of it since another state of the model, empty for nothing.
+    """
+
+    id: str
+    source: End
+    target: End
+    kind: str
+    title: str = ""
+    labels: tuple[str, ...] = ()
+    count: int = 1
+    details: Details = ()
+    findings: tuple[Finding, ...] = ()
+    element: str = ""
+    key: str = ""
+    state: str = ""
+
+
+@dataclass(frozen=True)
+class Graph:
+    """A diagram.
+
+    Attributes:
+        view: Name of the view, such as `system` or `map:odometry`.
+        title: What stands above it.
+        nodes: The boxes.
+        groups: The frames, outer ones first.
+        edges: The lines.
+        downwards: Whether edges go from top to bottom, not from left to right.
+        findings: What is wrong with files, and so belongs to no element.
+        element: Reference to the element that it shows, empty for the whole model.
+        is_crowded: Whether lines have no room for labels.
+    """
+
+    view: str
+    title: str
+    nodes: tuple[Node, ...] = ()
+    groups: tuple[Group, ...] = ()
+    edges: tuple[Edge, ...] = ()
+    downwards: bool = False
+    findings: tuple[Finding, ...] = field(default=())
+    element: str = ""
+    is_crowded: bool = False
+
+    @property
+    def compares(self) -> bool:
+        """Whether it shows what became of its parts."""
+        states = [each.state for each in self.nodes]
+        states += [port.state for node in self.nodes for port in node.ports]
+        states += [each.state for each in self.groups]
+        return any(states) or any(each.state for each in self.edges)
+
+    @property
+    def by_id(self) -> dict[str, Node]:
+        """The nodes by id."""
+        return {each.id: each for each in self.nodes}
+
+
+_GRAVEST = ("error", "warning", "info")
+
+
+def severity(findings: tuple[Finding, ...]) -> str:
+    """Returns the gravest severity of findings, empty without any."""
+    return next((each for each in _GRAVEST if any(f.severity == each for f in findings)), "")

@@ -1,0 +1,163 @@
+"""Layout in columns: each frame by itself, and frames beside each other, also within frames.
+
+In a frame with one bridge there is little to look for: what is joined with an upper row stands
+above. Graphviz packs no frames that stand in others, and so makes one tall column of them.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass
+from math import sqrt
+from typing import TYPE_CHECKING
+
+from jausml.views.diagrams.layout.settling import FRAME_MARGIN, GAP, frames_around
+from jausml.views.diagrams.layout.sheet import Places
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from jausml.views.diagrams.layout.sheet import Box, Frame, Point, Sheet
+
+LANE = 130
+"""Room between columns, through which lines go."""
+
+FRAME_GAP = 60
+"""Room between frames."""
+
+_ASPECT = 1.6
+
+
+@dataclass(frozen=True)
+class _Block:
+    """Some boxes that keep their places beside each other: corners from the corner of all."""
+
+    width: float
+    height: float
+    corners: Mapping[str, Point]
+
+
+class Columns:
+    """An engine that gives boxes and frames their places, and leaves the ways of lines open."""
+
+    def place(self, sheet: Sheet) -> Places:
+        """Returns where everything stands."""
+        whole = _Work(sheet).content("")
+        frames = frames_around(sheet, whole.corners)
+        return Places(
+            whole.width,
+            whole.height,
+            dict(whole.corners),
+            {name: ((a.left, a.top), (a.right, a.bottom)) for name, a in frames.items()},
+            {},
+        )
+
+
+class _Work:
+    def __init__(self, sheet: Sheet) -> None:
+        self._sheet = sheet
+        self._boxes: dict[str, list[Box]] = defaultdict(list)
+        self._frames: dict[str, list[Frame]] = defaultdict(list)
+        for box in sheet.boxes:
+            self._boxes[box.group].append(box)
+        for frame in sheet.frames:
+            self._frames[frame.parent].append(frame)
+
+    def content(self, frame: str) -> _Block:
+        """Returns what stands in a frame: columns, or frames and boxes side by side."""
+        boxes = self._boxes[frame]
+        inner = [block for each in self._frames[frame] for block in self._framed(each)]
+        if not inner:
+            return self._columns(boxes)
+        joined = {end for line in self._sheet.lines for end in (line.source[0], line.target[0])}
+        loose = [each for each in boxes if each.id not in joined]
+        rest = self._columns([each for each in boxes if each.id in joined])
+        return _packed([*inner, *([rest] if rest.corners else ()), *map(_alone, loose)])
+
+    def _framed(self, frame: Frame) -> Iterable[_Block]:
+        inner = self.content(frame.id)
+        if inner.corners:
+            left, top = FRAME_MARGIN, FRAME_MARGIN + frame.height
+            width = max(inner.width, frame.width) + 2 * FRAME_MARGIN
+            yield _Block(width, top + inner.height + FRAME_MARGIN, _moved(inner, left, top))
+
+    def _columns(self, boxes: Sequence[Box]) -> _Block:
+        """Returns boxes in their columns, each near the rows that it is joined with."""
+        columns: dict[int, list[Box]] = defaultdict(list)
+        for box in boxes:
+            columns[box.column].append(box)
+        # That of the most rows keeps its order, as bridges do.
+        first = max(columns, key=lambda each: sum(len(b.rows) for b in columns[each]), default=0)
+        tops = _stacked(columns[first])
+        for number, column in columns.items():
+            if number != first:
+                wanted = self._wanted(column, columns[first], tops)
+                column.sort(key=lambda each: wanted[each.id])
+        stacks = {number: _stacked(columns[number]) for number in sorted(columns)}
+        heights = {
+            number: max((top[each.id] + each.height for each in columns[number]), default=0)
+            for number, top in stacks.items()
+        }
+        tallest = max(heights.values(), default=0)
+        left, corners = 0.0, {}
+        for number, top in stacks.items():
+            width = max((each.width for each in columns[number]), default=0)
+            down = round((tallest - heights[number]) / 2)
+            for each in columns[number]:
+                corners[each.id] = left + (width - each.width) // 2, top[each.id] + down
+            left += width + LANE
+        return _Block(max(0, left - LANE), tallest, corners)
+
+    def _wanted(
+        self, boxes: Sequence[Box], others: Sequence[Box], tops: Mapping[str, float]
+    ) -> dict[str, float]:
+        """Returns how high boxes would stand best, infinite for those that no line joins."""
+        own = {each.id for each in boxes}
+        rows = {}
+        for box in others:
+            at = tops[box.id] + box.head
+            rows[box.id, ""] = tops[box.id] + box.head / 2
+            for row in box.rows:
+                rows[box.id, row.id] = at + row.height / 2
+                at += row.height
+        heights: dict[str, list[float]] = defaultdict(list)
+        for line in self._sheet.lines:
+            for end, other in ((line.source, line.target), (line.target, line.source)):
+                if end[0] in own and other in rows:
+                    heights[end[0]].append(rows[other])
+        return {
+            each: sum(heights[each]) / len(heights[each]) if heights[each] else float("inf")
+            for each in own
+        }
+
+
+def _alone(box: Box) -> _Block:
+    return _Block(box.width, box.height, {box.id: (0, 0)})
+
+
+def _moved(block: _Block, right: float, down: float) -> dict[str, Point]:
+    return {name: (x + right, y + down) for name, (x, y) in block.corners.items()}
+
+
+def _stacked(boxes: Sequence[Box]) -> dict[str, float]:
+    """Returns the tops of boxes, one below the other."""
+    tops, at = {}, 0.0
+    for box in boxes:
+        tops[box.id] = at
+        at += box.height + GAP
+    return tops
+
+
+def _packed(blocks: Sequence[_Block]) -> _Block:
+    """Returns blocks on shelves, tall ones first, as wide as a screen is."""
+    area = sum((each.width + FRAME_GAP) * (each.height + FRAME_GAP) for each in blocks)
+    widest = max(sqrt(area * _ASPECT), *(each.width for each in blocks), 0)
+    corners: dict[str, Point] = {}
+    left = top = height = width = 0.0
+    for each in sorted(blocks, key=lambda each: -each.height):
+        if left and left + each.width > widest:
+            left, top, height = 0, top + height + FRAME_GAP, 0
+        corners |= _moved(each, left, top)
+        left += each.width + FRAME_GAP
+        width, height = max(width, left - FRAME_GAP), max(height, each.height)
+    return _Block(width, top + height, corners)

@@ -1,0 +1,199 @@
+"""Layout by Graphviz, as pygraphviz brings it: `dot`, on boxes of given sizes.
+
+It is told no text, so that no font of the machine has a say.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from importlib.util import find_spec
+from math import dist
+from typing import TYPE_CHECKING, Any
+
+from jausml.views.diagrams.layout.facing import can_face, face
+from jausml.views.diagrams.layout.sheet import LayoutError, Places, Route
+from jausml.views.diagrams.nesting import nested
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.views.diagrams.layout.sheet import Box, Line, Point, Sheet
+
+MISSING = "pictures need pygraphviz: pip install 'jausml[diagram]'"
+LONGEST = 120
+"""Seconds that a layout may take."""
+
+_TABLE = '<table fixedsize="true" border="0" cellborder="0" cellspacing="0" cellpadding="0"'
+
+
+class Graphviz:
+    """An engine that runs `dot` in a process of its own."""
+
+    def place(self, sheet: Sheet) -> Places:
+        """Returns where everything stands; what needs no search is placed without Graphviz."""
+        if can_face(sheet):
+            return face(sheet)
+        if find_spec("pygraphviz") is None:
+            raise LayoutError(MISSING)
+        return _places(sheet, json.loads(_run("\n".join(_graph(sheet)))))
+
+
+def _run(text: str) -> bytes:
+    command = [sys.executable, "-m", "jausml.views.diagrams.layout.process"]
+    try:
+        done = subprocess.run(  # noqa: S603 - our own interpreter and module
+            command, input=text.encode(), capture_output=True, timeout=LONGEST, check=False
+        )
+    except subprocess.TimeoutExpired as error:
+        raise LayoutError(f"Graphviz found no layout within {LONGEST} s") from error
+    if done.returncode or not done.stdout:
+        lines = done.stderr.decode(errors="replace").strip().splitlines()
+        raise LayoutError(f"Graphviz failed: {lines[-1] if lines else f'exit {done.returncode}'}")
+    return done.stdout
+
+
+def _graph(sheet: Sheet) -> Iterator[str]:
+    yield "digraph {"
+    yield (
+        '  graph [rankdir="TB", nodesep=0.4, ranksep=0.5]'
+        if sheet.downwards
+        else ('  graph [rankdir="LR", nodesep=0.3, ranksep=1.1]')
+    )
+    if sheet.packed:
+        yield '  graph [pack=24, packmode="array_c3"]'
+    yield "  node [shape=plain]"
+    yield "  edge [dir=none]"
+    for what, number, _ in nested(sheet.boxes, sheet.frames):
+        match what:
+            case "box":
+                yield f"  {_box(number, sheet.boxes[number])}"
+            case "begin":
+                label = _cell(sheet.frames[number].width, sheet.frames[number].height)
+                yield f"  subgraph cluster_{number} {{ label={label}; labeljust=l; margin=12"
+            case "end":
+                yield "  }"
+    yield from _lines(sheet)
+    yield "}"
+
+
+def _cell(width: int, height: int) -> str:
+    return f'<{_TABLE} width="{width}" height="{height}"><tr><td></td></tr></table>>'
+
+
+def _box(number: int, box: Box) -> str:
+    size = f'fixedsize="true" width="{box.width}"'
+    rows = [f'<tr><td port="h" {size} height="{box.head}"></td></tr>']
+    rows += [
+        f'<tr><td port="p{index}" {size} height="{row.height}"></td></tr>'
+        for index, row in enumerate(box.rows)
+    ]
+    table = f'{_TABLE} width="{box.width}" height="{box.height}">'
+    return f"b{number} [label=<{table}{''.join(rows)}</table>>]"
+
+
+def _lines(sheet: Sheet) -> Iterator[str]:
+    names = {box.id: f"b{number}" for number, box in enumerate(sheet.boxes)}
+    ports = {
+        (box.id, row.id): f"{names[box.id]}:p{index}"
+        for box in sheet.boxes
+        for index, row in enumerate(box.rows)
+    }
+    columns = _columns(sheet)
+    linked = set()
+    for number, line in enumerate(sheet.lines):
+        ends, options = [line.source, line.target], [f"line={number}"]
+        if columns and columns[line.source[0]] > columns[line.target[0]]:
+            ends.reverse()
+        if line.width:
+            options.append(f"label={_cell(line.width, line.height)}")
+        sides = _sides(columns, ends[0][0], ends[1][0])
+        if sides[0] == sides[1] != "":
+            options.append("constraint=false")
+        else:
+            linked |= {end[0] for end in ends}
+        start, end = (
+            ports.get(each, f"{names[each[0]]}:h" if columns else names[each[0]]) + side
+            for each, side in zip(ends, sides, strict=True)
+        )
+        yield f"  {start} -> {end} [{', '.join(options)}]"
+    yield from _strays(sheet, columns, names, linked)
+
+
+def _sides(columns: dict[str, int], start: str, end: str) -> tuple[str, str]:
+    """Returns the sides of boxes at which a line starts and ends, empty for any."""
+    if not columns:
+        return "", ""
+    outer = {min(columns.values()): ":w", max(columns.values()): ":e"}
+    if columns[start] == columns[end] and columns[start] in outer:
+        side = outer[columns[start]]
+        return side, side
+    return ":e", ":w"
+
+
+def _columns(sheet: Sheet) -> dict[str, int]:
+    """Returns the columns of boxes, none where all stand in one and lines alone decide."""
+    columns = {box.id: box.column for box in sheet.boxes}
+    return columns if len(set(columns.values())) > 1 and not sheet.downwards else {}
+
+
+def _strays(
+    sheet: Sheet, columns: dict[str, int], names: dict[str, str], linked: set[str]
+) -> Iterator[str]:
+    """Yields what keeps boxes in their columns that no line keeps there."""
+    for box in sheet.boxes if columns else ():
+        others = [each for each in sheet.boxes if each.column != box.column]
+        if box.id not in linked and not sheet.packed:
+            other = min(others, key=lambda each: abs(each.column - box.column))
+            pair = (box, other) if box.column < other.column else (other, box)
+            yield f"  {names[pair[0].id]} -> {names[pair[1].id]} [style=invis]"
+
+
+def _places(sheet: Sheet, found: dict[str, Any]) -> Places:
+    _, _, width, height = (float(each) for each in found["bb"].split(","))
+
+    def point(text: str) -> Point:
+        x, y = text.split(",")
+        return round(float(x), 1), round(height - float(y), 1)
+
+    boxes, frames, lines = {}, {}, {}
+    objects = {each["name"]: each for each in found.get("objects", ())}
+    for number, box in enumerate(sheet.boxes):
+        x, y = point(objects[f"b{number}"]["pos"])
+        boxes[box.id] = round(x - box.width / 2, 1), round(y - box.height / 2, 1)
+    for number, frame in enumerate(sheet.frames):
+        left, low, right, high = objects[f"cluster_{number}"]["bb"].split(",")
+        frames[frame.id] = point(f"{left},{high}"), point(f"{right},{low}")
+    ends = _ends(sheet, boxes)
+    for each in found.get("edges", ()):
+        if "line" in each:
+            line = sheet.lines[int(each["line"])]
+            points = tuple(point(text) for text in each["pos"].split(" ") if text[0] not in "es")
+            label = point(each["lp"]) if "lp" in each else None
+            lines[line.id] = Route(_from_source(points, line, ends), label)
+    return Places(width, height, boxes, frames, lines)
+
+
+def _ends(sheet: Sheet, boxes: dict[str, Point]) -> dict[tuple[str, str], Point]:
+    """Returns the middles of boxes and rows, where lines end nearby."""
+    ends = {}
+    for box in sheet.boxes:
+        left, top = boxes[box.id]
+        middle = left + box.width / 2
+        ends[box.id, ""] = middle, top + box.height / 2
+        at = top + box.head
+        for row in box.rows:
+            ends[box.id, row.id] = middle, at + row.height / 2
+            at += row.height
+    return ends
+
+
+def _from_source(
+    points: tuple[Point, ...], line: Line, ends: dict[tuple[str, str], Point]
+) -> tuple[Point, ...]:
+    """Returns the way from the source to the target: `dot` has some the other way round."""
+    source, target = ends[line.source], ends[line.target]
+    forwards = dist(points[0], source) + dist(points[-1], target)
+    backwards = dist(points[-1], source) + dist(points[0], target)
+    return points[::-1] if backwards < forwards else points

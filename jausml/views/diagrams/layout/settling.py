@@ -1,0 +1,263 @@
+"""Places of boxes when a drawing changes: what stands stays, and what is new comes beside its peer.
+
+An engine places a whole sheet anew whatever changed; this finds room for single boxes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterable, Iterator, Mapping
+
+    from jausml.views.diagrams.layout.sheet import Box, Frame, Point, Sheet
+
+GAP, COLUMN_GAP = 24, 80
+"""Room between boxes below and beside each other."""
+
+FRAME_MARGIN = 12
+"""Room between a frame and what stands in it."""
+
+
+class Area(NamedTuple):
+    """A rectangle."""
+
+    left: float
+    top: float
+    right: float
+    bottom: float
+
+    def overlaps(self, other: Area, gap: float = 0) -> bool:
+        """Tells whether two have a point in common, or less room than a gap between them."""
+        return (
+            self.left < other.right + gap
+            and other.left < self.right + gap
+            and self.top < other.bottom + gap
+            and other.top < self.bottom + gap
+        )
+
+    def around(self, other: Area) -> Area:
+        """Returns the least rectangle around both."""
+        return Area(
+            min(self.left, other.left),
+            min(self.top, other.top),
+            max(self.right, other.right),
+            max(self.bottom, other.bottom),
+        )
+
+
+def area_of(box: Box, corner: Point) -> Area:
+    """Returns what a box covers.
+
+    Args:
+        box: The box.
+        corner: Its upper left corner.
+    """
+    left, top = corner
+    return Area(left, top, left + box.width, top + box.height)
+
+
+def settle(
+    sheet: Sheet, known: Mapping[str, Point], fixed: Collection[str] = ()
+) -> dict[str, Point]:
+    """Returns where the boxes of a sheet stand.
+
+    Boxes of known places stay there, unless one that has grown covers them: then they go as far as
+    they must. Others come beside boxes to which lines lead, where nothing stands.
+
+    Args:
+        sheet: The boxes, frames and lines.
+        known: Upper left corners of boxes by id.
+        fixed: Ids of the known boxes that never move.
+    """
+    ground = _Ground(sheet)
+    for box in sheet.boxes:
+        if box.id in known and box.id in fixed:
+            ground.put(box, known[box.id])
+    stays = [box for box in sheet.boxes if box.id in known and box.id not in fixed]
+    for box in sorted(stays, key=lambda each: (known[each.id][::-1], each.id)):
+        corner = known[box.id]
+        ground.put(box, corner if ground.is_bare(box, corner) else ground.nearest(box, corner))
+    new = [box for box in sheet.boxes if box.id not in known]
+    while new:
+        box = next((each for each in new if ground.peers(each)), new[0])
+        new.remove(box)
+        ground.put(box, ground.nearest(box, ground.beside(box)))
+    return {box.id: ground.corners[box.id] for box in sheet.boxes}
+
+
+def frames_around(
+    sheet: Sheet,
+    boxes: Mapping[str, Point],
+    more: Mapping[str, Iterable[Area]] | None = None,
+) -> dict[str, Area]:
+    """Returns what frames cover, given where boxes stand; those around nothing are left out.
+
+    Args:
+        sheet: The boxes and frames.
+        boxes: Upper left corners of boxes by id; of those that stand already.
+        more: What besides boxes stands in frames, by id.
+    """
+    inner: dict[str, Area] = {}
+    for name, areas in (more or {}).items():
+        for area in areas:
+            _widen(inner, name, area)
+    for box in sheet.boxes:
+        if box.id in boxes:
+            _widen(inner, box.group, area_of(box, boxes[box.id]))
+    found: dict[str, Area] = {}
+    for frame in reversed(sheet.frames):
+        if frame.id in inner:
+            found[frame.id] = _framed(frame, inner[frame.id])
+            _widen(inner, frame.parent, found[frame.id])
+    return found
+
+
+def _widen(areas: dict[str, Area], name: str, area: Area) -> None:
+    areas[name] = areas[name].around(area) if name in areas else area
+
+
+def _framed(frame: Frame, inner: Area) -> Area:
+    left, top = inner.left - FRAME_MARGIN, inner.top - FRAME_MARGIN - frame.height
+    right = max(inner.right + FRAME_MARGIN, left + frame.width + 2 * FRAME_MARGIN)
+    return Area(left, top, right, inner.bottom + FRAME_MARGIN)
+
+
+@dataclass(frozen=True)
+class _End:
+    """A box that stands, and the height at which a line ends there."""
+
+    box: Box
+    y: float
+
+
+class _Ground:
+    """The boxes that stand already, and the room between them."""
+
+    def __init__(self, sheet: Sheet) -> None:
+        self._sheet = sheet
+        self._boxes = {each.id: each for each in sheet.boxes}
+        self._parents = {each.id: each.parent for each in sheet.frames}
+        self._has_columns = not sheet.downwards and len({b.column for b in sheet.boxes}) > 1
+        self._areas: dict[str, Area] = {}
+        self._frames: dict[str, Area] = {}
+        self.corners: dict[str, Point] = {}
+
+    def put(self, box: Box, corner: Point) -> None:
+        """Places a box."""
+        self.corners[box.id] = corner
+        self._areas[box.id] = area_of(box, corner)
+        self._frames = {}
+
+    def peers(self, box: Box) -> list[_End]:
+        """Returns where the lines of a box end at boxes that stand."""
+        found = []
+        for line in self._sheet.lines:
+            for (own, _), (other, row) in (
+                (line.source, line.target),
+                (line.target, line.source),
+            ):
+                if own == box.id != other and other in self.corners:
+                    found.append(_End(self._boxes[other], self._row(self._boxes[other], row)))
+        return found
+
+    def _row(self, box: Box, row: str) -> float:
+        top = self.corners[box.id][1] + box.head
+        for each in box.rows:
+            if each.id == row:
+                return top + each.height / 2
+            top += each.height
+        return self.corners[box.id][1] + box.height / 2
+
+    def beside(self, box: Box) -> Point:
+        """Returns where a box would stand best, if nothing stood there."""
+        peers = self.peers(box)
+        column = [self._areas[each.id] for each in self._column(box)]
+        if not peers:
+            among = column or list(self._areas.values())
+            if not among:
+                return 0, 0
+            lowest = max(among, key=lambda each: each.bottom)
+            return _centred(box, lowest) if column else lowest.left, lowest.bottom + GAP
+        y = sum(each.y for each in peers) / len(peers) - box.height / 2
+        peer = self._areas[peers[0].box.id]
+        if not self._has_columns:
+            return peer.right + COLUMN_GAP, peer.top
+        if column:
+            near = min(column, key=lambda each: abs((each.top + each.bottom - box.height) / 2 - y))
+            return _centred(box, near), y
+        if box.column < peers[0].box.column:
+            return peer.left - COLUMN_GAP - box.width, y
+        return peer.right + COLUMN_GAP, y
+
+    def _column(self, box: Box) -> list[Box]:
+        """Returns the boxes that stand in the column of a box, those of its frame if there are."""
+        if not self._has_columns:
+            return []
+        same = [
+            each
+            for each in self._sheet.boxes
+            if each.id in self.corners and each.column == box.column
+        ]
+        return [each for each in same if each.group == box.group] or same
+
+    def nearest(self, box: Box, wanted: Point) -> Point:
+        """Returns the place above or below one that is wanted, where a box has room."""
+        x, y = wanted
+        frames = self._all_frames()
+        tops = [y]
+        for each in (*self._areas.values(), *frames.values()):
+            for gap in (GAP, GAP + 2 * FRAME_MARGIN):
+                tops += [each.bottom + gap, each.top - gap - box.height]
+        for top in sorted(tops, key=lambda each: (abs(each - y), -each)):
+            if self._has_room(box, (x, top)):
+                return round(x), round(top)
+        lowest = max(each.bottom for each in (*self._areas.values(), *frames.values()))
+        return round(x), round(lowest + GAP)
+
+    def is_bare(self, box: Box, corner: Point) -> bool:
+        """Tells whether no box stands where one would."""
+        area = area_of(box, corner)
+        return not any(area.overlaps(each) for each in self._areas.values())
+
+    def _has_room(self, box: Box, corner: Point) -> bool:
+        """Tells whether a box has room, and the frames around it, which grow with it."""
+        area = area_of(box, corner)
+        if any(area.overlaps(each, GAP - 1) for each in self._areas.values()):
+            return False
+        around = set(self._around(box.group))
+        frames = self._all_frames()
+        if any(area.overlaps(each) for name, each in frames.items() if name not in around):
+            return False
+        grown = frames_around(self._sheet, {**self.corners, box.id: corner})
+        return not any(
+            grown[name].overlaps(area)
+            for name in around
+            if grown.get(name) != frames.get(name)
+            for area in self._outside(name, frames)
+        )
+
+    def _outside(self, frame: str, frames: Mapping[str, Area]) -> Iterator[Area]:
+        """Yields what stands neither in a frame nor around it."""
+        for name, area in self._areas.items():
+            if frame not in self._around(self._boxes[name].group):
+                yield area
+        around = set(self._around(frame))
+        for name, area in frames.items():
+            if name not in around and frame not in self._around(name):
+                yield area
+
+    def _around(self, group: str) -> Iterator[str]:
+        while group:
+            yield group
+            group = self._parents.get(group, "")
+
+    def _all_frames(self) -> dict[str, Area]:
+        if not self._frames:
+            self._frames = frames_around(self._sheet, self.corners)
+        return self._frames
+
+
+def _centred(box: Box, other: Area) -> float:
+    return (other.left + other.right - box.width) / 2

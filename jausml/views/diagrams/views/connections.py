@@ -1,0 +1,237 @@
+"""Connections in the system view: a row of the bridge, and edges to both of its sides."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from jausml.views.diagrams.graph import JAUS_COLUMN, ROS_COLUMN, Edge, End, Node, Port
+from jausml.views.diagrams.views import exchanges
+from jausml.views.diagrams.views.context import details, name_of, number
+from jausml.language.semantics.ros_paths import ros_name
+from jausml.language.semantics.topics import resolve_topic
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.views.diagrams.views.building import Builder
+    from jausml.language.metamodel.classes import bridge, jaus, ros
+
+_EXCHANGES = {
+    "message": "message",
+    "periodicEvent": "event",
+    "everyChangeEvent": "event on change",
+    "query": "query",
+    "periodic": "event",
+    "everyChange": "event on change",
+    "oneTime": "query once",
+}
+
+
+def topic(name: str | None, owner: ros.Node | bridge.Bridge) -> str:
+    """Returns the full name of a topic, service or action of a node or bridge."""
+    return resolve_topic(name or "?", owner.namespace or "", owner.name or "")
+
+
+def exchange(style: str, rate: float, usual: float = 0) -> str:
+    """Returns how messages are exchanged, in words.
+
+    Args:
+        style: Literal of `bridge.Exchange` or `jaus.EventType`.
+        rate: Hertz that the connection asks for, 0 for the usual ones.
+        usual: Hertz of the bridge.
+    """
+    hertz = (rate or usual) if style in ("periodicEvent", "periodic", "query") else 0
+    words = _EXCHANGES.get(style, style)
+    return f"{words}, {number(hertz)} Hz" if hertz else words
+
+
+def add_service_connection(
+    builder: Builder, owner: jaus.Component, connection: jaus.ServiceConnection
+) -> None:
+    """Adds what a component asks another for."""
+    context = builder.context
+    message, usual = connection.message, getattr(owner, "frequency", 0)
+    label = exchange(connection.exchange.name, connection.rate, usual)
+    row = Port(
+        context.id_of(connection),
+        name_of(connection),
+        name_of(message),
+        details=details(connection, message=name_of(message), exchange=label),
+        findings=context.findings(connection),
+        element=context.reference(connection),
+    )
+    end = builder.put(context.id_of(owner), row)
+    provider = connection.provider
+    providers = [provider] if provider is not None else []
+    for start in _jaus_ends(builder, owner, providers, connection.search, message, "sends"):
+        builder.edges.append(
+            Edge(f"{row.id}!{start.node}", start, end, "message", name_of(message), (label,),
+                 details=row.details, findings=row.findings, element=row.element)
+        )  # fmt: skip
+
+
+def add_bridge(builder: Builder, owner: bridge.Bridge) -> None:
+    """Adds the connections of a bridge: messages, ROS services and ROS actions."""
+    for connection in owner.bridgeConnections:
+        _add_connection(builder, owner, connection)
+    for service in owner.serviceConnections:
+        to_ros = service.direction.name == "jausToRos"
+        messages = [each for each in (service.message, service.answer) if each is not None]
+        note = " / ".join(name_of(each) for each in messages) or "?"
+        call = _Call(service, "service", service.service, service.type, note, service.message)
+        _add_call(builder, owner, call, to_ros=to_ros)
+    for action in owner.actionConnections:
+        to_ros = action.direction.name == "jausToRos"
+        note = f"list of {name_of(action.driver)}"
+        call = _Call(action, "action", action.action, action.type, note, action.driver)
+        _add_call(builder, owner, call, to_ros=to_ros)
+
+
+def _add_connection(builder: Builder, owner: bridge.Bridge, connection: bridge.Connection) -> None:
+    context, used = builder.context, connection.map
+    message = used.message if used is not None else None
+    kind = used.type if used is not None else None
+    to_ros = connection.direction.name == "jausToRos"
+    style = connection.exchange.name
+    is_command = style == "message" and message is not None and message.isCommand
+    label = exchange("command" if is_command else style, connection.rate, owner.frequency)
+    arrow = "\N{RIGHTWARDS ARROW}" if to_ros else "\N{LEFTWARDS ARROW}"
+    row = Port(
+        context.id_of(connection),
+        name_of(connection),
+        f"{name_of(message)} {arrow} {_short(kind)}",
+        details=details(
+            connection,
+            map=name_of(used),
+            message=name_of(message),
+            type=_type(kind),
+            exchange=label,
+            limits=exchanges.limits(connection),
+            QoS=exchanges.topics_qos(connection),
+            **{"when lost": exchanges.when_lost(connection)},
+        ),
+        findings=context.findings(connection),
+        element=context.reference(connection),
+    )
+    here = builder.put(context.id_of(owner), row)
+    way = "sends" if to_ros else "takes"
+    peers = _jaus_ends(builder, owner, connection.peers, connection.search, message, way)
+    for source in connection.sources:
+        joined = source.join.message if source.join is not None else None
+        peers += _jaus_ends(builder, owner, source.peers, None, joined, "sends")
+    for peer in peers:
+        _join(builder, row, peer, here, label, name_of(message), forwards=to_ros)
+    for each in connection.topics:
+        name = topic(each.name, owner)
+        wanted = "subscribes" if to_ros else "publishes"
+        for end in _ros_ends(builder, owner, name, wanted, _type(kind)):
+            _join(builder, row, here, end, "", name, forwards=to_ros)
+
+
+class _Call(NamedTuple):
+    """A ROS service or action that a bridge connects."""
+
+    connection: bridge.RosServiceConnection | bridge.RosActionConnection
+    words: str
+    name: str
+    kind: ros.ServiceType | ros.ActionType | None
+    note: str
+    asked: jaus.MessageDef | jaus.Service | None
+
+
+def _add_call(builder: Builder, owner: bridge.Bridge, call: _Call, *, to_ros: bool) -> None:
+    context, connection = builder.context, call.connection
+    arrow = "\N{RIGHTWARDS ARROW}" if to_ros else "\N{LEFTWARDS ARROW}"
+    more = {call.words: call.name, "type": _type(call.kind), "JAUS": call.note}
+    row = Port(
+        context.id_of(connection),
+        name_of(connection),
+        f"{call.note} {arrow} {_short(call.kind)}",
+        call.words,
+        details=details(connection, **more),
+        findings=context.findings(connection),
+        element=context.reference(connection),
+    )
+    here = builder.put(context.id_of(owner), row)
+    way = "asks" if to_ros else "answers"
+    for peer in _jaus_ends(builder, owner, connection.peers, connection.search, call.asked, way):
+        _join(builder, row, peer, here, call.words, call.note, forwards=to_ros, kind="call")
+    full = topic(call.name, owner)
+    wanted = "serves" if to_ros else "calls"
+    for end in _ros_ends(builder, owner, full, wanted, _type(call.kind)):
+        _join(builder, row, here, end, call.words, full, forwards=to_ros, kind="call")
+
+
+def _join(
+    builder: Builder,
+    row: Port,
+    left: End,
+    right: End,
+    label: str,
+    title: str,
+    *,
+    forwards: bool,
+    kind: str = "",
+) -> None:
+    """Adds an edge of a connection, from the left to the right or back."""
+    ends = (left, right) if forwards else (right, left)
+    is_jaus = right.port == row.id
+    other = left if is_jaus else right
+    builder.edges.append(
+        Edge(
+            f"{row.id}!{other.node}!{other.port}",
+            *ends,
+            kind or ("message" if is_jaus else "topic"),
+            title,
+            (label,) if label else (),
+            details=row.details,
+            findings=row.findings,
+            element=row.element,
+        )
+    )
+
+
+def _jaus_ends(
+    builder: Builder,
+    owner: jaus.Component,
+    peers: Sequence[jaus.Component],
+    search: jaus.PeerSearch | None,
+    message: jaus.MessageDef | jaus.Service | None,
+    way: str,
+) -> list[End]:
+    """Returns the ends at the JAUS side: rows of the peers for the message."""
+    context = builder.context
+    boxes = [context.id_of(each) for each in peers]
+    boxes = [each for each in boxes if each in builder.boxes]
+    if not boxes:
+        words = "any component"
+        if search is not None:
+            words = "found: " + ", ".join(name_of(each) for each in search.services)
+        own = context.id_of(owner)
+        group = builder.boxes[own].group
+        box = Node(f"{own}!{words}", "others", words, "not named", group=group, column=JAUS_COLUMN)
+        boxes = [builder.add(box)]
+    name = name_of(message)
+    return [builder.put(each, Port(f"{each}!{way}!{name}", name, way)) for each in boxes]
+
+
+def _ros_ends(builder: Builder, owner: bridge.Bridge, name: str, way: str, kind: str) -> list[End]:
+    """Returns the ends at the ROS side; a name that no node has is one of other nodes."""
+    found = [end for other, its, end in builder.endpoints if (other, its) == (name, way)]
+    if found:
+        return found
+    own = builder.context.id_of(owner)
+    group = builder.boxes[own].group
+    box = builder.add(
+        Node(f"{own}!ros", "others", "other ROS nodes", "not in the model", group=group,
+             column=ROS_COLUMN)
+    )  # fmt: skip
+    return [builder.put(box, Port(f"{box}!{way}!{name}", name, kind))]
+
+
+def _type(kind: ros.MessageType | ros.ServiceType | ros.ActionType | None) -> str:
+    return ros_name(kind) if kind is not None else "?"
+
+
+def _short(kind: ros.MessageType | ros.ServiceType | ros.ActionType | None) -> str:
+    return _type(kind).rpartition("/")[2]

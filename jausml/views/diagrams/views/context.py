@@ -1,0 +1,125 @@
+"""What all views need of a model: ids, findings and texts of its elements."""
+
+from __future__ import annotations
+
+import os
+from collections import defaultdict
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+from jausml.views.diagrams.graph import Edge, Finding, Group, Node, Port
+from jausml.language.model.keys import Keys
+from jausml.language.model.refs import ref_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from jausml.views.diagrams.graph import Details
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.diagnostics import Diagnostic
+    from jausml.language.model.model import Model
+
+PartT = TypeVar("PartT", Node, Port, Group, Edge)
+
+
+class Context:
+    """A model as views see it.
+
+    Args:
+        model: The model.
+        view: Name of the view.
+        diagnostics: What was found about the model.
+        root: The folder to which references are relative; None for that of the first file.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        view: str,
+        diagnostics: Iterable[Diagnostic],
+        root: Path | None = None,
+    ) -> None:
+        self.model = model
+        self.view = view
+        self._root = Path(os.path.realpath(root)) if root else model.documents[0].path.parent
+        self._elements: dict[str, EObject] = {}
+        self._findings: dict[tuple[str, str], list[Finding]] = defaultdict(list)
+        for each in sorted(diagnostics):
+            found = Finding(each.severity.value, each.rule, each.message)
+            key = (each.location.path, each.fragment) if each.fragment else ("", "")
+            self._findings[key].append(found)
+
+    def id_of(self, element: EObject) -> str:
+        """Returns the id of an element: its fragment, behind its file unless that is the first."""
+        document = self.model.document_of(element)
+        found = self.model.fragment(element)
+        if document is not None and document is not self.model.documents[0]:
+            found = f"{document.path.name}#{found}"
+        self._elements[found] = element
+        return found
+
+    def reference(self, element: EObject | None) -> str:
+        """Returns the reference to an element, empty for none."""
+        return ref_of(element, self.model, self._root)
+
+    def named(self, part: PartT) -> PartT:
+        """Returns a part with its key, and with its element where its id is that of one."""
+        known = [self._elements.get(each) for each in part.id.split("!")]
+        words = zip(part.id.split("!"), known, strict=True)
+        key = "!".join(word if each is None else self.key(each) for word, each in words)
+        return replace(
+            part,
+            element=part.element or self.reference(self._elements.get(part.id)),
+            key=part.key or key,
+        )
+
+    def key(self, element: EObject) -> str:
+        """Returns what names an element when positions of elements change."""
+        return self.model.made(Keys).of(element)
+
+    def findings(self, *elements: EObject | None, deep: bool = True) -> tuple[Finding, ...]:
+        """Returns what was found about elements.
+
+        Args:
+            elements: The elements; None is passed over.
+            deep: Whether what they own counts too.
+        """
+        if not self._findings:
+            return ()
+        found: dict[Finding, None] = {}
+        pending = [each for each in reversed(elements) if each is not None]
+        while pending:
+            element = pending.pop()
+            document = self.model.document_of(element)
+            path = document.display if document is not None else ""
+            for each in self._findings.get((path, self.model.fragment(element)), ()):
+                found[each] = None
+            if deep:
+                pending += reversed(self.model.owned(element))
+        return tuple(found)
+
+    def of_files(self) -> tuple[Finding, ...]:
+        """Returns what was found about files and not about an element."""
+        return tuple(dict.fromkeys(self._findings.get(("", ""), ())))
+
+
+def details(element: EObject, **more: object) -> Details:
+    """Returns what is told of an element on request: its documentation, then more.
+
+    Args:
+        element: The element.
+        more: Names and values; empty values are left out.
+    """
+    texts = {"documentation": getattr(element, "documentation", None), **more}
+    return tuple((name, str(value)) for name, value in texts.items() if value not in (None, ""))
+
+
+def name_of(element: EObject | None) -> str:
+    """Returns the name of an element, or what stands for a name that is not there."""
+    return str(getattr(element, "name", None) or "?")
+
+
+def number(value: float) -> str:
+    """Returns a number as people write it: no more digits than it needs."""
+    return f"{value:.10g}"

@@ -1,0 +1,208 @@
+"""Members of messages as rows: names, types, units, ranges and axes, as far as maps use them."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from jausml.views.diagrams.graph import Port
+from jausml.views.diagrams.views.context import details, number
+from jausml.language.metamodel.classes import jaus, ros
+from jausml.language.semantics.attributes import UNSTATED, Attribute
+from jausml.language.semantics.jaus_paths import JausPlace, message_place
+from jausml.language.semantics.ros_paths import RosPlace, ros_name
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterator, Mapping
+
+    from jausml.views.diagrams.views.context import Context
+    from jausml.language.semantics.attributes import Part
+
+DEEPEST = 12
+"""Members around each other; types that hold themselves end here."""
+
+_MANY_VALUES = 1e15
+"""Limits from here on are those of the type, and say nothing."""
+
+
+@dataclass(frozen=True)
+class Member:
+    """A member of a message.
+
+    Attributes:
+        path: Names joined by dots; an element of a list has the path of the list.
+        port: Its row.
+        inner: What it holds.
+    """
+
+    path: str
+    port: Port
+    inner: tuple[Member, ...] = ()
+
+
+def plain(path: str) -> str:
+    """Returns a path of an assignment as members have it: without indices."""
+    return re.sub(r"(\[\d*\])+", "", path)
+
+
+def jaus_members(context: Context, message: jaus.MessageDef) -> tuple[Member, ...]:
+    """Returns the members of a JAUS message."""
+    return tuple(_of_jaus(context, message_place(message), "", 0))
+
+
+def ros_members(context: Context, kind: ros.MessageType) -> tuple[Member, ...]:
+    """Returns the members of a ROS message."""
+    return tuple(_of_ros(context, RosPlace(type=kind), "", 0))
+
+
+def rows(members: tuple[Member, ...], marks: Mapping[str, str]) -> Iterator[Port]:
+    """Yields the rows of members; of what no assignment fills or reads only the outermost.
+
+    Args:
+        members: The members.
+        marks: What stands at the members that assignments fill or read, by path.
+    """
+    outer = {path[:at] for path in marks for at, sign in enumerate(path) if sign == "."}
+    yield from _rows(members, marks, outer)
+
+
+def _rows(
+    members: tuple[Member, ...], marks: Mapping[str, str], outer: Collection[str]
+) -> Iterator[Port]:
+    for each in members:
+        within = each.path in outer
+        if each.path in marks:
+            yield replace(each.port, mark=marks[each.path] or each.port.mark)
+        elif not within:
+            mark = "required, unmapped" if each.port.mark == "required" else "unmapped"
+            yield replace(each.port, mark=mark)
+        else:
+            yield each.port
+        if within:
+            yield from _rows(each.inner, marks, outer)
+
+
+def paths_of(members: tuple[Member, ...]) -> Iterator[str]:
+    """Yields the paths of members and of what they hold."""
+    for each in members:
+        yield each.path
+        yield from paths_of(each.inner)
+
+
+def _of_jaus(context: Context, place: JausPlace, before: str, depth: int) -> Iterator[Member]:
+    if isinstance(place.field, jaus.List | jaus.Array):
+        element = place.element()
+        if element is not None:
+            yield from _of_jaus(context, element, before, depth)
+        return
+    for part in (place.members() or ()) if depth < DEEPEST else ():
+        found = place.step(part.name) if part.name else None
+        if not isinstance(found, JausPlace):
+            continue
+        path = f"{before}.{part.name}" if before else str(part.name)
+        attribute = found.attribute()
+        # What nothing holds around it must be there, unless a presence vector tells.
+        needed = depth == 0 and not attribute.optional
+        port = Port(
+            path,
+            str(part.name),
+            _note(_jaus_type(found.field), attribute),
+            "required" if needed else "optional" if attribute.optional else "",
+            depth,
+            _details(part, attribute),
+            context.findings(part),
+            context.reference(part),
+        )
+        yield Member(path, port, tuple(_of_jaus(context, found, path, depth + 1)))
+
+
+def _of_ros(context: Context, place: RosPlace, before: str, depth: int) -> Iterator[Member]:
+    if place.is_array:
+        element = place.element()
+        if element is not None:
+            yield from _of_ros(context, element, before, depth)
+        return
+    kind = place.type
+    for field in kind.fields if kind is not None and depth < DEEPEST else ():
+        found = place.step(field.name) if field.name else None
+        if not isinstance(found, RosPlace):
+            continue
+        path = f"{before}.{field.name}" if before else str(field.name)
+        attribute = found.attribute()
+        port = Port(
+            path,
+            str(field.name),
+            _note(_ros_type(field), attribute),
+            depth=depth,
+            details=_details(field, attribute),
+            findings=context.findings(field),
+            element=context.reference(field),
+        )
+        yield Member(path, port, tuple(_of_ros(context, found, path, depth + 1)))
+
+
+def _note(kind: str, attribute: Attribute) -> str:
+    unit = attribute.units if attribute.units != "one" else ""
+    return " · ".join(each for each in (kind, unit, _range(attribute), _axes(attribute)) if each)
+
+
+def _details(part: Part, attribute: Attribute) -> tuple[tuple[str, str], ...]:
+    return details(
+        part,
+        unit=attribute.units,
+        range=_range(attribute),
+        axes=_axes(attribute),
+        values=", ".join(f"{value} {name}" for name, value in attribute.constants),
+    )
+
+
+def _axes(attribute: Attribute) -> str:
+    return attribute.frame if attribute.frame != UNSTATED and attribute.units else ""
+
+
+def _range(attribute: Attribute) -> str:
+    lower, upper = attribute.lower, attribute.upper
+    if attribute.integral and isinstance(attribute.field, ros.PrimitiveField):
+        return ""
+    if lower is None or upper is None or max(-lower, upper) > _MANY_VALUES:
+        return ""
+    if attribute.named or attribute.kind != "number":
+        return ""
+    return f"{number(float(f'{lower:.7g}'))}..{number(float(f'{upper:.7g}'))}"
+
+
+def _jaus_type(field: Part | None) -> str:
+    match field:
+        case jaus.FixedField():
+            scaled = "scaled " if field.scale is not None else ""
+            return f"{scaled}{field.type.name}"
+        case jaus.Alternative():
+            return str(field.type.name)
+        case jaus.BitField():
+            return f"bits of {field.type.name}"
+        case jaus.SubField():
+            return f"bits {field.lowBit}-{field.highBit}"
+        case jaus.Array():
+            return "array " + "x".join(map(str, field.dimensions))
+        case jaus.FixedLengthString() | jaus.VariableLengthString():
+            return "text"
+        case None:
+            return ""
+        case _:
+            return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", field.eClass.name).lower()
+
+
+def _ros_type(field: ros.Field) -> str:
+    kind = "?"
+    if isinstance(field, ros.PrimitiveField):
+        kind = str(field.type.name)
+    elif isinstance(field, ros.MessageField) and field.messageType is not None:
+        kind = ros_name(field.messageType).rpartition("/")[2]
+    match field.arrayKind.name:
+        case "single":
+            return kind
+        case "fixedArray":
+            return f"{kind}[{field.arraySize}]"
+        case _:
+            return f"{kind}[]"

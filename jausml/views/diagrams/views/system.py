@@ -1,0 +1,182 @@
+"""The system view: components, bridges with their connections, ROS nodes, and what flows."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import TYPE_CHECKING
+
+from jausml.views.diagrams.graph import (
+    BRIDGE_COLUMN,
+    JAUS_COLUMN,
+    ROS_COLUMN,
+    Edge,
+    End,
+    Graph,
+    Group,
+    Port,
+)
+from jausml.views.diagrams.graph import Node as Box
+from jausml.views.diagrams.views import connections, exchanges
+from jausml.views.diagrams.views.building import Builder
+from jausml.views.diagrams.views.context import details, name_of
+from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.metamodel.classes import system as systems
+from jausml.language.semantics.hosts import host_of
+from jausml.language.semantics.ros_paths import ros_name
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Sequence
+
+    from jausml.views.diagrams.views.context import Context
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.model import Model
+
+
+def participants(model: Model) -> Sequence[jaus.Component | ros.Node]:
+    """Returns the components, bridges and nodes of a model, the library's left out."""
+    return [
+        *model.instances(jaus.Component, library=False),
+        *model.instances(ros.Node, library=False),
+    ]
+
+
+def graph(context: Context) -> Graph:
+    """Returns the system view.
+
+    Args:
+        context: The model.
+    """
+    builder = Builder(context)
+    found = participants(context.model)
+    boxes = [_box(context, each) for each in found]
+    _add_hosts(context, builder, {each.group for each in boxes})
+    for box in boxes:
+        builder.add(box)
+    for each in found:
+        if isinstance(each, ros.Node):
+            _add_endpoints(builder, each)
+    for each in found:
+        if isinstance(each, jaus.Component):
+            for connection in each.connections:
+                connections.add_service_connection(builder, each, connection)
+            _add_control(builder, each)
+        if isinstance(each, bridge.Bridge):
+            connections.add_bridge(builder, each)
+    _add_topics(builder, [each for each in found if isinstance(each, ros.Node)])
+    root = context.model.root
+    name = name_of(root) if isinstance(root, systems.System) else context.view
+    return builder.graph(f"system {name}" if isinstance(root, systems.System) else name)
+
+
+def _add_hosts(context: Context, builder: Builder, used: Collection[str]) -> None:
+    for host in context.model.instances(systems.Host, library=False):
+        transport = host.transport.name
+        title = f"host {name_of(host)} ({transport})"
+        if context.id_of(host) in used:
+            builder.groups.append(Group(context.id_of(host), "host", title))
+        else:
+            # There is no frame around nothing: until something runs there it is a box.
+            builder.add(Box(context.id_of(host), "host", title, "nothing runs here yet"))
+
+
+def _box(context: Context, element: jaus.Component | ros.Node) -> Box:
+    group = ""
+    owner = element.eContainer()
+    if isinstance(owner, systems.System):
+        host = host_of(owner, element)
+        group = context.id_of(host) if host is not None else ""
+    if isinstance(element, ros.Node):
+        return Box(
+            context.id_of(element),
+            "node",
+            name_of(element),
+            f"ROS node {element.namespace or ''}".strip(),
+            group=group,
+            column=ROS_COLUMN,
+            details=details(element),
+            findings=context.findings(element),
+        )
+    is_bridge = isinstance(element, bridge.Bridge)
+    words = "bridge" if is_bridge else "JAUS component"
+    return Box(
+        context.id_of(element),
+        "bridge" if is_bridge else "component",
+        name_of(element),
+        f"{'external ' if element.external else ''}{words} {element.address or ''}".strip(),
+        group=group,
+        column=BRIDGE_COLUMN if is_bridge else JAUS_COLUMN,
+        details=details(
+            element,
+            provides=", ".join(name_of(each) for each in element.provides),
+            uses=", ".join(name_of(each) for each in element.uses),
+        ),
+        # What a bridge has in its connections is told there.
+        findings=context.findings(element, *element.connections, deep=False)
+        if is_bridge
+        else context.findings(element),
+    )
+
+
+def _add_endpoints(builder: Builder, node: ros.Node) -> None:
+    context = builder.context
+    endpoints = (*node.publishers, *node.subscriptions)
+    told = {context.id_of(each): exchanges.qos(each.qos) for each in endpoints}
+    ends: list[tuple[EObject, str, str, str]] = [
+        *(
+            (each, connections.topic(each.topic, node), "publishes", _type(each.type))
+            for each in node.publishers
+        ),
+        *(
+            (each, connections.topic(each.topic, node), "subscribes", _type(each.type))
+            for each in node.subscriptions
+        ),
+        *(
+            (each, connections.topic(each.service, node), "serves", _type(each.type))
+            for each in node.serviceServers
+        ),
+        *(
+            (each, connections.topic(each.service, node), "calls", _type(each.type))
+            for each in node.serviceClients
+        ),
+    ]
+    for element, name, way, kind in ends:
+        own = context.id_of(element)
+        more = details(element, way=way, type=kind, QoS=told.get(own, ""))
+        port = Port(own, name, kind, details=more)
+        builder.put(context.id_of(node), port)
+        builder.endpoints.append((name, way, End(context.id_of(node), port.id)))
+
+
+def _type(kind: ros.MessageType | ros.ServiceType | None) -> str:
+    return ros_name(kind) if kind is not None else "?"
+
+
+def _add_control(builder: Builder, component: jaus.Component) -> None:
+    context = builder.context
+    for index, other in enumerate(component.controls):
+        if context.id_of(other) in builder.boxes:
+            builder.edges.append(
+                Edge(
+                    f"{context.id_of(component)}!controls.{index}",
+                    End(context.id_of(component)),
+                    End(context.id_of(other)),
+                    "control",
+                    "control",
+                    ("controls",),
+                )
+            )
+
+
+def _add_topics(builder: Builder, nodes: Sequence[ros.Node]) -> None:
+    """Adds what flows among ROS nodes."""
+    inside = {builder.context.id_of(each) for each in nodes}
+    ends = [each for each in builder.endpoints if each[2].node in inside]
+    pairs = (("publishes", "subscribes", "topic"), ("calls", "serves", "call"))
+    found: defaultdict[tuple[str, str], list[End]] = defaultdict(list)
+    for name, way, end in ends:
+        found[name, way].append(end)
+    for name, way, start in ends:
+        for source_way, target_way, kind in pairs:
+            for end in found[name, target_way] if way == source_way else ():
+                identifier = f"{start.port}!{end.port}"
+                builder.edges.append(Edge(identifier, start, end, kind, name))

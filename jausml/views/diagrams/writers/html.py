@@ -1,0 +1,136 @@
+"""A page that stands alone: the picture with zoom, filter and details; it asks no host."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from jausml.views.diagrams.bundling import bundled
+from jausml.views.diagrams.graph import Edge
+from jausml.views.diagrams.writers import colours, svg, tables
+from jausml.views.diagrams.writers.text_width import cut
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.views.diagrams.graph import Graph, Node, Port
+    from jausml.views.diagrams.layout.sheet import Engine
+
+_PAGE = Path(__file__).parent / "page"
+
+
+def render(graph: Graph, engine: Engine, theme: str = "auto") -> str:
+    """Returns a graph as a page.
+
+    Args:
+        graph: The graph; one of too many edges is bundled.
+        engine: What places its parts.
+        theme: Colours of the picture, as `svg.render` takes them.
+
+    Raises:
+        LayoutError: There is no layout.
+    """
+    shown = bundled(graph)
+    script = (_PAGE / "diagram.js").read_text(encoding="utf-8")
+    style = colours.variables() + (_PAGE / "diagram.css").read_text(encoding="utf-8")
+    keys = svg.Keys()
+    picture = svg.picture(shown, engine, theme, is_bundled=shown is not graph, keys=keys)
+    # Of a text within a script the sign that could end it is written as JSON writes any sign.
+    known = json.dumps(dict(_known(shown, keys)), ensure_ascii=True).replace("<", "\\u003c")
+    policy = "; ".join(
+        (
+            "default-src 'none'",
+            f"script-src {_hash(script)}",
+            f"style-src {_hash(style)} {_hash(colours.style(theme, compares=shown.compares))}",
+            "base-uri 'none'",
+            "form-action 'none'",
+        )
+    )
+    return f"""<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{policy}">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{escape(cut(shown.title, 90))}</title>
+<style>{style}</style>
+</head>
+<body>
+<header>
+<input id="filter" type="search" placeholder="filter (/)" aria-label="filter by name">
+<button id="closer" type="button" aria-label="closer">+</button>
+<button id="further" type="button" aria-label="further away">&#8722;</button>
+<button id="fit" type="button">fit (0)</button>
+<button id="tables" type="button" aria-pressed="false">tables (t)</button>
+<details id="help"><summary>keys (?)</summary>
+<dl>
+<dt>/</dt><dd>filter; Enter chooses the first match</dd>
+<dt>n, p</dt><dd>the next and the previous box, row or edge</dd>
+<dt>o, i</dt><dd>out and in: from a box to its edges, from an edge to its ends</dd>
+<dt>Esc</dt><dd>nothing chosen</dd>
+<dt>t</dt><dd>tables in the place of the picture</dd>
+<dt>+ - 0, arrows</dt><dd>closer, further away, all of it, aside</dd>
+</dl>
+</details>
+</header>
+<main>
+{picture}<section id="list" aria-label="tables" hidden>
+{tables.render(shown, keys)}
+</section>
+<aside id="details" aria-live="polite" hidden></aside>
+</main>
+<script type="application/json" id="known">{known}</script>
+<script>{script}</script>
+</body>
+</html>
+"""
+
+
+def _hash(text: str) -> str:
+    """Returns the source expression that lets this very text run or style."""
+    digest = hashlib.sha256(text.encode()).digest()
+    return f"'sha256-{base64.b64encode(digest).decode()}'"
+
+
+def _known(graph: Graph, keys: svg.Keys) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yields what is told of boxes, rows and edges by the keys that the picture has."""
+    for node in graph.nodes:
+        own = keys.node(node.id)
+        yield own, _entry(node.title, _text(node), node, [])
+        for port in node.ports:
+            told = _entry(port.label, f"{port.label} {port.note}", port, [own])
+            yield keys.port(node.id, port.id), told
+    titles = {each.id: each.title for each in graph.nodes}
+    labels = {(node.id, port.id): port.label for node in graph.nodes for port in node.ports}
+    for edge in graph.edges:
+        source, target = titles[edge.source.node], titles[edge.target.node]
+        title = f"{source} \N{RIGHTWARDS ARROW} {target}"
+        ways = {
+            name: [key for key in (keys.port(end.node, end.port), keys.node(end.node)) if key]
+            for name, end in (("from", edge.source), ("to", edge.target))
+        }
+        rows = [labels.get((end.node, end.port), "") for end in (edge.source, edge.target)]
+        text = " ".join([edge.title, source, target, *rows])
+        told = _entry(title, text, edge, [key for ends in ways.values() for key in ends])
+        yield keys.edge(edge.id), told | ways
+
+
+def _text(node: Node) -> str:
+    return " ".join([node.title, node.subtitle, *(each.label for each in node.ports)])
+
+
+def _entry(title: str, text: str, part: Node | Port | Edge, ends: list[str]) -> dict[str, Any]:
+    first = []
+    if isinstance(part, Edge):
+        first = [["flows", part.title], ["how", ", ".join(part.labels)]]
+    return {
+        "title": title,
+        "text": text,
+        "ends": ends,
+        "findings": [[each.severity, each.message] for each in part.findings],
+        "details": [each for each in [*first, *map(list, part.details)] if each[1]],
+    }

@@ -1,0 +1,146 @@
+"""Texts and sizes of what a picture shows, before a layout places it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.views.diagrams.graph import severity
+from jausml.views.diagrams.layout.sheet import Box, Frame, Line, Row, Sheet
+from jausml.views.diagrams.writers.text_width import cut, width
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.views.diagrams.graph import Edge, Finding, Graph, Node, Port
+
+TITLE, SMALL, ROW = 13, 10, 11
+"""Font sizes in pixels."""
+
+ROW_HEIGHT, LINE_HEIGHT, PADDING, INDENT, GAP = 18, 13, 10, 12, 12
+LONGEST_TITLE, _LONGEST_LABEL, _LONGEST_NOTE, _LONGEST_LINE = 48, 96, 72, 44
+_MOST_LINES, _MOST_FINDINGS = 5, 4
+_ACROSS = ("to_ros", "to_jaus")
+"""Kinds of edges between rows that stand close: their labels have one line."""
+_SIGNS = {"error": "\N{MULTIPLICATION SIGN} ", "warning": "! ", "info": "i "}
+
+
+@dataclass(frozen=True)
+class RowText:
+    """The texts of a row: its name, what stands behind it, one word at the right end."""
+
+    label: str
+    note: str
+    mark: str
+    severity: str
+    indent: int
+
+
+def title_of(node: Node) -> str:
+    """Returns the title of a box."""
+    return cut(node.title, LONGEST_TITLE) or "?"
+
+
+def subtitles(node: Node) -> list[tuple[str, str]]:
+    """Returns the lines below the title of a box, each with a severity or an empty text."""
+    lines = [(cut(node.subtitle, _LONGEST_NOTE), "")] if node.subtitle else []
+    lines += [(finding_text(each), each.severity) for each in node.findings[:_MOST_FINDINGS]]
+    more = len(node.findings) - _MOST_FINDINGS
+    return lines + ([(f"and {more} more", "")] if more > 0 else [])
+
+
+def finding_text(finding: Finding) -> str:
+    """Returns what is wrong, with a sign and a word for how grave it is."""
+    sign = _SIGNS.get(finding.severity, "")
+    return cut(f"{sign}{finding.severity}: {finding.message}", _LONGEST_NOTE)
+
+
+def row_text(port: Port) -> RowText:
+    """Returns the texts of a row."""
+    grave = severity(port.findings)
+    words = [f"{_SIGNS[grave]}{grave}"] if grave else []
+    words += [port.mark] if port.mark else []
+    return RowText(
+        cut(port.label, _LONGEST_LABEL),
+        cut(port.note, _LONGEST_NOTE),
+        cut(", ".join(words), _LONGEST_LABEL),
+        grave,
+        port.depth * INDENT,
+    )
+
+
+def label_lines(edge: Edge) -> list[str]:
+    """Returns the lines of the label of an edge."""
+    grave = severity(edge.findings)
+    lines = [f"{_SIGNS[grave]}{grave}"] if grave else []
+    lines += [cut(each, _LONGEST_LINE) for each in edge.labels if each]
+    if edge.kind in _ACROSS:
+        return [cut(", ".join(lines), _LONGEST_LINE)] if lines else []
+    if len(lines) > _MOST_LINES:
+        lines[_MOST_LINES - 1 :] = [f"and {len(lines) - _MOST_LINES + 1} more"]
+    return lines
+
+
+def sheet_of(graph: Graph, *, packed: bool) -> Sheet:
+    """Returns what a layout is to place.
+
+    Args:
+        graph: The graph.
+        packed: Whether what no line joins is packed into a rectangle.
+    """
+    return Sheet(
+        tuple(box_of(each) for each in graph.nodes),
+        tuple(
+            Frame(each.id, each.parent, math.ceil(width(cut(each.title, LONGEST_TITLE), ROW)) + 8,
+                  LINE_HEIGHT + 5)
+            for each in graph.groups
+        ),
+        tuple(_line(each, is_labelled=not packed) for each in graph.edges),
+        graph.downwards,
+        packed,
+        facing=graph.view.startswith("map:"),
+    )  # fmt: skip
+
+
+def head_height(node: Node) -> int:
+    """Returns the height of what stands above the rows of a box."""
+    return TITLE + 13 + LINE_HEIGHT * len(subtitles(node))
+
+
+def box_of(node: Node) -> Box:
+    """Returns a box with its size."""
+    widest = max(_widths(node))
+    rows = tuple(Row(each.id, ROW_HEIGHT) for each in node.ports)
+    return Box(
+        node.id,
+        math.ceil(widest) + 2 * PADDING,
+        head_height(node),
+        rows,
+        node.group,
+        node.column,
+    )
+
+
+def _widths(node: Node) -> Iterator[float]:
+    yield width(title_of(node), TITLE, bold=True)
+    for text, _ in subtitles(node):
+        yield width(text, SMALL)
+    for port in node.ports:
+        row = row_text(port)
+        found = row.indent + width(row.label, ROW)
+        found += sum(GAP + width(each, SMALL) for each in (row.note, row.mark) if each)
+        yield found
+
+
+def _line(edge: Edge, *, is_labelled: bool) -> Line:
+    # Bundles have no room for labels: their boxes say what is wrong, and details the rest.
+    lines = label_lines(edge) if is_labelled else []
+    widest = max((width(each, SMALL) for each in lines), default=0)
+    return Line(
+        edge.id,
+        (edge.source.node, edge.source.port),
+        (edge.target.node, edge.target.port),
+        math.ceil(widest) + 8 if lines else 0,
+        LINE_HEIGHT * len(lines) + 4 if lines else 0,
+    )

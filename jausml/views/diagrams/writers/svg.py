@@ -1,0 +1,271 @@
+"""Pictures: graphs as SVG, light and dark, the same bytes for the same graph."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+from xml.sax.saxutils import escape, quoteattr
+
+from jausml.views.diagrams.bundling import bundled
+from jausml.views.diagrams.graph import severity
+from jausml.views.diagrams.writers import shapes
+from jausml.views.diagrams.writers.colours import style
+from jausml.views.diagrams.writers.text_width import cut, width
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.views.diagrams.graph import Edge, Graph, Group, Node, Port
+    from jausml.views.diagrams.layout.sheet import Engine, Places, Point, Route
+
+MARGIN, TOP = 16, 54
+_ROUND = {"node": 9, "type": 9, "state": 12, "others": 9}
+_LONGEST_TITLE = 90
+_LEGENDS = {
+    "system": "square: JAUS · thick: bridge · rounded: ROS · dashed: control",
+    "map": "left: JAUS · right: ROS · blue: JAUS to ROS · green: ROS to JAUS",
+    "service": "arrows of messages: what answers · dashed: what a service takes and sends",
+    "machine": "rows: what a state does and stays · all inside: in each state of the frame",
+}
+
+_STATES = (
+    "+ blue: added \N{MIDDLE DOT} \N{MINUS SIGN} orange, dashed: removed "
+    "\N{MIDDLE DOT} ~ yellow: changed"
+)
+
+
+def render(graph: Graph, engine: Engine, theme: str = "auto") -> str:
+    """Returns a graph as a picture.
+
+    Args:
+        graph: The graph; one of too many edges is bundled.
+        engine: What places its parts.
+        theme: `light`, `dark`, or `auto` for that of whoever looks.
+
+    Raises:
+        LayoutError: There is no layout.
+    """
+    shown = bundled(graph)
+    return picture(shown, engine, theme, is_bundled=shown is not graph, keys=Keys())
+
+
+def size_of(picture: str) -> tuple[float, float]:
+    """Returns the width and height of a picture of ours."""
+    width, height = re.findall(r' (?:width|height)="([\d.]+)"', picture[:400])[:2]
+    return float(width), float(height)
+
+
+class Keys:
+    """Short keys of what a picture shows, by which a page finds what it tells of them."""
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[str, ...], str] = {}
+
+    def node(self, node: str) -> str:
+        """Returns the key of a box."""
+        return self._key("box", node)
+
+    def port(self, node: str, port: str) -> str:
+        """Returns the key of a row, empty for the box as a whole."""
+        return self._key("row", node, port) if port else ""
+
+    def edge(self, edge: str) -> str:
+        """Returns the key of an edge."""
+        return self._key("edge", edge)
+
+    def _key(self, *names: str) -> str:
+        return self._known.setdefault(names, f"k{len(self._known)}")
+
+
+def picture(graph: Graph, engine: Engine, theme: str, *, is_bundled: bool, keys: Keys) -> str:
+    """Returns a graph as it is as a picture.
+
+    Args:
+        graph: The graph.
+        engine: What places its parts.
+        theme: As `render` takes it.
+        is_bundled: Whether what no edge joins is packed into a rectangle.
+        keys: The keys of what is drawn.
+
+    Raises:
+        LayoutError: There is no layout.
+    """
+    return "\n".join(_lines(graph, engine, theme, keys, is_bundled=is_bundled)) + "\n"
+
+
+def _lines(
+    graph: Graph, engine: Engine, theme: str, keys: Keys, *, is_bundled: bool
+) -> Iterator[str]:
+    places = engine.place(shapes.sheet_of(graph, packed=is_bundled))
+    title = cut(graph.title, _LONGEST_TITLE)
+    notes = _notes(graph)
+    least = max(width(title, 16, bold=True), *(width(each, shapes.SMALL) for each, _ in notes))
+    top = TOP + shapes.LINE_HEIGHT * (len(notes) - 1)
+    size = (
+        round(max(places.width, least) + 2 * MARGIN, 1),
+        round(places.height + top + MARGIN, 1),
+    )
+    yield (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{size[0]}" height="{size[1]}" '
+        f'viewBox="0 0 {size[0]} {size[1]}" role="img" class="diagram">'
+    )
+    yield f"<title>{escape(title)}</title>"
+    yield f"<style>{style(theme, compares=graph.compares)}</style>"
+    yield (
+        '<defs><marker id="arrow" viewBox="0 0 8 8" refX="8" refY="4" markerWidth="8" '
+        'markerHeight="8" markerUnits="userSpaceOnUse" orient="auto">'
+        '<path class="head" d="M0 0.8 8 4 0 7.2z"/></marker></defs>'
+    )
+    yield f'<rect class="ground" width="{size[0]}" height="{size[1]}"/>'
+    yield _text(MARGIN, 26, title, 16, "title", bold=True)
+    for index, (text, kind) in enumerate(notes):
+        place = 41 + shapes.LINE_HEIGHT * index
+        yield _text(MARGIN, place, text, shapes.SMALL, kind or "muted")
+    yield f'<g transform="translate({MARGIN} {top})">'
+    for group in graph.groups:
+        yield from _frame(group, places)
+    for edge in graph.edges:
+        yield from _edge(edge, places.lines[edge.id], keys)
+    for node in graph.nodes:
+        yield from _node(node, places, keys)
+    for edge in graph.edges:
+        yield from _label(edge, places.lines[edge.id], keys)
+    yield "</g>\n</svg>"
+
+
+def _notes(graph: Graph) -> list[tuple[str, str]]:
+    """Returns what stands below the title: what is drawn how, and what is wrong with files."""
+    legend = _LEGENDS.get(graph.view.partition(":")[0], graph.view)
+    wrong = [(shapes.finding_text(each), each.severity) for each in graph.findings]
+    states = [(_STATES, "")] if graph.compares else []
+    return [(legend, ""), *states, *wrong]
+
+
+def _frame(group: Group, places: Places) -> Iterator[str]:
+    (left, top), (right, bottom) = places.frames[group.id]
+    identity = quoteattr(_data(group.id))
+    size = f'width="{round(right - left, 1)}" height="{round(bottom - top, 1)}"'
+    yield f'<g class="frame {group.kind}{_behind(group.state)}" data-id={identity}>'
+    yield f'<rect x="{left}" y="{top}" {size} rx="6"/>'
+    yield _text(left + 10, top + 17, cut(group.title, 48), shapes.ROW, "muted")
+    yield "</g>"
+
+
+def _node(node: Node, places: Places, keys: Keys) -> Iterator[str]:
+    x, y = places.boxes[node.id]
+    sheet = shapes.box_of(node)
+    grave = severity(node.findings)
+    corner = f'rx="{_ROUND[node.kind]}" ' if node.kind in _ROUND else ""
+    size = f'width="{sheet.width}" height="{sheet.height}"'
+    kind = f"{node.kind} {grave}{_behind(node.state)}"
+    yield f'<g class="box {kind}" {_ids(keys.node(node.id), node.id)}>'
+    if grave == "error":
+        outer = f'width="{sheet.width + 6}" height="{sheet.height + 6}"'
+        yield f'<rect class="doubled" x="{_n(x - 3)}" y="{_n(y - 3)}" {corner}{outer}/>'
+    yield f'<rect class="body" x="{x}" y="{y}" {corner}{size}/>'
+    left, line = x + shapes.PADDING, y + shapes.TITLE + 4
+    yield _text(left, line, shapes.title_of(node), shapes.TITLE, "title", bold=True)
+    for text, kind in shapes.subtitles(node):
+        line += shapes.LINE_HEIGHT
+        yield _text(left, line, text, shapes.SMALL, kind or "muted")
+    if node.ports:
+        rule = y + sheet.head - 2
+        yield f'<path class="rule" d="M{x} {_n(rule)}h{sheet.width}"/>'
+    for index, port in enumerate(node.ports):
+        top = y + sheet.head + index * shapes.ROW_HEIGHT
+        key = keys.port(node.id, port.id)
+        yield from _row(port, key, left, top, x + sheet.width - shapes.PADDING)
+    yield "</g>"
+
+
+def _row(port: Port, key: str, left: float, top: float, right: float) -> Iterator[str]:
+    row = shapes.row_text(port)
+    base = top + 12.5
+    quiet = "muted" if "unmapped" in port.mark else ""
+    yield f'<g class="row" {_ids(key, port.id)}>'
+    yield _text(left + row.indent, base, row.label, shapes.ROW, port.state or quiet)
+    if row.note:
+        after = left + row.indent + width(row.label, shapes.ROW) + shapes.GAP
+        yield _text(after, base, row.note, shapes.SMALL, "muted")
+    if row.mark:
+        start = right - width(row.mark, shapes.SMALL)
+        yield _text(start, base, row.mark, shapes.SMALL, row.severity or quiet or "mark")
+    yield "</g>"
+
+
+def _edge(edge: Edge, route: Route, keys: Keys) -> Iterator[str]:
+    grave = severity(edge.findings)
+    start, *rest = route.points
+    curves = "".join(
+        f"C{_pair(rest[at])} {_pair(rest[at + 1])} {_pair(rest[at + 2])}"
+        for at in range(0, len(rest) - 2, 3)
+    )
+    weight = f' stroke-width="{min(1.2 + 0.4 * edge.count, 5):g}"' if edge.count > 1 else ""
+    words = ": ".join(each for each in (edge.title, ", ".join(edge.labels)) if each)
+    yield (
+        f'<path class="edge {edge.kind} {grave}{_behind(edge.state)}" '
+        f"{_ids(keys.edge(edge.id), edge.id)}{weight} "
+        f'd="M{_pair(start)}{curves}" marker-end="url(#arrow)">'
+        f"<title>{escape(cut(words, 400))}</title></path>"
+    )
+
+
+def _label(edge: Edge, route: Route, keys: Keys) -> Iterator[str]:
+    lines = shapes.label_lines(edge)
+    if not lines or route.label is None:
+        return
+    x, y = route.label
+    grave = severity(edge.findings)
+    widest = max(width(each, shapes.SMALL) for each in lines) + 6
+    height = shapes.LINE_HEIGHT * len(lines) + 2
+    yield f'<g class="label" data-key="{keys.edge(edge.id)}">'
+    corner = f'x="{_n(x - widest / 2)}" y="{_n(y - height / 2)}"'
+    yield f'<rect class="behind" {corner} width="{_n(widest)}" height="{height}" rx="2"/>'
+    for index, text in enumerate(lines):
+        base = y - height / 2 + 10.5 + index * shapes.LINE_HEIGHT
+        yield _text(
+            x - width(text, shapes.SMALL) / 2,
+            base,
+            text,
+            shapes.SMALL,
+            grave or edge.state or "flow",
+        )
+    yield "</g>"
+
+
+def _behind(state: str) -> str:
+    """Returns a state as one more class of a part."""
+    return f" {state}" if state else ""
+
+
+def _text(x: float, y: float, text: str, size: int, kind: str, *, bold: bool = False) -> str:
+    """Returns a text of the width that the table gives it, whatever the font."""
+    if not text:
+        return ""
+    known = f' class="{kind}"' if kind else ""
+    weight = ' font-weight="bold"' if bold else ""
+    long = width(text, size, bold=bold)
+    # Direction and embedding keep letters that run from right to left within their own text.
+    return (
+        f'<text x="{_n(x)}" y="{_n(y)}" font-size="{size}"{weight}{known} direction="ltr" '
+        f'unicode-bidi="embed" textLength="{long:g}" lengthAdjust="spacingAndGlyphs">'
+        f"{escape(text)}</text>"
+    )
+
+
+def _ids(key: str, identifier: str) -> str:
+    """Returns the attributes that name a part: its key for the page, its id of the model."""
+    return f'data-key="{key}" data-id={quoteattr(_data(identifier))}'
+
+
+def _data(text: str) -> str:
+    """Returns an id as data of XML, which has no control characters."""
+    return "".join(each if each.isprintable() else "\N{REPLACEMENT CHARACTER}" for each in text)
+
+
+def _n(number: float) -> str:
+    return f"{round(number, 1):g}"
+
+
+def _pair(point: Point) -> str:
+    return f"{point[0]:g} {point[1]:g}"

@@ -1,0 +1,256 @@
+"""Graphs as plain values for a page that draws them itself: texts, sizes and places.
+
+All lengths are pixels; y grows downwards. Corners are upper left ones; those of boxes and frames
+count from the origin of the drawing, `y` of a port from the top of its box. A route is a start,
+then three points for each cubic Bezier curve; it is empty where the ends of an edge were moved.
+Texts are as pictures have them, cut where they are too long: titles of 13, rows of 11, all else
+of 10 pixels. Findings are not in the texts; each line has room for a sign of them, so that no box
+grows by them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+from jausml.views.diagrams.layout.settling import area_of, settle
+from jausml.views.diagrams.layout.surrounding import surrounding
+from jausml.views.diagrams.writers import shapes
+from jausml.views.diagrams.writers.text_width import cut
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from jausml.views.diagrams.graph import Edge, Finding, Graph, Group, Node, Port
+    from jausml.views.diagrams.layout.settling import Area
+    from jausml.views.diagrams.layout.sheet import Box, Engine, Line, Point, Route, Sheet
+
+SIGN_ROOM = 18
+"""Room for the sign of a finding at the right end of each line of a box."""
+
+_Way = tuple[float, ...]
+
+
+@dataclass
+class Standing:
+    """Where the parts of a view stood whenever it was drawn; a new one knows nothing.
+
+    Boxes that are gone are kept: what undo brings back stands where it stood.
+
+    Attributes:
+        boxes: Corners by key, without those that users gave.
+        shown: What was drawn last, by key: kinds and corners, whoever gave them.
+        routes: Ways of lines, by where they start and end.
+    """
+
+    boxes: dict[str, Point] = field(default_factory=dict)
+    shown: dict[str, tuple[str, Point]] = field(default_factory=dict)
+    routes: dict[_Way, Route] = field(default_factory=dict)
+
+
+def render(
+    graph: Graph,
+    engine: Engine,
+    moved: Mapping[str, tuple[int, int]] | None = None,
+    standing: Standing | None = None,
+) -> dict[str, Any]:
+    """Returns a graph with sizes and places, as JSON has values.
+
+    The engine places what is drawn for the first time. Later what stands stays, and what is new
+    comes beside what it is joined with.
+
+    Args:
+        graph: The graph.
+        engine: What places its parts.
+        moved: Corners that users gave to boxes, by key.
+        standing: Where its parts stood; it is told where they stand now.
+
+    Raises:
+        LayoutError: There is no layout.
+    """
+    moved = moved or {}
+    standing = standing if standing is not None else Standing()
+    sheet = _sheet(graph)
+    keys = {each.id: each.key or each.id for each in graph.nodes}
+    fixed = {name for name, key in keys.items() if key in moved}
+    _take_over(graph, keys, standing)
+    if not standing.shown:
+        places = engine.place(sheet)
+        for name, (x, y) in places.boxes.items():
+            standing.boxes.setdefault(keys[name], (round(x), round(y)))
+        _keep_routes(sheet, {n: standing.boxes[k] for n, k in keys.items()}, places.lines, standing)
+    known = {**standing.boxes, **moved}
+    corners = settle(sheet, {n: known[k] for n, k in keys.items() if k in known}, fixed)
+    # A box that users moved goes back to where it stood when they undo that.
+    standing.boxes |= {keys[n]: corner for n, corner in corners.items() if n not in fixed}
+    standing.shown = {keys[each.id]: (each.kind, corners[each.id]) for each in graph.nodes}
+    return _values(graph, sheet, corners, fixed, standing)
+
+
+def _sheet(graph: Graph) -> Sheet:
+    """Returns what is to be placed, of sizes that do not depend on what is wrong."""
+    plain = replace(
+        graph,
+        nodes=tuple(
+            replace(node, findings=(), ports=tuple(replace(p, findings=()) for p in node.ports))
+            for node in graph.nodes
+        ),
+        edges=tuple(replace(each, findings=()) for each in graph.edges),
+    )
+    sheet = shapes.sheet_of(plain, packed=graph.is_crowded)
+    return replace(
+        sheet, boxes=tuple(replace(each, width=each.width + SIGN_ROOM) for each in sheet.boxes)
+    )
+
+
+def _take_over(graph: Graph, keys: Mapping[str, str], standing: Standing) -> None:
+    """Gives the only new box of a kind the place of the only one that is gone: it was renamed."""
+    now = set(keys.values())
+    for kind in {each.kind for each in graph.nodes} if standing.shown else ():
+        gone = [
+            corner
+            for key, (its, corner) in standing.shown.items()
+            if its == kind and key not in now
+        ]
+        new = [keys[each.id] for each in graph.nodes if each.kind == kind]
+        new = [key for key in new if key not in standing.boxes]
+        if len(gone) == len(new) == 1:
+            standing.boxes[new[0]] = gone[0]
+
+
+def _keep_routes(
+    sheet: Sheet, corners: Mapping[str, Point], routes: Mapping[str, Route], standing: Standing
+) -> None:
+    standing.routes = {
+        way: routes[line.id] for line, way in _ways(sheet, corners) if line.id in routes
+    }
+
+
+def _ways(sheet: Sheet, corners: Mapping[str, Point]) -> list[tuple[Line, _Way]]:
+    """Returns where lines start and end; those that share both are numbered."""
+    boxes = {each.id: each for each in sheet.boxes}
+    rows = {(box.id, name): y for box in sheet.boxes for name, y in _rows(box, corners[box.id][1])}
+    counts: dict[_Way, int] = {}
+    found = []
+    for line in sheet.lines:
+        way: list[float] = []
+        for name, row in (line.source, line.target):
+            area = area_of(boxes[name], corners[name])
+            way += [area.left, area.right, rows.get((name, row), area.top)]
+        counts[tuple(way)] = counts.get(tuple(way), 0) + 1
+        found.append((line, (*way, counts[tuple(way)])))
+    return found
+
+
+def _rows(box: Box, top: float) -> list[tuple[str, float]]:
+    """Returns the rows of a box with where they begin."""
+    found: list[tuple[str, float]] = []
+    y = top + box.head
+    for row in box.rows:
+        found.append((row.id, y))
+        y += row.height
+    return found
+
+
+def _values(
+    graph: Graph, sheet: Sheet, corners: Mapping[str, Point], fixed: set[str], standing: Standing
+) -> dict[str, Any]:
+    boxes = {each.id: each for each in sheet.boxes}
+    routes = {line.id: standing.routes.get(way) for line, way in _ways(sheet, corners)}
+    frames = surrounding(sheet, corners, routes)
+    areas = [*frames.values(), *(area_of(each, corners[each.id]) for each in sheet.boxes)]
+    return {
+        "view": graph.view,
+        "title": graph.title,
+        "element": graph.element,
+        "downwards": graph.downwards,
+        "crowded": graph.is_crowded,
+        "width": round(max((each.right for each in areas), default=0)),
+        "height": round(max((each.bottom for each in areas), default=0)),
+        "findings": _findings(graph.findings),
+        "nodes": [
+            _node(each, boxes[each.id], corners[each.id], is_moved=each.id in fixed)
+            for each in graph.nodes
+        ],
+        "groups": [_group(each, frames[each.id]) for each in graph.groups if each.id in frames],
+        "edges": [_edge(each, routes[each.id]) for each in graph.edges],
+    }
+
+
+def _node(node: Node, box: Box, corner: Point, *, is_moved: bool) -> dict[str, Any]:
+    tops = dict(_rows(box, 0))
+    return {
+        "id": node.id,
+        "element": node.element,
+        "key": node.key,
+        "kind": node.kind,
+        "title": shapes.title_of(node),
+        "subtitle": [text for text, _ in shapes.subtitles(replace(node, findings=()))],
+        "group": node.group,
+        "column": node.column,
+        "details": list(map(list, node.details)),
+        "findings": _findings(node.findings),
+        "x": corner[0],
+        "y": corner[1],
+        "width": box.width,
+        "height": box.height,
+        "head": box.head,
+        "moved": is_moved,
+        "ports": [_port(each, tops[each.id]) for each in node.ports],
+    }
+
+
+def _port(port: Port, top: float) -> dict[str, Any]:
+    texts = shapes.row_text(replace(port, findings=()))
+    return {
+        "id": port.id,
+        "element": port.element,
+        "key": port.key,
+        "label": texts.label,
+        "note": texts.note,
+        "mark": texts.mark,
+        "depth": port.depth,
+        "y": top,
+        "height": shapes.ROW_HEIGHT,
+        "details": list(map(list, port.details)),
+        "findings": _findings(port.findings),
+    }
+
+
+def _group(group: Group, area: Area) -> dict[str, Any]:
+    return {
+        "id": group.id,
+        "element": group.element,
+        "key": group.key,
+        "kind": group.kind,
+        "title": cut(group.title, shapes.LONGEST_TITLE),
+        "parent": group.parent,
+        "x": round(area.left),
+        "y": round(area.top),
+        "width": round(area.right - area.left),
+        "height": round(area.bottom - area.top),
+    }
+
+
+def _edge(edge: Edge, route: Route | None) -> dict[str, Any]:
+    return {
+        "id": edge.id,
+        "element": edge.element,
+        "key": edge.key,
+        "source": {"node": edge.source.node, "port": edge.source.port},
+        "target": {"node": edge.target.node, "port": edge.target.port},
+        "kind": edge.kind,
+        "title": edge.title,
+        "labels": shapes.label_lines(replace(edge, findings=())),
+        "count": edge.count,
+        "details": list(map(list, edge.details)),
+        "findings": _findings(edge.findings),
+        "route": [list(each) for each in route.points] if route is not None else [],
+        "label": list(route.label) if route is not None and route.label is not None else None,
+    }
+
+
+def _findings(findings: tuple[Finding, ...]) -> list[dict[str, str]]:
+    return [
+        {"severity": each.severity, "rule": each.rule, "message": each.message} for each in findings
+    ]
