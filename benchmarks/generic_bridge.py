@@ -22,8 +22,8 @@ from ends import QOS
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.utilities import remove_ros_args
 
-from jausml.live.messages import Catalogue
 from jausml.language.metamodel.classes import bridge
+from jausml.live.messages import Catalogue
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings

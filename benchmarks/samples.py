@@ -11,8 +11,8 @@ import interpreting
 from names import KINDS
 from rclpy.serialization import serialize_message
 
-from jausml.live.messages import Catalogue
 from jausml.language.metamodel.classes import bridge
+from jausml.live.messages import Catalogue
 
 if TYPE_CHECKING:
     from jausml.language.model import Model

@@ -21,8 +21,8 @@ from rclpy.serialization import deserialize_message, serialize_message
 from samples import sample
 from systems import MAPS, READY, Measured, generate
 
-from jausml.live.messages import Catalogue
 from jausml.language.metamodel.classes import bridge
+from jausml.live.messages import Catalogue
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the stubs in jausml/language/metamodel/classes/ from the metamodels: what mypy knows of models.
+"""Writes the stubs in jausml/language/metamodel/classes/ from the metamodels, for mypy.
 
 Usage: python tools/build_model_types.py [FOLDER]
 """

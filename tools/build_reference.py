@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import click
 
+from jausml.authoring.merging.conflicts import MERGE_RULES
 from jausml.cli import main as command_line
 from jausml.language.importers.jsidl.rules import JSIDL_RULES
 from jausml.language.importers.ros.rules import ROS_RULES
-from jausml.authoring.merging.conflicts import MERGE_RULES
 from jausml.language.metamodel import (
     ClassTable,
     FeatureTable,

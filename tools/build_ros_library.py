@@ -18,8 +18,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from jausml.language.importers.ros import ImportResult, import_packages, package_sources, placed
 from jausml.language.attributes.units import parse_unit
+from jausml.language.importers.ros import ImportResult, import_packages, package_sources, placed
 from jausml.language.metamodel.filling import set_value
 from jausml.language.model.xmi.writer import write_model
 

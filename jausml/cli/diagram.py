@@ -53,11 +53,11 @@ def command(model: str, view: str, output: str, theme: str, reading: Reading) ->
     Exit status: 0 done, 1 drawn, with errors in the model, 2 usage (an unknown view) or
     environment, 3 internal error.
     """
-    from jausml.views.diagrams.views import UnknownViewError, graph_of
     from jausml.language.model.reading.reader import read_models
     from jausml.language.text.notation import NOTATIONS
     from jausml.language.validation.engine import check
     from jausml.language.validation.formats import text
+    from jausml.views.diagrams.views import UnknownViewError, graph_of
 
     suffix = PurePath(output).suffix
     if suffix not in SUFFIXES:

@@ -18,9 +18,9 @@ from jausml.cli.revisions import checked_out, is_revision
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from jausml.cli.common import Reading
     from jausml.authoring.differences.change import Change
     from jausml.authoring.differences.matching import Matching
+    from jausml.cli.common import Reading
     from jausml.language.model.diagnostics import Location
     from jausml.language.model.model import Model
     from jausml.language.model.reading.reader import ReadResult
@@ -180,12 +180,12 @@ def _drawn(
     Raises:
         EnvironmentFault: Neither state has the view, or there is no layout engine.
     """
+    from jausml.authoring.differences.drawing import Drawn, compared
     from jausml.views.diagrams.graph import Graph
     from jausml.views.diagrams.layout.graphviz import Graphviz
     from jausml.views.diagrams.layout.sheet import LayoutError
     from jausml.views.diagrams.views import UnknownViewError, graph_of
     from jausml.views.diagrams.writers import html, svg
-    from jausml.authoring.differences.drawing import Drawn, compared
 
     drawn: list[Drawn] = []
     faults: list[UnknownViewError] = []

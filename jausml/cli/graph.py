@@ -12,8 +12,8 @@ from jausml.cli.common import EnvironmentFault, FiniteRange
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from jausml.live.systems.ros_graph import GraphEnd, GraphTopic
     from jausml.authoring.proposals.topics import TopicEnd
+    from jausml.live.systems.ros_graph import GraphEnd, GraphTopic
 
 
 def graph_options(command: Callable[..., None]) -> Callable[..., None]:

@@ -22,9 +22,9 @@ from jausml.cli.topics import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.language.importers.jsidl import ImportResult
     from jausml.authoring.projects.creating import Wish
     from jausml.authoring.proposals.topics import Crossing
+    from jausml.language.importers.jsidl import ImportResult
 
 _EXAMPLE, _EMPTY, _TOPICS, _JSIDL = "example", "empty", "topics", "jsidl"
 _EXAMPLES = {_TOPICS: "odom:nav_msgs/Odometry", _JSIDL: "services/Winch.jsidl"}
@@ -112,9 +112,9 @@ def _from_topics(
     yes: bool,
     holds: Sequence[str],
 ) -> tuple[list[str], Sequence[Crossing]]:
-    from jausml.language.metamodel.classes import bridge
     from jausml.authoring.projects.starting import start_from_topics
     from jausml.authoring.proposals.elements import library
+    from jausml.language.metamodel.classes import bridge
 
     topics = topics_of(sources)
     maps = library().instances(bridge.AttributeMap)

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from jausml.authoring.merging.conflicts import MERGE_RULES
 from jausml.cli.maps import open_maps
 from jausml.cli.messages import open_catalogue
 from jausml.language.importers.jsidl.rules import JSIDL_RULES
 from jausml.language.importers.ros.rules import ROS_RULES
-from jausml.live.messages import UnknownServiceError
-from jausml.authoring.merging.conflicts import MERGE_RULES
 from jausml.language.text.rules import TEXT_RULES
 from jausml.language.validation.catalogue import catalogue
+from jausml.live.messages import UnknownServiceError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -18,8 +18,8 @@ from jausml.cli.options import format_option
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from jausml.live.messages import Catalogue
     from jausml.language.model import Model
+    from jausml.live.messages import Catalogue
 
 STDIN = "-"
 
@@ -57,8 +57,8 @@ def open_catalogue(models: Iterable[str]) -> Catalogue:
         ModelFault: A model has errors.
     """
     # Options and output of the verbs alone need no reader.
-    from jausml.live.messages import CatalogueError, load_catalogue
     from jausml.language.text.notation import NOTATIONS
+    from jausml.live.messages import CatalogueError, load_catalogue
 
     try:
         return load_catalogue(find_models(models), notations=NOTATIONS)

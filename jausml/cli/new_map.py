@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from jausml.authoring.editing.commands import Command
-    from jausml.language.metamodel.classes import bridge
     from jausml.authoring.projects.places import Opened
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.proposals.mapping.beginning import Begun, Doubt, Wish
+    from jausml.language.metamodel.classes import bridge
 
 _EXAMPLE = "twist.linear.x=Velocity_X"
 _WAYS = {"both": (True, False), "to-ros": (True,), "to-jaus": (False,)}
@@ -124,8 +124,8 @@ def _copy(
     Raises:
         UsageError: There is none of the name, or nobody can be asked.
     """
-    from jausml.language.model.names import name_of
     from jausml.authoring.proposals.ready import between, copied
+    from jausml.language.model.names import name_of
 
     found = between(scope, wish.message, wish.type)
     names = [name_of(each) for each in found]

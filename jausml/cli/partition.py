@@ -11,9 +11,9 @@ from jausml.cli.manners import painted_findings
 from jausml.cli.systems import assumption_options, whole_number
 
 if TYPE_CHECKING:
-    from jausml.views.analysis.assumptions import Assumptions
     from jausml.cli.common import Reading
     from jausml.language.model.model import Model
+    from jausml.views.analysis.assumptions import Assumptions
 
 AUTO = "auto"
 
@@ -60,10 +60,10 @@ def command(
     Exit status: 0 done, 1 errors in the model or no such split, 2 usage or environment, 3 internal
     error.
     """
+    from jausml.cli.systems import check_names, read_system
     from jausml.views.analysis.formats.partition import render
     from jausml.views.analysis.partition import UnsplittableError, propose
     from jausml.views.analysis.splitting import AddressesExhaustedError, split
-    from jausml.cli.systems import check_names, read_system
 
     if output is not None and not output.endswith(_suffix(model)):
         raise click.UsageError(f"FILE must end with {_suffix(model)}, as MODEL does")

@@ -28,13 +28,13 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from threading import Event
 
+    from jausml.live.recording.parts import Limits, Parts
+    from jausml.live.recording.recorder import Recorder
+    from jausml.live.recording.ros_topics import RosTopics
     from jausml.live.traffic.captures import Frame
     from jausml.live.traffic.frames import UdpReader
     from jausml.live.traffic.interface import InterfaceCapture
     from jausml.live.traffic.listening import MulticastListener
-    from jausml.live.recording.parts import Limits, Parts
-    from jausml.live.recording.recorder import Recorder
-    from jausml.live.recording.ros_topics import RosTopics
     from jausml.runtime.base.settings import TransportSettings
 
 _TURN = 0.1
@@ -140,11 +140,11 @@ def command(
     """
     from threading import Event
 
-    from jausml.live.traffic.frames import UdpReader
     from jausml.live.recording.parts import Limits
     from jausml.live.recording.recorder import Recorder, topics_of
     from jausml.live.recording.ros_topics import RosTopics
     from jausml.live.recording.selection import Selection
+    from jausml.live.traffic.frames import UdpReader
     from jausml.runtime.base.settings import TransportSettings
 
     size = None if max_size is None else int(max_size * _MEGA)

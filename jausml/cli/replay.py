@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from threading import Event
 
     from jausml.cli.manners import Progress
-    from jausml.live.traffic.captures import Frame
     from jausml.language.model import Model
     from jausml.live.recording.bags import Bag, RosMessage
     from jausml.live.recording.from_captures import CaptureReplay, JausWriter
@@ -38,6 +37,7 @@ if TYPE_CHECKING:
     from jausml.live.recording.spans import Span
     from jausml.live.recording.to_wire import WireReplay
     from jausml.live.recording.translating import Translator
+    from jausml.live.traffic.captures import Frame
 
 _NANO = 10**9
 

@@ -11,8 +11,8 @@ from jausml.cli.options import format_option
 from jausml.cli.systems import assumption_options
 
 if TYPE_CHECKING:
-    from jausml.views.analysis.assumptions import Assumptions
     from jausml.cli.common import Reading
+    from jausml.views.analysis.assumptions import Assumptions
 
 FORMATS = ("text", "json", "html")
 
@@ -43,8 +43,8 @@ def command(
     from dataclasses import replace
     from importlib import import_module
 
-    from jausml.views.analysis.report import report_of
     from jausml.cli.systems import check_names, read_system
+    from jausml.views.analysis.report import report_of
 
     _, system = read_system(model, reading)
     check_names(assumptions, system)

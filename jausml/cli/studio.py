@@ -66,11 +66,11 @@ def command(
     missing = [each for each in _NEEDED if find_spec(each) is None]
     if missing:
         raise EnvironmentFault(f"the studio needs {missing[0]}: pip install 'jausml[studio]'")
-    from jausml.cli.network import network_from
     from jausml.authoring.editing.project import Project
     from jausml.authoring.studio.desk import Desk
     from jausml.authoring.studio.serving import PageMissingError, require_page, serve
     from jausml.authoring.studio.session import Session
+    from jausml.cli.network import network_from
 
     # Who has no page any more sees faults of the studio here.
     logging.getLogger("jausml").addHandler(logging.StreamHandler())

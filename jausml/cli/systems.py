@@ -14,10 +14,10 @@ from jausml.cli.manners import step
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from jausml.views.analysis.assumptions import Assumptions
     from jausml.cli.common import Reading
     from jausml.language.metamodel.classes.system import System
     from jausml.language.model.model import Model
+    from jausml.views.analysis.assumptions import Assumptions
 
 Number = TypeVar("Number", int, float)
 

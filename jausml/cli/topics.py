@@ -13,8 +13,8 @@ from jausml.cli.manners import remark
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from jausml.language.metamodel.classes import bridge
     from jausml.authoring.proposals.topics import Crossing, TopicEnd
+    from jausml.language.metamodel.classes import bridge
 
 
 def topic_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -67,8 +67,8 @@ def topics_of(words: Sequence[str]) -> list[TopicEnd]:
     Raises:
         UsageError: A word names none, or two name one topic.
     """
-    from jausml.language.interfaces.types import is_package_name, is_type_name
     from jausml.authoring.proposals.topics import TopicEnd
+    from jausml.language.interfaces.types import is_package_name, is_type_name
     from jausml.language.semantics.topics import topic_fault
 
     found: dict[str, TopicEnd] = {}
@@ -91,8 +91,8 @@ def topics_of(words: Sequence[str]) -> list[TopicEnd]:
 
 def _full(message: str) -> str:
     """Returns the type with its package of which ready maps have a message name; empty for none."""
-    from jausml.language.metamodel.classes import bridge
     from jausml.authoring.proposals.elements import library
+    from jausml.language.metamodel.classes import bridge
     from jausml.language.semantics.ros_paths import ros_name
 
     maps = library().instances(bridge.AttributeMap)
@@ -235,8 +235,8 @@ def tell(chosen: Sequence[Crossing], topics: Sequence[TopicEnd]) -> None:
         chosen: The ways that were taken.
         topics: All topics, some of which joins of the maps read.
     """
-    from jausml.language.model.names import name_of
     from jausml.authoring.proposals.topics import joins_of
+    from jausml.language.model.names import name_of
 
     fed: set[str] = set()
     for each in chosen:
@@ -256,8 +256,8 @@ def tell_undecided(chosen: Sequence[Crossing]) -> None:
     Args:
         chosen: All ways that were taken.
     """
-    from jausml.language.model.names import name_of
     from jausml.authoring.proposals.mapping.stopping import STOPS, stops_by_zeros
+    from jausml.language.model.names import name_of
 
     names = [each for each in chosen if each.has_no_stop and not each.hold_reason]
     if not names:

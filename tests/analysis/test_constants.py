@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.views.analysis.constants import runtime_constants
 from jausml.runtime.base.settings import MAX_FRAGMENT_SIZE, TransportSettings
 from jausml.runtime.bridge.ends.parameters import QUEUE_AGE_LIMIT
 from jausml.runtime.clients.controlled_target import RENEWALS
@@ -13,6 +12,7 @@ from jausml.runtime.services.definitions import MAX_EVENT_RATE, ComponentSetting
 from jausml.runtime.services.events import _EVENT
 from jausml.runtime.transports.packets import bursts, messenger, packetizer
 from jausml.runtime.transports.packets.packet import EMPTY_MESSAGE_SIZE
+from jausml.views.analysis.constants import runtime_constants
 
 
 def test_constants_are_those_of_the_runtime():

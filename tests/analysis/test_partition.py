@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
+from jausml.language.semantics.hosts import host_of
 from jausml.views.analysis.assumptions import Assumptions
 from jausml.views.analysis.formats.partition import render
 from jausml.views.analysis.partition import LARGEST_SHARE, UnsplittableError, is_heavy, propose
 from jausml.views.analysis.splitting import AddressesExhaustedError, split
-from jausml.language.semantics.hosts import host_of
 
 from .conftest import HEAD
 

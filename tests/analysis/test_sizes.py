@@ -7,16 +7,16 @@ import functools
 import pytest
 
 from jausml.language import wire
-from jausml.views.analysis.cdr import ros_size
-from jausml.views.analysis.datagrams import on_wire, packet_count
-from jausml.views.analysis.sizes import jaus_size
-from jausml.live.messages import load_catalogue
-from jausml.live.messages.samples import example, sample
 from jausml.language.metamodel.classes import ros
 from jausml.language.model import library_root, read_models
+from jausml.live.messages import load_catalogue
+from jausml.live.messages.samples import example, sample
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.transports.packets.packet import AckNak, Priority
 from jausml.runtime.transports.packets.packetizer import Packetizer
+from jausml.views.analysis.cdr import ros_size
+from jausml.views.analysis.datagrams import on_wire, packet_count
+from jausml.views.analysis.sizes import jaus_size
 
 HERE, THERE = JausAddress(1, 1, 1), JausAddress(2, 1, 1)
 

@@ -8,14 +8,25 @@ import sys
 import pytest
 
 from jausml.cli import VERBS, choices
+from jausml.language.validation import formats
 from jausml.live.peers import console, network, pinging
 from jausml.live.peers.conformance import formats as conformance_formats
-from jausml.language.validation import formats
 
 HEAVY = {
     *("jinja2", "lark", "lxml", "numpy", "pyecore", "pygls"),
-    *("jausml.generation", "jausml.live", "jausml.language.metamodel", "jausml.language.model", "jausml.runtime"),
-    *("jausml.language.semantics", "jausml.language.text", "jausml.language.validation", "jausml.language.wire"),
+    *(
+        "jausml.generation",
+        "jausml.live",
+        "jausml.language.metamodel",
+        "jausml.language.model",
+        "jausml.runtime",
+    ),
+    *(
+        "jausml.language.semantics",
+        "jausml.language.text",
+        "jausml.language.validation",
+        "jausml.language.wire",
+    ),
 }
 WITH_TARGETS = {"generate"}
 """Its help tells what the installed targets do, and has to load them."""

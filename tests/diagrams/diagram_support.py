@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from jausml.views.diagrams.views import graph_of, view_names
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml.language.validation.engine import check
+from jausml.views.diagrams.views import graph_of, view_names
 
 MODELS = Path(__file__).resolve().parents[2] / "models"
 CAR = MODELS / "catvehicle" / "catvehicle.xmi"

@@ -12,11 +12,11 @@ from diagram_support import CAR, MODELS, graphs, look_at, read
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from jausml.language.model.refs import ref_of
+from jausml.language.model.uris import LIBRARY_URI
 from jausml.views.diagrams.graph import severity
 from jausml.views.diagrams.views import UnknownViewError, graph_of, view_names
 from jausml.views.diagrams.writers import dot, mermaid
-from jausml.language.model.refs import ref_of
-from jausml.language.model.uris import LIBRARY_URI
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "12"))
 SHIPPED = sorted(

@@ -10,8 +10,8 @@ import pytest
 from click.testing import CliRunner
 
 from jausml.cli import main
-from jausml.views.diagrams.writers.colours import style
 from jausml.language.model import LIBRARY_URI
+from jausml.views.diagrams.writers.colours import style
 
 ROOT = Path(__file__).resolve().parents[2]
 BASE = (ROOT / "models" / "minimal" / "minimal.xmi").read_text(encoding="utf-8")

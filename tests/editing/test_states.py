@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from jausml.views.diagrams.views import graph_of
 from jausml.authoring.editing.commands import Place, Remove, Rename
 from jausml.authoring.editing.project import Project
 from jausml.language.metamodel.classes import jaus
@@ -15,6 +14,7 @@ from jausml.language.model.uris import LIBRARY_URI
 from jausml.language.text.notation import NOTATIONS
 from jausml.language.text.writing.unparsing import to_text
 from jausml.language.validation.engine import check
+from jausml.views.diagrams.views import graph_of
 
 WINCH = Path(__file__).parents[2] / "models" / "examples" / "winch" / "service.xmi"
 

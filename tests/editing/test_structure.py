@@ -4,7 +4,16 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.authoring.editing.commands import Add, Child, Create, EditError, Move, Remove, Rename, Set
+from jausml.authoring.editing.commands import (
+    Add,
+    Child,
+    Create,
+    EditError,
+    Move,
+    Remove,
+    Rename,
+    Set,
+)
 from jausml.authoring.editing.project import Project
 from jausml.language.model.xmi.writer import to_xmi
 

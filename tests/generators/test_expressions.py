@@ -8,7 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.language.attributes.expressions import FUNCTIONS, EvaluationError, evaluate, parse_expression
+from jausml.language.attributes.expressions import (
+    FUNCTIONS,
+    EvaluationError,
+    evaluate,
+    parse_expression,
+)
 from jausml.runtime.conversions import ConversionError, arithmetic
 from jausml_generators.python.expressions import python_expression
 

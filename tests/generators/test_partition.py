@@ -10,16 +10,16 @@ import compositions
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from jausml.views.analysis.assumptions import Assumptions
-from jausml.views.analysis.partition import UnsplittableError, propose
-from jausml.views.analysis.splitting import split
-from jausml.views.analysis.streams import is_single, is_to_ros, keeps_control
 from jausml.generation import load_targets, render
 from jausml.generation.system import system_of
 from jausml.language.semantics.topics import resolve_topic
 from jausml.language.text.notation import NOTATIONS
 from jausml.language.text.writing.unparsing import to_text
 from jausml.language.validation.engine import validate
+from jausml.views.analysis.assumptions import Assumptions
+from jausml.views.analysis.partition import UnsplittableError, propose
+from jausml.views.analysis.splitting import split
+from jausml.views.analysis.streams import is_single, is_to_ros, keeps_control
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "12"))
 

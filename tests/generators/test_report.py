@@ -10,12 +10,12 @@ import compositions
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from jausml.views.analysis.assumptions import Assumptions
-from jausml.views.analysis.formats import html, json, text
-from jausml.views.analysis.report import report_of
 from jausml.generation.system import system_of
 from jausml.language.text.notation import NOTATIONS
 from jausml.language.validation.engine import validate
+from jausml.views.analysis.assumptions import Assumptions
+from jausml.views.analysis.formats import html, json, text
+from jausml.views.analysis.report import report_of
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "12"))
 

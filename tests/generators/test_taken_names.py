@@ -8,9 +8,9 @@ import pytest
 
 from jausml.generation import render
 from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
 from jausml.runtime import BridgeSettings, JausAddress
 from jausml.runtime.bridge.bridge import Bridge
-from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.parameters import parameter_lines
 from jausml_generators.bridge.target import TARGET
 from jausml_generators.bridge.views import bridge_views

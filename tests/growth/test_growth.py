@@ -8,8 +8,6 @@ from pathlib import Path
 import pytest
 from counting import calls
 
-from jausml.views.diagrams.views import graph_of
-from jausml.views.diagrams.writers import mermaid
 from jausml.authoring.editor.completion import complete
 from jausml.authoring.editor.diagnosing import all_problems
 from jausml.authoring.editor.hover import hover
@@ -23,6 +21,8 @@ from jausml.language.text.reading.parsing import parse
 from jausml.language.text.writing.layout import lay_out
 from jausml.language.text.writing.unparsing import to_text
 from jausml.language.validation.engine import validate
+from jausml.views.diagrams.views import graph_of
+from jausml.views.diagrams.writers import mermaid
 
 _SPEC = importlib.util.spec_from_file_location("grown", Path(__file__).with_name("grown.py"))
 grown = importlib.util.module_from_spec(_SPEC)

@@ -10,12 +10,12 @@ from ports import free_domain
 
 pytest.importorskip("rclpy")
 
+from jausml.authoring.studio.live import LiveSystem, NotWatchedError, Watched
 from jausml.cli.messages import open_catalogue
+from jausml.language.model import read_models
 from jausml.live.peers.network import make_network
 from jausml.live.peers.operator import running_operator
-from jausml.language.model import read_models
 from jausml.runtime.base.address import JausAddress
-from jausml.authoring.studio.live import LiveSystem, NotWatchedError, Watched
 
 from .bridge_support import MODEL, generate, wait_for
 from .test_top import System

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from jausml.live.messages import load_catalogue
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
+from jausml.live.messages import load_catalogue
 from jausml_generators.wireshark.services import library_services
 from jausml_generators.wireshark.views import DissectorView
 

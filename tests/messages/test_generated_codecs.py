@@ -14,9 +14,9 @@ from codec_support import LIBRARY, LIBRARY_FILES, FieldNames, library, shipped_s
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
+from jausml.language.model import read_models
 from jausml.live.messages import CodecError
 from jausml.live.messages.catalogue import Catalogue
-from jausml.language.model import read_models
 from jausml.runtime.wire.message import DecodeError, EncodeError
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "3"))

@@ -5,7 +5,15 @@ from pathlib import Path
 import pytest
 
 from jausml.language.metamodel import read_metamodels
-from jausml.language.metamodel.filling import contents, count, holds, link, new_object, set_value, set_values
+from jausml.language.metamodel.filling import (
+    contents,
+    count,
+    holds,
+    link,
+    new_object,
+    set_value,
+    set_values,
+)
 
 ZOO = read_metamodels([Path(__file__).parents[1] / "model" / "emf" / "zoo.ecore"])
 CLASSES = ZOO.classes

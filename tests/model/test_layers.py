@@ -37,7 +37,10 @@ def test_layers():
         assert all(name.startswith("jausml.language.metamodel") for name in inner)
     for path in MODEL.glob("*.py"):
         inner = [name for name in imports(path) if name.startswith("jausml.")]
-        assert all(name.startswith(("jausml.language.metamodel", "jausml.language.model")) for name in inner)
+        assert all(
+            name.startswith(("jausml.language.metamodel", "jausml.language.model"))
+            for name in inner
+        )
 
 
 def test_modules_are_small():
@@ -49,7 +52,8 @@ def test_metamodels_are_not_loaded_at_import():
     code = (
         "import sys; opened = []; "
         "sys.addaudithook(lambda event, given: event == 'open' and opened.append(str(given[0]))); "
-        "import jausml.language.model, jausml.language.metamodel as m; print('system.ecore' in ' '.join(opened)); "
+        "import jausml.language.model, jausml.language.metamodel as m; "
+        "print('system.ecore' in ' '.join(opened)); "
         "m.load_metamodels(); print('system.ecore' in ' '.join(opened))"
     )
     done = subprocess.run(

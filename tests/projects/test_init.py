@@ -14,8 +14,8 @@ from click.testing import CliRunner
 from lxml import etree
 from needs import EMF
 
-from jausml.cli import main
 from jausml.authoring.editing.project import Project
+from jausml.cli import main
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 

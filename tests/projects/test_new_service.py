@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from needs import EMF
 
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.proposals.message_words import KINDS, message_of_words
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml.language.model.names import name_of
-from jausml.authoring.proposals.elements import AnswerError
-from jausml.authoring.proposals.message_words import KINDS, message_of_words
 from jausml.language.semantics.services import code, lineage
 from jausml.language.text.notation import NOTATIONS
 

@@ -9,11 +9,11 @@ import emf_check
 import pytest
 from needs import EMF
 
-from jausml.language.metamodel import load_metamodels
 from jausml.authoring.projects.upgrading.project import carry_out, upgrade_of
 from jausml.authoring.projects.upgrading.steps import Renamed, Step, UpgradeError, steps_from
 from jausml.authoring.projects.upgrading.text import upgraded_text
 from jausml.authoring.projects.upgrading.xmi import upgraded_xmi
+from jausml.language.metamodel import load_metamodels
 
 GOLDEN = Path(__file__).parent / "golden_1_0"
 OLDER = Step(

@@ -10,8 +10,9 @@ from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from jausml.language.interfaces import Installation
-from jausml.live.messages import Catalogue
 from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
+from jausml.live.messages import Catalogue
 from jausml.live.recording.copying import copied
 from jausml.live.recording.definitions import installed_definition
 from jausml.live.recording.mcap_reading import McapRecording
@@ -19,7 +20,6 @@ from jausml.live.recording.parts import Limits, Parts
 from jausml.live.recording.recorder import Recorder, topics_of
 from jausml.live.recording.ros_topics import RosTopics
 from jausml.live.recording.selection import Selection
-from jausml.language.text.notation import NOTATIONS
 
 PATIENCE = 60.0
 FLEET = Path(__file__).resolve().parents[2] / "models" / "examples" / "fleet" / "fleet.ros2jaus"

@@ -14,8 +14,8 @@ from click.testing import CliRunner
 from mcap.writer import Writer
 from ports import free_port
 
-from jausml.live.api.component import Component
 from jausml.cli import main
+from jausml.live.api.component import Component
 from jausml.live.peers.asking import NoAnswer
 
 pytestmark = [pytest.mark.live, pytest.mark.ports]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from jausml.runtime.services.list_manager import ELEMENTS_OF_DRIVERS
 from jausml.language.semantics.list_drivers import ELEMENTS
+from jausml.runtime.services.list_manager import ELEMENTS_OF_DRIVERS
 
 
 def test_both_know_the_same_elements() -> None:

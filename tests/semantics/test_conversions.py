@@ -15,9 +15,9 @@ from sources import ROOT, modules_below
 
 from jausml.language.attributes.expressions import parse_expression
 from jausml.language.metamodel import documentation, load_metamodels
-from jausml.runtime import conversions as runtime
 from jausml.language.semantics.conversions import CONVERSIONS, ArgumentKind, NoValueError
 from jausml.language.semantics.conversions.authored import Formula
+from jausml.runtime import conversions as runtime
 
 LITERALS = load_metamodels().package_named("bridge").enumerations["ConversionKind"].literals
 CALLED = [each for each in CONVERSIONS.values() if not each.is_in_place]

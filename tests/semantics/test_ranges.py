@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from jausml.language.attributes import intervals
 from jausml.language.attributes.expressions import evaluate, parse_expression
 from jausml.language.model import read_models
-from jausml.runtime import conversions as runtime
 from jausml.language.semantics.paths import place
 from jausml.language.semantics.samples import NoValueError, sent_through
 from jausml.language.semantics.steps import steps_of
+from jausml.runtime import conversions as runtime
 
 NUMBERS = st.floats(-1e6, 1e6, allow_nan=False)
 FACTORS = st.floats(-1e3, 1e3, allow_nan=False).filter(lambda each: abs(each) > 1e-6)

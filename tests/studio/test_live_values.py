@@ -7,7 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from jausml.views.diagrams.views import graph_of
+from jausml.authoring.studio.live_values import HISTORY, Places, live_values, places_of
+from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
 from jausml.live.systems.declared import components_of, declarations_of
 from jausml.live.systems.diagnostics import Status
 from jausml.live.systems.folding import (
@@ -21,9 +23,7 @@ from jausml.live.systems.folding import (
     fold_time,
 )
 from jausml.live.systems.state import SystemState
-from jausml.language.model import read_models
-from jausml.authoring.studio.live_values import HISTORY, Places, live_values, places_of
-from jausml.language.text.notation import NOTATIONS
+from jausml.views.diagrams.views import graph_of
 
 ROOT = Path(__file__).resolve().parents[2]
 MODEL = ROOT / "tests" / "cases" / "bridge_loop" / "model.xmi"

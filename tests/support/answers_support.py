@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import cache
 from pathlib import Path
 
+from jausml.authoring.proposals.elements import Scope
 from jausml.language.model import read_models
 from jausml.language.model.names import qualified_name
-from jausml.authoring.proposals.elements import Scope
 from jausml.language.text.notation import NOTATIONS
 from jausml.language.validation.engine import check
 

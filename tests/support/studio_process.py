@@ -8,8 +8,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from jausml.cli import main
 from jausml.authoring.studio import serving
+from jausml.cli import main
 
 if __name__ == "__main__":
     serving.PAGE = Path(sys.argv[1])

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from jausml.live.systems.declared import components_of, declarations_of
-from jausml.live.systems.looking import Looking, reporters_of, topic_of
-from jausml.live.systems.state import ConnectionState
 from jausml.language.metamodel.classes.bridge import Bridge
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
+from jausml.live.systems.declared import components_of, declarations_of
+from jausml.live.systems.looking import Looking, reporters_of, topic_of
+from jausml.live.systems.state import ConnectionState
 
 ROOT = Path(__file__).resolve().parents[2]
 MODEL = """\

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.live.messages import load_catalogue
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.text.notation import NOTATIONS
+from jausml.live.messages import load_catalogue
 
 
 def declare(texts, members="", features="{ code: 0xD100 }", body="", name="Own"):

@@ -44,7 +44,10 @@ def test_each_dependency_of_the_project_has_a_lowest_version():
 
 
 def test_a_wheel_has_the_page_of_the_studio() -> None:
-    page = ["jausml/authoring/studio/page/index.html", "jausml/authoring/studio/page/assets/index-abc.js"]
+    page = [
+        "jausml/authoring/studio/page/index.html",
+        "jausml/authoring/studio/page/assets/index-abc.js",
+    ]
     check_page([*page, "jausml/__init__.py"])
     for missing in page:
         with pytest.raises(NotReleasableError, match="no page"):

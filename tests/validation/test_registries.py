@@ -7,10 +7,10 @@ from importlib import import_module
 
 import pytest
 
-from jausml.live.peers.conformance import formats as conformance_formats
 from jausml.language.validation import formats
 from jausml.language.validation.rule import Rule
 from jausml.language.validation.rules import MODULES, all_rules, bridge, jaus, ros
+from jausml.live.peers.conformance import formats as conformance_formats
 
 
 def modules_in(package):

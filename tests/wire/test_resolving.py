@@ -1,4 +1,4 @@
-"""Tests of jausml.language.wire: every kind of field of the metamodel has a layout, free of the model."""
+"""Tests of the wire model: every kind of field of the metamodel has a layout, free of the model."""
 
 from __future__ import annotations
 

@@ -18,7 +18,13 @@ from jausml.language.attributes.guards import (
 )
 from jausml.language.semantics.commands import guard_of
 from jausml.language.semantics.core_services import SERVED_BY_RUNTIME
-from jausml.language.semantics.inherited_machines import CORE_STATES, Machine, Node, event_name, machines_of
+from jausml.language.semantics.inherited_machines import (
+    CORE_STATES,
+    Machine,
+    Node,
+    event_name,
+    machines_of,
+)
 from jausml_generators.common import components
 from jausml_generators.jaus_component.handlers import Method, documented
 from jausml_generators.jaus_component.machine_views import EventView, MachineMethod, MachineView

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.language import wire
 from jausml.generation.errors import GenerationError
+from jausml.language import wire
 from jausml.language.interfaces.definitions import BOUNDED, FIXED, SINGLE, UNBOUNDED, FieldType
 from jausml_generators.python import names as common_names
 from jausml_generators.ros_interfaces.definitions import (

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from jausml.language import wire
 from jausml.generation.literals import printable
+from jausml.language import wire
 from jausml.language.model import words
 from jausml_generators.python.names import Scope
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from jausml.language import wire
 from jausml.generation.errors import GenerationError
+from jausml.language import wire
 from jausml_generators.python import names
 from jausml_generators.wireshark.tables import TableBuilder, label
 

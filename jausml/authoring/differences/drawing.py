@@ -10,9 +10,9 @@ from collections import defaultdict
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeVar
 
-from jausml.views.diagrams.graph import ADDED, CHANGED, REMOVED, Edge, End, Graph, Group, Node, Port
 from jausml.authoring.differences.change import Kind
 from jausml.language.model import refs
+from jausml.views.diagrams.graph import ADDED, CHANGED, REMOVED, Edge, End, Graph, Group, Node, Port
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.views.diagrams.views import view_names
 from jausml.authoring.editing.layout import renamed
 from jausml.language.model.keys import Keys
+from jausml.views.diagrams.views import view_names
 
 if TYPE_CHECKING:
     from jausml.authoring.editing.forest import Forest

@@ -23,7 +23,15 @@ from jausml.authoring.editing.log import Log
 from jausml.authoring.editing.outside import Outside
 from jausml.authoring.editing.reading import Reader, is_library, is_model_file, model_files, stored
 from jausml.authoring.editing.rebasing import Rebasing
-from jausml.authoring.editing.records import Change, Entry, FileChange, FileInfo, Freshness, Preview, Referrer
+from jausml.authoring.editing.records import (
+    Change,
+    Entry,
+    FileChange,
+    FileInfo,
+    Freshness,
+    Preview,
+    Referrer,
+)
 from jausml.authoring.editing.splices import applied, difference, inverted
 from jausml.authoring.editing.typing import typed
 from jausml.language.model import refs

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.messages.definitions import rows_of
-from jausml.live.messages.errors import DefinitionError
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.model.names import qualified_name
 from jausml.language.text.tree import Direction, Element, End
+from jausml.live.messages.definitions import rows_of
+from jausml.live.messages.errors import DefinitionError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence

@@ -6,12 +6,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import EditError
-from jausml.language.metamodel.classes import bridge, system
-from jausml.language.model.names import name_of
-from jausml.language.model.reading.reader import read_models
-from jausml.language.model.uris import shipped_as
-from jausml.language.model.words import snake_case
-from jausml.language.model.xmi.writer import replace_file
 from jausml.authoring.projects.eclipse import MAPPINGS, as_xmi_beside
 from jausml.authoring.projects.errors import ProjectError
 from jausml.authoring.projects.places import Opened, opened
@@ -19,6 +13,12 @@ from jausml.authoring.proposals.bridges import new_bridge, new_connections
 from jausml.authoring.proposals.bridging import bridges_of, offer_of
 from jausml.authoring.proposals.elements import AnswerError, Scope, library
 from jausml.authoring.proposals.fresh import participant_name
+from jausml.language.metamodel.classes import bridge, system
+from jausml.language.model.names import name_of
+from jausml.language.model.reading.reader import read_models
+from jausml.language.model.uris import shipped_as
+from jausml.language.model.words import snake_case
+from jausml.language.model.xmi.writer import replace_file
 from jausml.language.semantics.names import is_identifier, taken
 from jausml.language.text.notation import NOTATIONS
 
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from jausml.authoring.editing.commands import Command
-    from jausml.language.model import Model
     from jausml.authoring.projects.places import Place
     from jausml.authoring.proposals.topics import Crossing, TopicEnd
+    from jausml.language.model import Model
 
 
 def add(

@@ -9,13 +9,13 @@ from pathlib import Path
 import jinja2
 
 from jausml import __version__
-from jausml.language.model.inputs import read_input
-from jausml.language.model.uris import library_root
-from jausml.language.model.xmi.writer import replace_file
 from jausml.authoring.projects.eclipse import METAMODELS, with_schema_location
 from jausml.authoring.projects.errors import ProjectError
 from jausml.authoring.projects.first_model import as_xmi, empty_text, empty_xmi, text_of
 from jausml.authoring.projects.upgrading.copies import SUMS, sums_of
+from jausml.language.model.inputs import read_input
+from jausml.language.model.uris import library_root
+from jausml.language.model.xmi.writer import replace_file
 from jausml.language.semantics.names import DEVICES
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(?:_[a-z0-9]+)*")

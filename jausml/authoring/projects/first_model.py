@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from jausml.authoring.projects.eclipse import with_schema_location
 from jausml.language.model.reading.reader import read_models
 from jausml.language.model.uris import LIBRARY_URI, library_root
-from jausml.authoring.projects.eclipse import with_schema_location
 from jausml.language.text.writing.unparsing import to_text
 
 _EXAMPLE = "minimal"

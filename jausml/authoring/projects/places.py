@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, TypeVar
 
 from jausml.authoring.editing.project import Project
 from jausml.authoring.editing.reading import SUFFIXES, can_be_parsed, model_files
-from jausml.language.metamodel.classes import jaus, system
-from jausml.language.model.inputs import read_input
-from jausml.language.model.xmi.writer import replace_file
 from jausml.authoring.projects.eclipse import metamodels_for
 from jausml.authoring.projects.errors import ProjectError
 from jausml.authoring.projects.first_model import empty_services, empty_xmi, text_of
 from jausml.authoring.proposals.elements import Scope
+from jausml.language.metamodel.classes import jaus, system
+from jausml.language.model.inputs import read_input
+from jausml.language.model.xmi.writer import replace_file
 from jausml.language.text.notation import SUFFIX
 
 if TYPE_CHECKING:

@@ -6,8 +6,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add
-from jausml.language.model.reading.reader import read_models
-from jausml.language.model.xmi.writer import replace_file, to_xmi
 from jausml.authoring.projects.adding import add, add_bridge
 from jausml.authoring.projects.creating import create
 from jausml.authoring.projects.eclipse import localized
@@ -15,17 +13,19 @@ from jausml.authoring.projects.errors import ProjectError
 from jausml.authoring.projects.places import place_of
 from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.proposals.fresh import free_address
+from jausml.language.model.reading.reader import read_models
+from jausml.language.model.xmi.writer import replace_file, to_xmi
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
     from jausml.authoring.editing.commands import Command
-    from jausml.language.importers.jsidl import ImportResult
-    from jausml.language.metamodel.classes import jaus
     from jausml.authoring.projects.creating import Wish
     from jausml.authoring.projects.places import Opened
     from jausml.authoring.proposals.topics import Crossing, TopicEnd
+    from jausml.language.importers.jsidl import ImportResult
+    from jausml.language.metamodel.classes import jaus
 
 
 def start_from_topics(

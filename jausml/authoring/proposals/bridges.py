@@ -5,19 +5,19 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child, Set
-from jausml.language.model.names import name_of
-from jausml.language.model.words import snake_case
 from jausml.authoring.proposals.bridging import Draft, has_message, peer_of
 from jausml.authoring.proposals.fresh import free_name, stated_or_free_address
 from jausml.authoring.proposals.topics import joins_of
+from jausml.language.model.names import name_of
+from jausml.language.model.words import snake_case
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.authoring.editing.commands import Command
-    from jausml.language.metamodel.classes import bridge, system
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.proposals.topics import Crossing, TopicEnd
+    from jausml.language.metamodel.classes import bridge, system
 
 
 def new_bridge(

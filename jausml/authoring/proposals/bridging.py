@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import NEW, Add, Child, Set
+from jausml.authoring.proposals.fresh import free_address, name_among, participant_name
+from jausml.authoring.proposals.literals import literal, values_of
 from jausml.language.metamodel.classes import bridge, jaus, system
 from jausml.language.model.names import name_of
 from jausml.language.model.words import snake_case
-from jausml.authoring.proposals.fresh import free_address, name_among, participant_name
-from jausml.authoring.proposals.literals import literal, values_of
 from jausml.language.semantics.commands import is_command
 from jausml.language.semantics.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.ros_paths import ros_name
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
     from jausml.authoring.editing.commands import Command
+    from jausml.authoring.proposals.elements import Scope
     from jausml.language.metamodel.classes import ros
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.authoring.proposals.elements import Scope
 
 _QUERY = "Query"
 

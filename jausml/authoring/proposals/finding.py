@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, TypeVar
 
+from jausml.authoring.proposals.elements import AnswerError, library
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.model.names import name_of
 from jausml.language.model.values import suggest
-from jausml.authoring.proposals.elements import AnswerError, library
 from jausml.language.semantics.ros_paths import ros_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from jausml.language.metamodel.classes.ecore import EObject
     from jausml.authoring.proposals.elements import Scope
+    from jausml.language.metamodel.classes.ecore import EObject
 
 FoundT = TypeVar("FoundT", bound="EObject")
 

@@ -6,10 +6,10 @@ from collections import Counter
 from itertools import count
 from typing import TYPE_CHECKING
 
+from jausml.authoring.proposals.elements import AnswerError
 from jausml.language.metamodel.classes import jaus, system
 from jausml.language.model.names import name_of
 from jausml.language.model.words import LONGEST, snake_case
-from jausml.authoring.proposals.elements import AnswerError
 from jausml.language.semantics.names import package_key
 
 if TYPE_CHECKING:

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Child
+from jausml.authoring.proposals.elements import AnswerError
 from jausml.language.attributes.units import UnitError, nearest_units, parse_unit
 from jausml.language.model.values import suggest
-from jausml.authoring.proposals.elements import AnswerError
 from jausml.language.semantics.names import is_identifier
 from jausml.language.wire.kinds import TIME_STAMP
 

@@ -11,8 +11,8 @@ from jausml.authoring.proposals.fresh import free_name, stated_or_free_address
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from jausml.language.metamodel.classes import system
     from jausml.authoring.proposals.elements import Scope
+    from jausml.language.metamodel.classes import system
 
 
 def new_component(

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add
 from jausml.authoring.editing.describing import described
+from jausml.authoring.proposals.elements import library
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.names import name_of
-from jausml.authoring.proposals.elements import library
 from jausml.language.semantics.layouts import signature
 from jausml.language.semantics.ros_paths import ros_name
 from jausml.language.semantics.services import code
 
 if TYPE_CHECKING:
     from jausml.authoring.editing.commands import Command
-    from jausml.language.metamodel.classes import ros
     from jausml.authoring.proposals.elements import Scope
+    from jausml.language.metamodel.classes import ros
 
 
 def maps_of(scope: Scope) -> list[bridge.AttributeMap]:

@@ -7,22 +7,28 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child
-from jausml.language.metamodel.classes import jaus
-from jausml.language.model.names import name_of
-from jausml.language.model.values import show
 from jausml.authoring.proposals.elements import AnswerError, label_of, library
 from jausml.authoring.proposals.finding import service_of
 from jausml.authoring.proposals.fresh import free_name
-from jausml.authoring.proposals.message_words import COMMAND, QUERY, REPORT, MessageWish, message_of_words
+from jausml.authoring.proposals.message_words import (
+    COMMAND,
+    QUERY,
+    REPORT,
+    MessageWish,
+    message_of_words,
+)
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model.names import name_of
+from jausml.language.model.values import show
 from jausml.language.semantics.names import is_identifier, urn_fault
 from jausml.language.semantics.services import code
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
+    from jausml.authoring.proposals.elements import Scope
     from jausml.language.metamodel.classes import system
     from jausml.language.model import Model
-    from jausml.authoring.proposals.elements import Scope
 
 _VERSION = "1.0"
 _FIRST, _LAST = 0xD000, 0xFFFF

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from jausml.authoring.proposals.bridging import is_served, lacks_stop, offer_of
 from jausml.language.metamodel.classes import ros
 from jausml.language.model.names import name_of
 from jausml.language.model.words import words
-from jausml.authoring.proposals.bridging import is_served, lacks_stop, offer_of
 from jausml.language.semantics.answers import told_by_command
 from jausml.language.semantics.commands import is_command
 from jausml.language.semantics.ros_paths import ros_name
@@ -20,8 +20,8 @@ from jausml.language.semantics.ways import EVENT
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from jausml.language.metamodel.classes import bridge
     from jausml.authoring.proposals.bridging import Offer
+    from jausml.language.metamodel.classes import bridge
 
 VEHICLE, OPERATOR = "vehicle", "operator"
 SIDES = (VEHICLE, OPERATOR)

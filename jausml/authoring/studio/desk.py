@@ -8,14 +8,6 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.editing.records import Freshness
-from jausml.live.peers.network import (
-    DEFAULT_GROUP,
-    DEFAULT_INTERFACE,
-    DEFAULT_PORT,
-    Network,
-    make_network,
-)
-from jausml.language.model.refs import file_of
 from jausml.authoring.studio import shown
 from jausml.authoring.studio.answers.trying import Trials
 from jausml.authoring.studio.audience import Audience
@@ -23,6 +15,14 @@ from jausml.authoring.studio.checking import Verdict, Verdicts
 from jausml.authoring.studio.drawing import Drawings
 from jausml.authoring.studio.faults import Faults
 from jausml.authoring.studio.keeping import KeptEdits
+from jausml.language.model.refs import file_of
+from jausml.live.peers.network import (
+    DEFAULT_GROUP,
+    DEFAULT_INTERFACE,
+    DEFAULT_PORT,
+    Network,
+    make_network,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence

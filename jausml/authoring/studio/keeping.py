@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.editing.commands import Add, Create, Place
-from jausml.language.model import refs
 from jausml.authoring.studio.encoding import as_json
+from jausml.language.model import refs
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from threading import Event, Lock, Thread
 from typing import TYPE_CHECKING, Any
 
+from jausml.authoring.studio.live_values import live_values, places_of, row_of
+from jausml.language.text.notation import NOTATIONS
 from jausml.live.messages import CatalogueError, load_catalogue
 from jausml.live.peers.asking import NoAnswer
 from jausml.live.peers.identity import identified
@@ -17,19 +19,17 @@ from jausml.live.systems.declared import components_of, declarations_of
 from jausml.live.systems.folding import expected
 from jausml.live.systems.looking import Looking
 from jausml.live.systems.observing import Observation, asking, listening
-from jausml.authoring.studio.live_values import live_values, places_of, row_of
-from jausml.language.text.notation import NOTATIONS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+    from jausml.language.model import Model
     from jausml.live.messages import Catalogue
     from jausml.live.peers.network import Network
     from jausml.live.peers.operator import Operator
     from jausml.live.systems.ros_diagnostics import RosDiagnostics
     from jausml.live.systems.state import ConnectionState, SystemState
-    from jausml.language.model import Model
 
 PERIOD = 0.25
 """Seconds from one look at the state to the next."""

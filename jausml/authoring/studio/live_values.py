@@ -6,19 +6,19 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from jausml.views.diagrams.views import SYSTEM, graph_of, view_names
-from jausml.views.diagrams.views.context import Context
+from jausml.language.metamodel.classes import bridge, jaus
 from jausml.live.systems.declared import node_of
 from jausml.live.systems.shown import as_values
 from jausml.live.systems.state import Level
 from jausml.live.systems.tables import cell, shown_state
-from jausml.language.metamodel.classes import bridge, jaus
+from jausml.views.diagrams.views import SYSTEM, graph_of, view_names
+from jausml.views.diagrams.views.context import Context
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from jausml.live.systems.state import ComponentState, ConnectionState, SystemState
     from jausml.language.model import Model
+    from jausml.live.systems.state import ComponentState, ConnectionState, SystemState
 
 HISTORY = 30
 """Latest rates of a connection that the page is told."""

@@ -8,13 +8,13 @@ import threading
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from jausml.language.metamodel import load_metamodels
 from jausml.authoring.studio import watching
 from jausml.authoring.studio.answers.palette import library_entries
 from jausml.authoring.studio.asking import answering, editing, generating, mapping, reading, showing
 from jausml.authoring.studio.asking.living import Living
 from jausml.authoring.studio.checking import Checking
 from jausml.authoring.studio.methods import Answering
+from jausml.language.metamodel import load_metamodels
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable

@@ -5,7 +5,14 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
-from jausml.language.interfaces.definitions import BOUNDED, FIXED, PRIMITIVES, TEXTS, UNBOUNDED, FieldType
+from jausml.language.interfaces.definitions import (
+    BOUNDED,
+    FIXED,
+    PRIMITIVES,
+    TEXTS,
+    UNBOUNDED,
+    FieldType,
+)
 from jausml.language.model.values import nearest
 
 _ARRAY = re.compile(r"\[(?P<bounded><=)?(?P<size>[0-9]{1,10})?\]")

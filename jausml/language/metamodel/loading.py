@@ -1,7 +1,8 @@
 """Loader of .ecore files: through pyecore, flattened into tables.
 
 The only module that uses pyecore's loading machinery. It reads metamodels only: user models are
-read by `jausml.language.model`, because pyecore's XMI reader keeps no positions and skips many faults.
+read by `jausml.language.model`, because pyecore's XMI reader keeps no positions and skips many
+faults.
 """
 
 from __future__ import annotations

@@ -6,8 +6,8 @@ import os
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.messages import load_catalogue
 from jausml.language.text.notation import NOTATIONS
+from jausml.live.messages import load_catalogue
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

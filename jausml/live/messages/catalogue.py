@@ -6,6 +6,10 @@ import re
 from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
+from jausml.language.metamodel import load_jaus_metamodel
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import library_root, read_models
+from jausml.language.model.diagnostics import Severity
 from jausml.live.messages.codec import shown
 from jausml.live.messages.embedded import (
     MAXIMUM_DEPTH,
@@ -26,10 +30,6 @@ from jausml.live.messages.errors import (
     similar,
 )
 from jausml.live.messages.scalars import check_names
-from jausml.language.metamodel import load_jaus_metamodel
-from jausml.language.metamodel.classes import jaus
-from jausml.language.model import library_root, read_models
-from jausml.language.model.diagnostics import Severity
 
 if TYPE_CHECKING:
     import os

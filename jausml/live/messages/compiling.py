@@ -13,9 +13,9 @@ from jausml.live.messages.scalars import BitField, Bits, FixedText, Integer, Rea
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from jausml.language.metamodel.classes import jaus
     from jausml.live.messages.blobs import EncodeMessage
     from jausml.live.messages.codec import Codec, Scalar
-    from jausml.language.metamodel.classes import jaus
 
 
 def compile_message(definition: jaus.MessageDef, encode_message: EncodeMessage) -> Record:

@@ -12,8 +12,8 @@ from jausml.live.messages.legal import integers_in_words
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from jausml.live.messages.entries import MessageEntry
     from jausml.language.metamodel.classes import jaus
+    from jausml.live.messages.entries import MessageEntry
 
 
 @dataclass(frozen=True)

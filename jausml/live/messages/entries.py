@@ -15,9 +15,9 @@ from jausml.live.messages.nesting import may_hold
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
+    from jausml.language.metamodel.classes import jaus
     from jausml.live.messages.blobs import EncodeMessage
     from jausml.live.messages.containers import Record
-    from jausml.language.metamodel.classes import jaus
 
 _CODE = struct.Struct("<H")
 # Two definitions that differ in these alone decode and encode the same.

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING
 
-from jausml.live.traffic.observing import Observer
 from jausml.live.recording.translating import JausMessage
+from jausml.live.traffic.observing import Observer
 from jausml.runtime.messages import Event
 from jausml.runtime.wire.message import DecodeError
 

@@ -12,9 +12,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from jausml.live.messages import Catalogue
-    from jausml.live.traffic.frames import Datagram
     from jausml.live.recording.mcap_writing import McapFile
     from jausml.live.recording.translating import JausMessage, Translator
+    from jausml.live.traffic.frames import Datagram
     from jausml.runtime.transports.packets.packet import Packet
 
 

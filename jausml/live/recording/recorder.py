@@ -10,20 +10,20 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language.interfaces import Installation
 from jausml.language.metamodel.classes import bridge, system
+from jausml.language.semantics.topics import endpoints, resolve_topic
 from jausml.live.recording.captured import CapturedMessages
 from jausml.live.recording.definitions import installed_definition, modelled_definition
 from jausml.live.recording.from_captures import JausWriter
-from jausml.language.semantics.topics import endpoints, resolve_topic
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from jausml.live.messages import Catalogue
-    from jausml.live.traffic.captures import Frame
-    from jausml.live.traffic.frames import Datagram
     from jausml.language.model import Model
+    from jausml.live.messages import Catalogue
     from jausml.live.recording.parts import Parts
     from jausml.live.recording.selection import Selection
+    from jausml.live.traffic.captures import Frame
+    from jausml.live.traffic.frames import Datagram
 
 CALLS = "/_service_event"
 """What follows the name of a service in the topic of its calls, where it is introspected."""

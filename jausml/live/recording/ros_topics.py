@@ -6,8 +6,8 @@ import time
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.ros import QuietNode, RosFault, message_class
 from jausml.live.recording.errors import RecordingError
+from jausml.live.ros import QuietNode, RosFault, message_class
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator

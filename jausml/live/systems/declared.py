@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.live.systems.state import Declaration, TopicName
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.semantics import calls
 from jausml.language.semantics.installed import package_of
 from jausml.language.semantics.topics import endpoints, resolve_topic
+from jausml.live.systems.state import Declaration, TopicName
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

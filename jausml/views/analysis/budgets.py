@@ -9,14 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.views.analysis.constants import runtime_constants
-from jausml.views.analysis.streams import ASSUMED, is_single, is_to_ros, keeps_control
 from jausml.language.semantics import stops
 from jausml.language.semantics.freshness import freshness_of, holds_state, is_report
+from jausml.views.analysis.constants import runtime_constants
+from jausml.views.analysis.streams import ASSUMED, is_single, is_to_ros, keeps_control
 
 if TYPE_CHECKING:
-    from jausml.views.analysis.streams import Stream
     from jausml.language.metamodel.classes import bridge
+    from jausml.views.analysis.streams import Stream
 
 
 _HELD = "the last message stands, for a reason that the model gives"

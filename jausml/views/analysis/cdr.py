@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.views.analysis.sizes import TEXT_LENGTH, Size
 from jausml.language.metamodel.classes import ros
+from jausml.views.analysis.sizes import TEXT_LENGTH, Size
 
 if TYPE_CHECKING:
     from collections.abc import Callable

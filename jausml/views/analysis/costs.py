@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from jausml.language.metamodel.classes import bridge
     from jausml.views.analysis.sizes import Size
     from jausml.views.analysis.streams import Stream
-    from jausml.language.metamodel.classes import bridge
 
 MESSAGE = 65e-6
 """Seconds for a message to come in, be translated and go out: a bridge carries 15,000 a second."""

@@ -6,22 +6,22 @@ from collections import defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.views.analysis.cdr import ros_size
-from jausml.views.analysis.costs import seconds_of, seconds_of_message
-from jausml.views.analysis.streams import is_single, is_to_ros, keeps_control
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics import stops
 from jausml.language.semantics.commands import needs_control
 from jausml.language.semantics.services import code, lineage
 from jausml.language.semantics.shaping import passed_rate
 from jausml.language.semantics.topics import resolve_topic
+from jausml.views.analysis.cdr import ros_size
+from jausml.views.analysis.costs import seconds_of, seconds_of_message
+from jausml.views.analysis.streams import is_single, is_to_ros, keeps_control
 
 if TYPE_CHECKING:
     from collections.abc import Hashable, Iterator
 
+    from jausml.language.metamodel.classes import jaus
     from jausml.views.analysis.assumptions import Assumptions
     from jausml.views.analysis.streams import Traffic
-    from jausml.language.metamodel.classes import jaus
 
     Carrier = bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection
 

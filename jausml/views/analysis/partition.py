@@ -5,17 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from jausml.language.semantics.hosts import host_of
 from jausml.views.analysis.groups import Group, groups_of
 from jausml.views.analysis.placing import nearest_host
 from jausml.views.analysis.traffic import traffic_of
-from jausml.language.semantics.hosts import host_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from jausml.views.analysis.assumptions import Assumptions
     from jausml.language.metamodel.classes import bridge
     from jausml.language.metamodel.classes.system import Host, System
+    from jausml.views.analysis.assumptions import Assumptions
 
 HEAVY_MESSAGE = 250e-6
 """Seconds for which one message may keep a bridge busy before commands should not wait for it: four

@@ -5,20 +5,20 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import TYPE_CHECKING
 
-from jausml.views.analysis.cdr import ros_size
-from jausml.views.analysis.streams import is_to_ros
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.shaping import passed_rate
 from jausml.language.semantics.topics import endpoints, resolve_topic
+from jausml.views.analysis.cdr import ros_size
+from jausml.views.analysis.streams import is_to_ros
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from jausml.language.metamodel.classes.system import Host, System
     from jausml.views.analysis.assumptions import Assumptions
     from jausml.views.analysis.groups import Group
     from jausml.views.analysis.streams import Traffic
-    from jausml.language.metamodel.classes.system import Host, System
 
 
 def nearest_host(

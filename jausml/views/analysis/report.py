@@ -5,6 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.semantics import stops
+from jausml.language.semantics.hosts import host_of
+from jausml.language.semantics.report_joins import joined_reports
+from jausml.language.semantics.services import code
+from jausml.language.semantics.shaping import passed_rate
 from jausml.views.analysis.budgets import Budget, budgets_of
 from jausml.views.analysis.calls import CallReport, calls_of
 from jausml.views.analysis.cdr import ros_size
@@ -13,20 +19,14 @@ from jausml.views.analysis.datagrams import Wire
 from jausml.views.analysis.streams import is_to_ros
 from jausml.views.analysis.traffic import traffic_of
 from jausml.views.analysis.warnings import asked_rate, warnings_of
-from jausml.language.metamodel.classes import bridge, jaus
-from jausml.language.semantics import stops
-from jausml.language.semantics.hosts import host_of
-from jausml.language.semantics.report_joins import joined_reports
-from jausml.language.semantics.services import code
-from jausml.language.semantics.shaping import passed_rate
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from jausml.language.metamodel.classes.system import System
     from jausml.views.analysis.assumptions import Assumptions
     from jausml.views.analysis.sizes import Size
     from jausml.views.analysis.streams import Stream, Traffic
-    from jausml.language.metamodel.classes.system import System
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from jausml.language.semantics.commands import needs_control
 from jausml.views.analysis.constants import runtime_constants
 from jausml.views.analysis.datagrams import Wire, acknowledgements, on_wire, packet_count
-from jausml.language.semantics.commands import needs_control
 
 if TYPE_CHECKING:
-    from jausml.views.analysis.sizes import Size
     from jausml.language.metamodel.classes import bridge, jaus
+    from jausml.views.analysis.sizes import Size
 
     Asking = bridge.Connection | jaus.ServiceConnection
 

@@ -10,6 +10,13 @@ from collections import defaultdict
 from typing import TYPE_CHECKING
 
 from jausml.language import wire
+from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.semantics.hosts import host_of
+from jausml.language.semantics.paths import parse_path, target_paths
+from jausml.language.semantics.requests import requested_fields
+from jausml.language.semantics.services import code, with_inherited
+from jausml.language.semantics.shaping import passed_rate
+from jausml.language.semantics.standard_services import standard_services
 from jausml.views.analysis.asks import Ask, asks_of, by_way, peers_of
 from jausml.views.analysis.constants import runtime_constants
 from jausml.views.analysis.sizes import Size, jaus_size
@@ -22,20 +29,13 @@ from jausml.views.analysis.streams import (
     is_to_ros,
     keeps_control,
 )
-from jausml.language.metamodel.classes import bridge, jaus
-from jausml.language.semantics.hosts import host_of
-from jausml.language.semantics.paths import parse_path, target_paths
-from jausml.language.semantics.requests import requested_fields
-from jausml.language.semantics.services import code, with_inherited
-from jausml.language.semantics.shaping import passed_rate
-from jausml.language.semantics.standard_services import standard_services
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.language.metamodel.classes.system import System
     from jausml.views.analysis.assumptions import Assumptions
     from jausml.views.analysis.streams import Asking
-    from jausml.language.metamodel.classes.system import System
 
 _PRESENCE_VECTOR = "PresenceVector"
 

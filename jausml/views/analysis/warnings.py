@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.views.analysis.constants import runtime_constants
-from jausml.views.analysis.streams import ASSUMED, is_to_ros
 from jausml.language.semantics import stops
 from jausml.language.semantics.freshness import freshness_of
+from jausml.views.analysis.constants import runtime_constants
+from jausml.views.analysis.streams import ASSUMED, is_to_ros
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.views.analysis.streams import Stream
     from jausml.language.metamodel.classes import bridge, jaus
+    from jausml.views.analysis.streams import Stream
 
 FEWEST_PERIODS = 2
 """Periods that a silence time-out must hold: one message may be lost."""

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.language.importers.ros import PackageSource, Source, import_packages, package_sources, placed
+from jausml.language.importers.ros import (
+    PackageSource,
+    Source,
+    import_packages,
+    package_sources,
+    placed,
+)
 from jausml.language.interfaces import Installation
 from jausml.language.model.xmi.writer import to_xmi
 

@@ -6,11 +6,11 @@ import pytest
 from answers_support import CAR, SHIPPED, scope_of
 
 from jausml.authoring.editing.commands import Add, Remove
-from jausml.language.metamodel.classes import bridge
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.mapping.assigning import assign, partners
 from jausml.authoring.proposals.mapping.members import member
 from jausml.authoring.proposals.mapping.sourceless import clock, constant, ignore
+from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.conversions import CONVERSIONS
 
 CHANGES_VALUES = {"deadband", "clamp", "limit"}

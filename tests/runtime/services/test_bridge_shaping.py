@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from jausml.language.validation.rules.bridge import shaping as rules
 from jausml.runtime import Guard, Shape
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.bridge.bridge import Bridge
@@ -23,7 +24,6 @@ from jausml.runtime.bridge.ends.topics import Qos, Topic
 from jausml.runtime.bridge.reports.diagnostics import Statistics
 from jausml.runtime.conversions import Time, time_to_timestamp
 from jausml.runtime.messages import QueryEventTimeout, ReportEventTimeout, SetTime
-from jausml.language.validation.rules.bridge import shaping as rules
 
 from .bridge_support import (
     OWN,

@@ -5,15 +5,15 @@ from __future__ import annotations
 import pytest
 from answers_support import CAR, MODELS, scope_of
 
-from jausml.views.diagrams.views import graph_of
 from jausml.authoring.editing.commands import Add, Set
 from jausml.authoring.editing.project import Project
-from jausml.language.metamodel.classes import bridge, jaus, ros
-from jausml.language.model import LIBRARY_URI, Severity
 from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.studio.answers.connecting import connect, ends
 from jausml.authoring.studio.answers.spots import Spot, spot
+from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.model import LIBRARY_URI, Severity
 from jausml.language.validation.engine import check
+from jausml.views.diagrams.views import graph_of
 
 
 class Ends:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from answers_support import CAR, scope_of
 
-from jausml.language.metamodel.classes import bridge
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.answers.ends import end_of
+from jausml.language.metamodel.classes import bridge
 
 
 def test_ids_of_the_map_view_name_members():

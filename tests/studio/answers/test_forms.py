@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 from answers_support import CAR, SHIPPED, named, scope_of
 
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.studio.answers.forms import form, form_of
 from jausml.language.metamodel import FeatureKind, documentation, load_metamodels
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model import Diagnostic, Severity
-from jausml.authoring.proposals.elements import AnswerError
-from jausml.authoring.studio.answers.forms import form, form_of
 
 CONCRETE = sorted(
     each.qualified_name for each in load_metamodels().classes.values() if not each.abstract

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from jausml.authoring.editing.project import Project
-from jausml.language.metamodel.classes import jaus, ros, system
 from jausml.authoring.proposals.elements import AnswerError, Scope
-from jausml.language.semantics.hosts import host_of
 from jausml.authoring.studio.answers.hosting import hosted
+from jausml.language.metamodel.classes import jaus, ros, system
+from jausml.language.semantics.hosts import host_of
 
 TEXT = """\
 system robot {

@@ -6,16 +6,16 @@ from pathlib import Path
 
 import pytest
 
-from jausml.views.diagrams.views import graph_of
 from jausml.authoring.editing.commands import Add, Remove, Rename
 from jausml.authoring.editing.project import Project
-from jausml.language.metamodel.classes import jaus
-from jausml.language.model.uris import LIBRARY_URI
 from jausml.authoring.proposals.elements import Scope, library
 from jausml.authoring.studio.answers.forms import form_of
 from jausml.authoring.studio.answers.inheriting import cut, heritage, join
 from jausml.authoring.studio.answers.moving import lead
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model.uris import LIBRARY_URI
 from jausml.language.validation.engine import check
+from jausml.views.diagrams.views import graph_of
 
 WINCH = Path(__file__).parents[3] / "models" / "examples" / "winch" / "service.xmi"
 FILE = "service.xmi"

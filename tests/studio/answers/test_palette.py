@@ -6,8 +6,8 @@ import pytest
 from answers_support import CAR, SHIPPED, named, scope_of
 
 from jausml.authoring.editing.commands import Add, Set
-from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.authoring.studio.answers.palette import palette
+from jausml.language.metamodel.classes import bridge, jaus, ros
 
 
 def labels(found, group=None):

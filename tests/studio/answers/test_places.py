@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 from answers_support import MODELS, scope_of
 
-from jausml.language.metamodel.classes import bridge, ros
-from jausml.language.model import read_models
 from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.studio.answers.places import element_at
 from jausml.authoring.studio.answers.sources import source
+from jausml.language.metamodel.classes import bridge, ros
+from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 
 XMI = "catvehicle/catvehicle.xmi"

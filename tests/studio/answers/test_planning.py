@@ -7,9 +7,9 @@ from dataclasses import replace
 import pytest
 from answers_support import CAR, read
 
-from jausml.language.model import Diagnostic, Location, Severity
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.answers.planning import carry_out, diff, out_folder, plan
+from jausml.language.model import Diagnostic, Location, Severity
 
 SKELETON = "vehicle/vehicle/vehicle.py"
 GENERATED = "vehicle/vehicle/vehicle_base.py"

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 from answers_support import CAR, SHIPPED, named, scope_of
 
-from jausml.language.metamodel.classes import bridge, jaus
-from jausml.language.model import read_models
 from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.studio.answers.sources import source
+from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 
 

@@ -6,12 +6,12 @@ import pytest
 
 from jausml.authoring.editing.commands import Create
 from jausml.authoring.editing.project import Project
-from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.studio.answers.connecting import connect
 from jausml.authoring.studio.answers.palette import palette
 from jausml.authoring.studio.answers.planning import plan
 from jausml.authoring.studio.answers.spots import Spot
+from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.validation.engine import check
 
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 from answers_support import CAR, SHIPPED, scope_of
 
-from jausml.language.metamodel.classes import bridge
-from jausml.language.model import read_models
 from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.studio.answers.trying import Trials, inputs
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model import read_models
 
 RULES = Path(__file__).resolve().parents[2] / "cases" / "rules"
 BUSY = 60.0

@@ -5,8 +5,8 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING
 
-from jausml.views.diagrams.graph import Graph, Node
 from jausml.authoring.studio.drawing import Drawings
+from jausml.views.diagrams.graph import Graph, Node
 
 if TYPE_CHECKING:
     import pytest

@@ -20,12 +20,12 @@ import pytest
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.project import Project
 from jausml.authoring.editing.reading import can_be_parsed
-from jausml.language.metamodel.classes import jaus
-from jausml.language.model import read_models
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.asking import editing, generating, showing
 from jausml.authoring.studio.desk import Desk
 from jausml.authoring.studio.typed import typed
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 
 if TYPE_CHECKING:

@@ -5,7 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from jausml.language.attributes.expressions import Call, Conditional, Operation, Variable, operands_of
+from jausml.language.attributes.expressions import (
+    Call,
+    Conditional,
+    Operation,
+    Variable,
+    operands_of,
+)
 from jausml_generators.python.expressions import python_condition, python_expression
 from jausml_generators.python.statements import Assign, If
 

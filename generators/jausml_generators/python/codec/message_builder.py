@@ -6,9 +6,9 @@ import struct
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from jausml.language import wire
 from jausml.generation import docstrings as docs
 from jausml.generation.errors import GenerationError
+from jausml.language import wire
 from jausml_generators.python import names
 from jausml_generators.python.codec import scalars
 from jausml_generators.python.codec.classes import (

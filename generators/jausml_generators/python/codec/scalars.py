@@ -11,8 +11,8 @@ import struct
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from jausml.language import wire
 from jausml.generation.literals import python_literal
+from jausml.language import wire
 
 _SCALED = {"round": "scaled", "floor": "scaled_down", "ceiling": "scaled_up"}
 _TYPES: tuple[wire.IntegerType | wire.RealType, ...] = (

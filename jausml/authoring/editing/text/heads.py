@@ -6,7 +6,16 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import EditError
 from jausml.language.text.keywords import snake_case
-from jausml.language.text.tree import Assignment, Element, Feature, Ignored, Name, Table, Text, Vector
+from jausml.language.text.tree import (
+    Assignment,
+    Element,
+    Feature,
+    Ignored,
+    Name,
+    Table,
+    Text,
+    Vector,
+)
 from jausml.language.text.writing.heads import is_comment
 from jausml.language.text.writing.layout import WIDTH
 from jausml.language.text.writing.literals import is_name

@@ -11,7 +11,13 @@ from jausml.authoring.editing.forest import Thing
 from jausml.authoring.editing.reading import is_library
 from jausml.language.model import refs
 from jausml.language.model.reading.classes import XSI, is_xmi
-from jausml.language.model.uris import LIBRARY_URI, UriFault, UriResolver, copy_in_project, library_root
+from jausml.language.model.uris import (
+    LIBRARY_URI,
+    UriFault,
+    UriResolver,
+    copy_in_project,
+    library_root,
+)
 from jausml.language.model.xmi.fragments import FragmentFinder
 
 if TYPE_CHECKING:

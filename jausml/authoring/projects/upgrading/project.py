@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.reading import SUFFIXES, model_files
-from jausml.language.metamodel import load_metamodels
-from jausml.language.model.inputs import read_input
-from jausml.language.model.reading.reader import read_models
-from jausml.language.model.xmi.writer import replace_file
 from jausml.authoring.projects.creating import copies_for
 from jausml.authoring.projects.errors import ProjectError
 from jausml.authoring.projects.upgrading.copies import renewed
 from jausml.authoring.projects.upgrading.steps import STEPS, UpgradeError
 from jausml.authoring.projects.upgrading.text import upgraded_text
 from jausml.authoring.projects.upgrading.xmi import upgraded_xmi
+from jausml.language.metamodel import load_metamodels
+from jausml.language.model.inputs import read_input
+from jausml.language.model.reading.reader import read_models
+from jausml.language.model.xmi.writer import replace_file
 from jausml.language.text.notation import NOTATIONS, SUFFIX
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from jausml.language.text.tree import Element, Feature, is_map, lists_of
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from jausml.language.metamodel import ClassTable, Metamodels
     from jausml.authoring.projects.upgrading.steps import Step
+    from jausml.language.metamodel import ClassTable, Metamodels
     from jausml.language.text.tree import Item, Name
 
 _MAP = "bridge.AttributeMap"

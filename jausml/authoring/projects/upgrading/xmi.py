@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.splices import applied, merged
 from jausml.authoring.editing.xmi.source import Source
-from jausml.language.model.documents import Document
-from jausml.language.model.xmi.parsing import parse
 from jausml.authoring.projects.upgrading.steps import (
     UpgradeError,
     new_name,
@@ -17,14 +15,16 @@ from jausml.authoring.projects.upgrading.steps import (
     uri,
     version_of,
 )
+from jausml.language.model.documents import Document
+from jausml.language.model.xmi.parsing import parse
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from jausml.authoring.editing.splices import Splice
+    from jausml.authoring.projects.upgrading.steps import Step
     from jausml.language.metamodel import ClassTable, Metamodels
     from jausml.language.model.xmi.parsing import Node
-    from jausml.authoring.projects.upgrading.steps import Step
 
 _TYPE = "http://www.w3.org/2001/XMLSchema-instance type"
 _SEGMENT = re.compile(r"@([A-Za-z_]\w*)")

@@ -15,7 +15,13 @@ from jausml.authoring.editing.commands import Child
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.mapping.assignments import filling
 from jausml.authoring.proposals.mapping.members import Member, leaves, member
-from jausml.authoring.proposals.mapping.statements import OF_AUTHORS, UNKNOWN, innermost, statement, steps
+from jausml.authoring.proposals.mapping.statements import (
+    OF_AUTHORS,
+    UNKNOWN,
+    innermost,
+    statement,
+    steps,
+)
 from jausml.authoring.proposals.mapping.tabling import tabled
 from jausml.authoring.proposals.mapping.trial import Judged, judge
 from jausml.authoring.proposals.options import Option, Options
@@ -29,8 +35,8 @@ from jausml.language.semantics.units import attribute_measure
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from jausml.language.metamodel.classes import bridge
     from jausml.authoring.proposals.elements import Scope
+    from jausml.language.metamodel.classes import bridge
     from jausml.language.semantics.conversions import Conversion
 
 _MOST = 8

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Remove
-from jausml.language.metamodel.classes import bridge
-from jausml.language.model.names import name_of
 from jausml.authoring.proposals.mapping.statements import innermost
 from jausml.authoring.proposals.mapping.tabling import additions
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model.names import name_of
 from jausml.language.semantics.paths import parse_path, source_paths, target_paths
 
 if TYPE_CHECKING:

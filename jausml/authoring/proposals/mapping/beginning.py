@@ -22,9 +22,9 @@ from jausml.authoring.proposals.mapping.words import assignments_of, shown, word
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping
 
-    from jausml.language.metamodel.classes import bridge, jaus, ros
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.proposals.mapping.members import Member
+    from jausml.language.metamodel.classes import bridge, jaus, ros
 
 _MOST = 6
 """How many choices a line names."""

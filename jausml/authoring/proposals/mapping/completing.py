@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Child
-from jausml.language.metamodel.classes import jaus
 from jausml.authoring.proposals.mapping.filling import FEATURES, filled_paths, is_filled
 from jausml.authoring.proposals.mapping.members import leaves
 from jausml.authoring.proposals.mapping.trial import judge
+from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.frame_names import FLU, UP
 from jausml.language.semantics.jaus_paths import JausPlace
 from jausml.language.semantics.paths import outer_scope, parse_path
@@ -17,9 +17,9 @@ from jausml.language.semantics.paths import outer_scope, parse_path
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from jausml.language.metamodel.classes import bridge
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.proposals.mapping.members import Member
+    from jausml.language.metamodel.classes import bridge
 
 _STAMP = "header.stamp"
 _FRAME_ID, _CHILD_FRAME_ID = "header.frame_id", "child_frame_id"

@@ -10,8 +10,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child
-from jausml.language.metamodel.classes import bridge
-from jausml.language.model.names import name_of
 from jausml.authoring.proposals.mapping.assigning import ways
 from jausml.authoring.proposals.mapping.corresponding import corresponding
 from jausml.authoring.proposals.mapping.members import leaves
@@ -19,6 +17,8 @@ from jausml.authoring.proposals.mapping.statements import OF_AUTHORS, innermost,
 from jausml.authoring.proposals.mapping.tabling import additions, tabled
 from jausml.authoring.proposals.mapping.trial import judge, judge_together
 from jausml.authoring.proposals.mapping.variances import variances
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model.names import name_of
 from jausml.language.semantics.attributes import LIST
 from jausml.language.semantics.paths import parse_path, target_paths
 from jausml.language.semantics.ways import TO_ROS

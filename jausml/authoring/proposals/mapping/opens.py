@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.language.model.names import name_of
 from jausml.authoring.proposals.mapping.completing import bare
 from jausml.authoring.proposals.mapping.filling import FEATURES, is_filled
 from jausml.authoring.proposals.mapping.members import leaves
 from jausml.authoring.proposals.mapping.statements import UNKNOWN, innermost
 from jausml.authoring.proposals.mapping.stopping import STOPS
+from jausml.language.model.names import name_of
 from jausml.language.semantics.commands import is_command
 from jausml.language.semantics.paths import outer_scope, parse_path
 from jausml.language.semantics.rates import fills_rates_alone

@@ -13,9 +13,9 @@ from jausml.authoring.proposals.options import Option, Options
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from jausml.language.metamodel.classes import bridge
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.proposals.mapping.members import Member
+    from jausml.language.metamodel.classes import bridge
 
 
 def constant(scope: Scope, used: bridge.AttributeMap, target: Member, value: str) -> Options:

@@ -5,11 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from jausml.authoring.proposals.mapping.tabling import table_of
 from jausml.language.metamodel import FeatureKind
-from jausml.language.metamodel.filling import contents, link, new_object, point, set_value, set_values
+from jausml.language.metamodel.filling import (
+    contents,
+    link,
+    new_object,
+    point,
+    set_value,
+    set_values,
+)
 from jausml.language.model.made import made_model
 from jausml.language.model.values import convert
-from jausml.authoring.proposals.mapping.tabling import table_of
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rules import all_rules
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Child
-from jausml.language.model.words import words
 from jausml.authoring.proposals.mapping.trial import judge
+from jausml.language.model.words import words
 from jausml.language.semantics.attributes import NUMBER, NUMBERS
 from jausml.language.semantics.conversions.numbers import CovarianceToRms, Square
 from jausml.language.semantics.paths import outer_scope
@@ -17,9 +17,9 @@ from jausml.language.semantics.units import attribute_measure
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from jausml.language.metamodel.classes import bridge
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.proposals.mapping.members import Member
+    from jausml.language.metamodel.classes import bridge
     from jausml.language.semantics.conversions.conversion import Conversion
     from jausml.language.semantics.units import Measure
 

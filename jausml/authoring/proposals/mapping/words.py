@@ -14,18 +14,18 @@ import re
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Child
-from jausml.language.model.values import suggest
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.mapping.assigning import ways
 from jausml.authoring.proposals.mapping.members import member
 from jausml.authoring.proposals.mapping.statements import innermost
 from jausml.authoring.proposals.mapping.trial import judge
+from jausml.language.model.values import suggest
 from jausml.language.semantics.conversions import CONVERSIONS
 
 if TYPE_CHECKING:
-    from jausml.language.metamodel.classes import bridge
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.proposals.mapping.assigning import Ways
+    from jausml.language.metamodel.classes import bridge
 
 _FIELD = "bridge.FieldAssignment"
 _SOURCELESS = {"clock": "bridge.ClockAssignment", "ignore": "bridge.Ignore"}

@@ -5,10 +5,10 @@ from __future__ import annotations
 from itertools import chain, count
 from typing import TYPE_CHECKING
 
+from jausml.authoring.proposals.fresh import free_address, name_among, participant_name
 from jausml.language.metamodel import FeatureKind
 from jausml.language.metamodel.classes import jaus, system
 from jausml.language.model.names import name_of
-from jausml.authoring.proposals.fresh import free_address, name_among, participant_name
 from jausml.language.semantics.core_services import CORE
 from jausml.language.semantics.inherited_machines import CORE_MACHINE
 from jausml.language.semantics.names import package_key

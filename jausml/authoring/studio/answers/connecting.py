@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from jausml.language.metamodel.classes import bridge, jaus, ros
-from jausml.language.model.names import name_of
 from jausml.authoring.proposals.options import Options
-from jausml.language.semantics.ways import TO_JAUS, TO_ROS
 from jausml.authoring.studio.answers.crossing import bridged, carried, further_peer, through
 from jausml.authoring.studio.answers.linking import asked, topics_between
 from jausml.authoring.studio.answers.spots import all_spots
+from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.model.names import name_of
+from jausml.language.semantics.ways import TO_JAUS, TO_ROS
 
 if TYPE_CHECKING:
     from jausml.authoring.proposals.elements import Scope

@@ -5,9 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child, Set
-from jausml.language.metamodel.classes import bridge, jaus, ros
-from jausml.language.model.names import name_of
-from jausml.language.model.words import snake_case
 from jausml.authoring.proposals.bridging import (
     Draft,
     Offer,
@@ -21,6 +18,9 @@ from jausml.authoring.proposals.bridging import (
 from jausml.authoring.proposals.fresh import name_among
 from jausml.authoring.proposals.options import Option, Options
 from jausml.authoring.proposals.ready import fitting
+from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.model.names import name_of
+from jausml.language.model.words import snake_case
 from jausml.language.semantics.ros_paths import ros_name
 from jausml.language.semantics.services import find_same
 from jausml.language.semantics.topics import resolve_topic
@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from jausml.authoring.editing.commands import Command
-    from jausml.language.metamodel.classes.ecore import EObject
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.studio.answers.spots import Spot
+    from jausml.language.metamodel.classes.ecore import EObject
 
 
 def bridged(scope: Scope, at_jaus: Spot, at_ros: Spot, direction: str) -> Options:

@@ -11,10 +11,10 @@ from jausml.authoring.studio.answers.curing.found import Found
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from jausml.language.model import Diagnostic
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.studio.answers.curing.found import Curing
     from jausml.authoring.studio.answers.shapes import Cure
+    from jausml.language.model import Diagnostic
 
 CURES: Mapping[str, Curing] = {**others.CURES, **maps.CURES, **connections.CURES}
 """The cures by rule."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.language.metamodel.classes import bridge
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.mapping.members import member
+from jausml.language.metamodel.classes import bridge
 
 if TYPE_CHECKING:
     from jausml.authoring.proposals.elements import Scope

@@ -7,23 +7,23 @@ from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING
 
-from jausml.language.metamodel import FeatureKind, ValueKind, documentation
-from jausml.language.model.refs import LIBRARY
-from jausml.language.model.words import words
 from jausml.authoring.proposals.elements import label_of
 from jausml.authoring.proposals.literals import literal, values_of
 from jausml.authoring.studio.answers.beginnings import usual_values
 from jausml.authoring.studio.answers.moving import usual_texts
 from jausml.authoring.studio.answers.shapes import Child, Children, Choice, Field, Form, Kind
 from jausml.authoring.studio.answers.targets import legal_targets
+from jausml.language.metamodel import FeatureKind, ValueKind, documentation
+from jausml.language.model.refs import LIBRARY
+from jausml.language.model.words import words
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from jausml.authoring.proposals.elements import Scope
     from jausml.language.metamodel import ClassTable, DataTypeTable, FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model import Diagnostic
-    from jausml.authoring.proposals.elements import Scope
 
 _KINDS = {
     ValueKind.STRING: "text",

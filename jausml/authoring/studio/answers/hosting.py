@@ -5,18 +5,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, cast
 
 from jausml.authoring.editing.commands import Add, Remove, Set
-from jausml.language.metamodel.classes import jaus, ros, system
-from jausml.language.model.names import name_of
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.options import Option
+from jausml.language.metamodel.classes import jaus, ros, system
+from jausml.language.model.names import name_of
 from jausml.language.semantics.hosts import host_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from jausml.authoring.editing.commands import Command
-    from jausml.language.metamodel.classes.ecore import EObject
     from jausml.authoring.proposals.elements import Scope
+    from jausml.language.metamodel.classes.ecore import EObject
 
 _FEATURES = ("components", "nodes")
 

@@ -5,22 +5,22 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Set
-from jausml.language.metamodel.classes import jaus
-from jausml.language.model.names import name_of
-from jausml.language.model.refs import LIBRARY
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.options import Option, Options
-from jausml.language.semantics.services import lineage, query_name
 from jausml.authoring.studio.answers.beginnings import free_code
 from jausml.authoring.studio.answers.spots import element_of
 from jausml.authoring.studio.answers.targets import everywhere
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model.names import name_of
+from jausml.language.model.refs import LIBRARY
+from jausml.language.semantics.services import lineage, query_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.language.metamodel.classes.ecore import EObject
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.studio.answers.shapes import Choice
+    from jausml.language.metamodel.classes.ecore import EObject
 
 _MARK = "!"
 _INHERITS = f"{_MARK}inherits"

@@ -6,21 +6,21 @@ import re
 from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any
 
+from jausml.authoring.proposals.elements import AnswerError
 from jausml.language import wire
+from jausml.language.semantics.layouts import is_group
 from jausml.live.messages import MessageEntry, MessageError
 from jausml.live.messages.blobs import FormattedOctets, Octets, Text, VariableNumber
 from jausml.live.messages.codec import Scalar
 from jausml.live.messages.containers import TAG, Array, List, Record, Variant
 from jausml.live.messages.samples import sample
 from jausml.live.messages.scalars import BitField, FixedText, Real, Scaled
-from jausml.authoring.proposals.elements import AnswerError
-from jausml.language.semantics.layouts import is_group
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from jausml.live.messages.codec import Codec
     from jausml.language.metamodel.classes import jaus
+    from jausml.live.messages.codec import Codec
 
 _STEP = re.compile(r"(.+?)((?:\[\d{1,4}\])*)")
 _PRESENCE = "_pv"

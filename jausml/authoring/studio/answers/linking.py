@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child, Set
-from jausml.language.metamodel.classes import jaus, ros
-from jausml.language.model.names import name_of
-from jausml.language.model.words import snake_case
 from jausml.authoring.proposals.bridging import is_served, offers, profile_of
 from jausml.authoring.proposals.fresh import name_among
 from jausml.authoring.proposals.options import Option, Options
+from jausml.language.metamodel.classes import jaus, ros
+from jausml.language.model.names import name_of
+from jausml.language.model.words import snake_case
 from jausml.language.semantics.ros_paths import ros_name
 from jausml.language.semantics.topics import resolve_topic
 from jausml.language.semantics.ways import EVENT, TO_ROS
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from typing import Any
 
-    from jausml.language.metamodel.classes.ecore import EObject
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.studio.answers.spots import Spot
+    from jausml.language.metamodel.classes.ecore import EObject
 
 _OTHER_ENDS: Mapping[str, tuple[str, str, str]] = {
     "Publisher": ("subscriptions", "ros.Subscription", "topic"),

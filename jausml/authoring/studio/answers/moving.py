@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.proposals.options import Option, Options
+from jausml.authoring.studio.answers.shapes import Choice
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.names import name_of
 from jausml.language.model.refs import LIBRARY
-from jausml.authoring.proposals.elements import AnswerError
-from jausml.authoring.proposals.options import Option, Options
 from jausml.language.semantics.commands import is_command
 from jausml.language.semantics.inherited_machines import (
     CORE_EVENTS,
@@ -20,14 +21,13 @@ from jausml.language.semantics.inherited_machines import (
     machine_with,
 )
 from jausml.language.semantics.services import lineage
-from jausml.authoring.studio.answers.shapes import Choice
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.authoring.proposals.elements import Scope
     from jausml.language.metamodel import FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.authoring.proposals.elements import Scope
     from jausml.language.semantics.inherited_machines import Machine
 
 _MARK = "!"

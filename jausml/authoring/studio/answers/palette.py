@@ -8,28 +8,28 @@ from itertools import islice
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child, Set
+from jausml.authoring.proposals.bridging import bridges_of, carrying, system_of
+from jausml.authoring.proposals.elements import AnswerError, label_of, library
+from jausml.authoring.proposals.fresh import free_address, name_among, participant_name
+from jausml.authoring.studio.answers.beginnings import PACKAGES, usual_values
+from jausml.authoring.studio.answers.forms import in_words, kinds_of
+from jausml.authoring.studio.answers.inheriting import inherit
+from jausml.authoring.studio.answers.shapes import Drop, PaletteItem
 from jausml.language.metamodel import documentation
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.model.names import name_of
 from jausml.language.model.refs import LIBRARY
 from jausml.language.model.words import snake_case, words
-from jausml.authoring.proposals.bridging import bridges_of, carrying, system_of
-from jausml.authoring.proposals.elements import AnswerError, label_of, library
-from jausml.authoring.proposals.fresh import free_address, name_among, participant_name
 from jausml.language.semantics.core_services import CORE
 from jausml.language.semantics.ros_paths import ros_name
-from jausml.authoring.studio.answers.beginnings import PACKAGES, usual_values
-from jausml.authoring.studio.answers.forms import in_words, kinds_of
-from jausml.authoring.studio.answers.inheriting import inherit
-from jausml.authoring.studio.answers.shapes import Drop, PaletteItem
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from jausml.authoring.editing.commands import Command
+    from jausml.authoring.proposals.elements import Scope
     from jausml.language.metamodel import ClassTable, FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.authoring.proposals.elements import Scope
 
 MOST = 60
 """How many items are shown unless more are asked for."""

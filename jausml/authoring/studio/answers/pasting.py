@@ -6,8 +6,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Set
-from jausml.language.metamodel.classes import jaus
 from jausml.authoring.proposals.fresh import free_address
+from jausml.language.metamodel.classes import jaus
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
+from jausml.authoring.proposals.elements import AnswerError
 from jausml.generation.errors import GenerationError
 from jausml.generation.lock import locked
 from jausml.generation.plan import Action, ActionKind, Plan, unified_diff
@@ -15,7 +16,6 @@ from jausml.generation.target import load_targets
 from jausml.generation.workspace import Result, generate, select
 from jausml.generation.writer import apply
 from jausml.language.model import Severity
-from jausml.authoring.proposals.elements import AnswerError
 from jausml.language.validation.formats import text
 
 if TYPE_CHECKING:

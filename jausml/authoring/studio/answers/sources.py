@@ -11,10 +11,10 @@ from jausml.language.model import refs
 from jausml.language.text.reading.document import TextDocument
 
 if TYPE_CHECKING:
+    from jausml.authoring.proposals.elements import Scope
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model import Document, Model
     from jausml.language.model.xmi.parsing import Node
-    from jausml.authoring.proposals.elements import Scope
     from jausml.language.text.tree import Span
 
 XMI, TEXT = "xmi", "text"

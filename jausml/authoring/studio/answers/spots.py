@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.authoring.proposals.elements import AnswerError
+from jausml.language.metamodel.classes import bridge, jaus, ros
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.language.metamodel.classes.ecore import EObject
     from jausml.authoring.proposals.elements import Scope
+    from jausml.language.metamodel.classes.ecore import EObject
 
 _MARK = "!"
 

@@ -7,11 +7,11 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from jausml.authoring.proposals.elements import Scope, label_of, library
+from jausml.authoring.studio.answers.shapes import Choice
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.model.names import name_of
-from jausml.authoring.proposals.elements import Scope, label_of, library
 from jausml.language.semantics.services import lineage, outputs
-from jausml.authoring.studio.answers.shapes import Choice
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping

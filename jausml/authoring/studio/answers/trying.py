@@ -13,8 +13,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jausml.language.metamodel.classes import bridge
 from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.studio.answers import jaus_values
+from jausml.authoring.studio.answers.trial_bridge import trial_bridge
+from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.attributes import (
     BOOL,
     LIST,
@@ -29,8 +31,6 @@ from jausml.language.semantics.attributes import (
 from jausml.language.semantics.jaus_paths import JausPlace
 from jausml.language.semantics.paths import COUNTERS, outer_scope, source_paths
 from jausml.language.semantics.ros_paths import RosPlace
-from jausml.authoring.studio.answers import jaus_values
-from jausml.authoring.studio.answers.trial_bridge import trial_bridge
 from jausml.live.workers.process import Worker, WorkerError
 
 if TYPE_CHECKING:

@@ -5,10 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml.views.diagrams.views import graph_of
-from jausml.views.diagrams.views.context import Context
-from jausml.language.metamodel.classes import bridge, jaus, system
-from jausml.language.model import refs
 from jausml.authoring.proposals.elements import AnswerError, Scope, label_of
 from jausml.authoring.proposals.mapping.assigning import assign, partners
 from jausml.authoring.proposals.options import Options
@@ -21,12 +17,16 @@ from jausml.authoring.studio.answers.moving import lead
 from jausml.authoring.studio.answers.palette import MOST, palette
 from jausml.authoring.studio.answers.spots import element_of, spot
 from jausml.authoring.studio.methods import Method
+from jausml.language.metamodel.classes import bridge, jaus, system
+from jausml.language.model import refs
+from jausml.views.diagrams.views import graph_of
+from jausml.views.diagrams.views.context import Context
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from jausml.language.metamodel.classes.ecore import EObject
     from jausml.authoring.studio.desk import Desk
+    from jausml.language.metamodel.classes.ecore import EObject
 
 
 @dataclass(frozen=True)

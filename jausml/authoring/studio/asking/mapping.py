@@ -16,9 +16,9 @@ from jausml.authoring.studio.asking.showing import OfView
 from jausml.authoring.studio.methods import Method
 
 if TYPE_CHECKING:
-    from jausml.language.metamodel.classes import bridge
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.studio.desk import Desk
+    from jausml.language.metamodel.classes import bridge
 
 Direction = Literal["to_ros", "to_jaus"]
 

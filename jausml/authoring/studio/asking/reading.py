@@ -5,23 +5,23 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml.views.diagrams.views import maps
-from jausml.views.diagrams.views.context import Context
-from jausml.language.model import refs
-from jausml.language.model.uris import library_root
 from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.studio.answers.places import element_at
 from jausml.authoring.studio.answers.sources import source
 from jausml.authoring.studio.asking.answering import OfElement, map_of, scope_of
 from jausml.authoring.studio.asking.showing import OfFile, OfView
 from jausml.authoring.studio.methods import Method
+from jausml.language.model import refs
+from jausml.language.model.uris import library_root
 from jausml.language.text.notation import SUFFIX
+from jausml.views.diagrams.views import maps
+from jausml.views.diagrams.views.context import Context
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from jausml.views.diagrams.views.members import Member
     from jausml.authoring.studio.desk import Desk
+    from jausml.views.diagrams.views.members import Member
 
 
 @dataclass(frozen=True)

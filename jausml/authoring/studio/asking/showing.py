@@ -8,23 +8,23 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from jausml import __version__
-from jausml.views.diagrams.layout.sheet import LayoutError
-from jausml.views.diagrams.views import UnknownViewError, graph_of, view_names
 from jausml.authoring.editing.records import Freshness
-from jausml.language.model.refs import file_of
 from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.studio import shown
 from jausml.authoring.studio.answers.cures import cures
 from jausml.authoring.studio.methods import Method, Nothing
 from jausml.authoring.studio.rpc import REFUSED, RpcError
+from jausml.language.model.refs import file_of
+from jausml.views.diagrams.layout.sheet import LayoutError
+from jausml.views.diagrams.views import UnknownViewError, graph_of, view_names
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from jausml.language.model import Document
-    from jausml.language.model.diagnostics import Diagnostic
     from jausml.authoring.studio.checking import Verdict
     from jausml.authoring.studio.desk import Desk
+    from jausml.language.model import Document
+    from jausml.language.model.diagnostics import Diagnostic
 
 
 _LOG = logging.getLogger(__name__)

@@ -11,10 +11,10 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
+from jausml.language.attributes.guards import GuardError, parse_guard
 from jausml.language.importers.jsidl.building import DEEPEST
 from jausml.language.importers.jsidl.findings import Findings, Place
 from jausml.language.importers.jsidl.values import Values, documentation, folded, joined
-from jausml.language.attributes.guards import GuardError, parse_guard
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.values import show, suggest
 from jausml.language.model.words import parts, snake_case

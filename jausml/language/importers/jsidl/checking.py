@@ -5,7 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.language.importers.jsidl.findings import Findings, Place
-from jausml.language.importers.jsidl.vocabulary import NAMESPACES, PLUS, ROOTS, VOCABULARY, ElementRule
+from jausml.language.importers.jsidl.vocabulary import (
+    NAMESPACES,
+    PLUS,
+    ROOTS,
+    VOCABULARY,
+    ElementRule,
+)
 from jausml.language.model.values import nearest, show, suggest
 
 if TYPE_CHECKING:

@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from jausml.language.importers.jsidl.building import DEEPEST, Builder
 from jausml.language.importers.jsidl.findings import Findings, Place
 from jausml.language.importers.jsidl.scopes import Declaration, MissingError, Scope, Scopes
-from jausml.language.importers.jsidl.values import INT, LONG, Values, documentation, folded, joined, largest
+from jausml.language.importers.jsidl.values import (
+    INT,
+    LONG,
+    Values,
+    documentation,
+    folded,
+    joined,
+    largest,
+)
 from jausml.language.importers.jsidl.vocabulary import CONTAINERS, FIELDS
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.values import show

@@ -3,7 +3,12 @@
 from jausml.language.importers.ros.importing import ImportResult, import_packages
 from jausml.language.importers.ros.placing import placed
 from jausml.language.importers.ros.rules import ROS_RULES
-from jausml.language.importers.ros.sources import PackageSource, Source, installed_source, package_sources
+from jausml.language.importers.ros.sources import (
+    PackageSource,
+    Source,
+    installed_source,
+    package_sources,
+)
 
 __all__ = [
     "ROS_RULES",

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from jausml.language.interfaces.parsing import PARTS
 from jausml.language.attributes.units import UnitError, parse_unit
+from jausml.language.interfaces.parsing import PARTS
 from jausml.language.metamodel import FeatureKind, ValueKind
 from jausml.language.metamodel.classes import ros
 from jausml.language.metamodel.filling import link, new_object, set_value

@@ -9,7 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, cast
 
-from jausml.language.metamodel import ClassTable, DataTypeTable, FeatureKind, FeatureTable, Metamodels
+from jausml.language.metamodel import (
+    ClassTable,
+    DataTypeTable,
+    FeatureKind,
+    FeatureTable,
+    Metamodels,
+)
 from jausml.language.metamodel.filling import holds, link, new_object, set_value, set_values
 from jausml.language.model.diagnostics import Related
 from jausml.language.model.notation import BY_NAME

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.language.semantics.conversions import angles, authored, grids, numbers, orientations, times
+from jausml.language.semantics.conversions import (
+    angles,
+    authored,
+    grids,
+    numbers,
+    orientations,
+    times,
+)
 from jausml.language.semantics.conversions.conversion import (
     ANY,
     VALUE,

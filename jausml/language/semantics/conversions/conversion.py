@@ -7,7 +7,14 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from jausml.language.attributes.intervals import EMPTY, EVERYTHING, Interval, is_empty, product, total
+from jausml.language.attributes.intervals import (
+    EMPTY,
+    EVERYTHING,
+    Interval,
+    is_empty,
+    product,
+    total,
+)
 from jausml.language.semantics.attributes import BOOL, LIST, NUMBER, NUMBERS, TEXT
 
 if TYPE_CHECKING:

@@ -9,7 +9,17 @@ from jausml.language.model.reading.classes import target_class
 from jausml.language.model.values import nearest, show, suggest
 from jausml.language.model.xmi.parsing import MAX_DEPTH
 from jausml.language.text.keywords import KEYWORDS, classes_by_keyword, owning_features, snake_case
-from jausml.language.text.tree import Element, Feature, Href, Name, Number, Span, Text, is_bare, is_map
+from jausml.language.text.tree import (
+    Element,
+    Feature,
+    Href,
+    Name,
+    Number,
+    Span,
+    Text,
+    is_bare,
+    is_map,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

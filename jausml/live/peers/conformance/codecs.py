@@ -8,12 +8,12 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from jausml.language.semantics.answers import PRESENCE_VECTOR
 from jausml.live.messages import EncodeError, MessageError
 from jausml.live.messages.containers import PRESENCE
 from jausml.live.peers.conformance.check import Check
 from jausml.live.peers.conformance.verdicts import CheckFailed
 from jausml.live.peers.samples import optional_bits, plain_query, presence_holder
-from jausml.language.semantics.answers import PRESENCE_VECTOR
 
 if TYPE_CHECKING:
     from jausml.live.messages import MessageEntry, ServiceEntry

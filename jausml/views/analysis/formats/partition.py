@@ -12,9 +12,9 @@ from jausml.views.analysis.partition import is_heavy
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from jausml.language.metamodel.classes import bridge
     from jausml.views.analysis.groups import Group
     from jausml.views.analysis.partition import Part, Proposal
-    from jausml.language.metamodel.classes import bridge
 
 
 def render(proposal: Proposal, bridges: Sequence[bridge.Bridge]) -> str:

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.views.diagrams.views import machines, maps, services, system
-from jausml.views.diagrams.views.context import Context
 from jausml.language.metamodel.classes.system import System
 from jausml.language.model.values import nearest
 from jausml.language.semantics.memory import remembering
+from jausml.views.diagrams.views import machines, maps, services, system
+from jausml.views.diagrams.views.context import Context
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
     from pathlib import Path
 
-    from jausml.views.diagrams.graph import Graph
     from jausml.language.model.diagnostics import Diagnostic
     from jausml.language.model.model import Model
+    from jausml.views.diagrams.graph import Graph
 
 SYSTEM = "system"
 

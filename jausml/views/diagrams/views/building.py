@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from jausml.views.diagrams.graph import Edge, End, Graph, Group, Node, Port
 
 if TYPE_CHECKING:
-    from jausml.views.diagrams.views.context import Context
     from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.views.diagrams.views.context import Context
 
 
 class Builder:

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+from jausml.language.semantics.ros_paths import ros_name
+from jausml.language.semantics.topics import resolve_topic
 from jausml.views.diagrams.graph import JAUS_COLUMN, ROS_COLUMN, Edge, End, Node, Port
 from jausml.views.diagrams.views import exchanges
 from jausml.views.diagrams.views.context import details, name_of, number
-from jausml.language.semantics.ros_paths import ros_name
-from jausml.language.semantics.topics import resolve_topic
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.views.diagrams.views.building import Builder
     from jausml.language.metamodel.classes import bridge, jaus, ros
+    from jausml.views.diagrams.views.building import Builder
 
 _EXCHANGES = {
     "message": "message",

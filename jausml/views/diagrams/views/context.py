@@ -8,17 +8,17 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from jausml.views.diagrams.graph import Edge, Finding, Group, Node, Port
 from jausml.language.model.keys import Keys
 from jausml.language.model.refs import ref_of
+from jausml.views.diagrams.graph import Edge, Finding, Group, Node, Port
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from jausml.views.diagrams.graph import Details
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.diagnostics import Diagnostic
     from jausml.language.model.model import Model
+    from jausml.views.diagrams.graph import Details
 
 PartT = TypeVar("PartT", Node, Port, Group, Edge)
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.views.diagrams.views.context import number
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics import stops
 from jausml.language.semantics.paths import target_paths
+from jausml.views.diagrams.views.context import number
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

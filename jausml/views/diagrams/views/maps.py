@@ -6,6 +6,9 @@ from collections import defaultdict
 from functools import partial
 from typing import TYPE_CHECKING
 
+from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics.paths import COUNTERS, source_paths, target_paths
+from jausml.language.semantics.ros_paths import ros_name
 from jausml.views.diagrams.graph import (
     JAUS_COLUMN,
     ROS_COLUMN,
@@ -19,17 +22,14 @@ from jausml.views.diagrams.graph import (
 from jausml.views.diagrams.views.building import Builder
 from jausml.views.diagrams.views.context import details, name_of, number
 from jausml.views.diagrams.views.members import jaus_members, paths_of, plain, ros_members, rows
-from jausml.language.metamodel.classes import bridge
-from jausml.language.semantics.paths import COUNTERS, source_paths, target_paths
-from jausml.language.semantics.ros_paths import ros_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
+    from jausml.language.model.model import Model
     from jausml.views.diagrams.graph import Details
     from jausml.views.diagrams.views.context import Context
     from jausml.views.diagrams.views.members import Member
-    from jausml.language.model.model import Model
 
 _LONGEST_VALUE = 40
 

@@ -6,18 +6,18 @@ import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from jausml.views.diagrams.graph import Port
-from jausml.views.diagrams.views.context import details, number
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.semantics.attributes import UNSTATED, Attribute
 from jausml.language.semantics.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.ros_paths import RosPlace, ros_name
+from jausml.views.diagrams.graph import Port
+from jausml.views.diagrams.views.context import details, number
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping
 
-    from jausml.views.diagrams.views.context import Context
     from jausml.language.semantics.attributes import Part
+    from jausml.views.diagrams.views.context import Context
 
 DEEPEST = 12
 """Members around each other; types that hold themselves end here."""

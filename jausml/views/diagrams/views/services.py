@@ -7,17 +7,17 @@ from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from jausml.language.metamodel.classes import jaus
+from jausml.language.semantics.services import lineage, query_name
 from jausml.views.diagrams.graph import Edge, End, Graph, Group, Node, Port
 from jausml.views.diagrams.views.building import Builder
 from jausml.views.diagrams.views.context import details, name_of
-from jausml.language.metamodel.classes import jaus
-from jausml.language.semantics.services import lineage, query_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-    from jausml.views.diagrams.views.context import Context
     from jausml.language.model.model import Model
+    from jausml.views.diagrams.views.context import Context
 
 
 def offered(

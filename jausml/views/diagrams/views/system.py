@@ -5,6 +5,10 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import TYPE_CHECKING
 
+from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.metamodel.classes import system as systems
+from jausml.language.semantics.hosts import host_of
+from jausml.language.semantics.ros_paths import ros_name
 from jausml.views.diagrams.graph import (
     BRIDGE_COLUMN,
     JAUS_COLUMN,
@@ -19,17 +23,13 @@ from jausml.views.diagrams.graph import Node as Box
 from jausml.views.diagrams.views import connections, exchanges
 from jausml.views.diagrams.views.building import Builder
 from jausml.views.diagrams.views.context import details, name_of
-from jausml.language.metamodel.classes import bridge, jaus, ros
-from jausml.language.metamodel.classes import system as systems
-from jausml.language.semantics.hosts import host_of
-from jausml.language.semantics.ros_paths import ros_name
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
-    from jausml.views.diagrams.views.context import Context
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.model import Model
+    from jausml.views.diagrams.views.context import Context
 
 
 def participants(model: Model) -> Sequence[jaus.Component | ros.Node]:

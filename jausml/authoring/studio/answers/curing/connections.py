@@ -7,6 +7,8 @@ import re
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child, Remove, Set
+from jausml.authoring.studio.answers.curing.found import unset
+from jausml.authoring.studio.answers.shapes import Cure
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.names import name_of
 from jausml.language.semantics.attributes import NUMBER, Attribute
@@ -15,8 +17,6 @@ from jausml.language.semantics.paths import outer_scope, target_paths
 from jausml.language.semantics.rates import fills_rates_alone
 from jausml.language.semantics.ros_paths import RosPlace
 from jausml.language.semantics.services import find_same, inputs, outputs
-from jausml.authoring.studio.answers.curing.found import unset
-from jausml.authoring.studio.answers.shapes import Cure
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -14,9 +14,9 @@ from jausml.authoring.studio.answers.forms import in_words
 from jausml.authoring.studio.answers.shapes import Cure
 
 if TYPE_CHECKING:
+    from jausml.authoring.proposals.elements import Scope
     from jausml.language.metamodel import ClassTable
     from jausml.language.model import Diagnostic
-    from jausml.authoring.proposals.elements import Scope
 
 _QUOTED = re.compile(r"'([^']*)'")
 

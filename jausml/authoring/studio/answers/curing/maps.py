@@ -6,22 +6,22 @@ import re
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Remove, Set
+from jausml.authoring.proposals.elements import map_around
+from jausml.authoring.studio.answers.curing.found import renamed_as_meant, unset
+from jausml.authoring.studio.answers.shapes import Cure
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
 from jausml.language.model.words import snake_case
-from jausml.authoring.proposals.elements import map_around
 from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.semantics.jaus_paths import JausPlace
 from jausml.language.semantics.paths import place
 from jausml.language.semantics.ros_paths import RosPlace
-from jausml.authoring.studio.answers.curing.found import renamed_as_meant, unset
-from jausml.authoring.studio.answers.shapes import Cure
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from jausml.language.metamodel.classes.ecore import EObject
     from jausml.authoring.studio.answers.curing.found import Curing, Found
+    from jausml.language.metamodel.classes.ecore import EObject
 
 _MISSING = re.compile(r"has no (?:attribute|field) '([^']*)'")
 _HEADER = re.compile(r"([\w.]+\.(?:stamp|frame_id))")

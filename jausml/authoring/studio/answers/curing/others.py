@@ -6,21 +6,21 @@ import re
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Remove, Rename, Set
-from jausml.language.metamodel.classes import jaus
-from jausml.language.model.names import name_of
 from jausml.authoring.proposals.fresh import free_address, free_name, name_among, participant_name
 from jausml.authoring.proposals.literals import literal, values_of
-from jausml.language.semantics.names import is_identifier
-from jausml.language.semantics.topics import topic_fault
 from jausml.authoring.studio.answers.curing.found import renamed_as_meant, unset
 from jausml.authoring.studio.answers.shapes import Cure
 from jausml.authoring.studio.answers.targets import everywhere
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model.names import name_of
+from jausml.language.semantics.names import is_identifier
+from jausml.language.semantics.topics import topic_fault
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from jausml.language.metamodel.classes.ecore import EObject
     from jausml.authoring.studio.answers.curing.found import Curing, Found
+    from jausml.language.metamodel.classes.ecore import EObject
 
 _NOT_LETTERS = re.compile("[^A-Za-z0-9_]+")
 _CONTROLLED = "isControllingClient"

@@ -5,7 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.language.text.reading.declaring.common import MemberBuilder
-from jausml.language.text.reading.declaring.types import BOOL, NUMBERS, STRING, Size, size_of, type_word
+from jausml.language.text.reading.declaring.types import (
+    BOOL,
+    NUMBERS,
+    STRING,
+    Size,
+    size_of,
+    type_word,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

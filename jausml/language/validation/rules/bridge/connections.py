@@ -20,7 +20,11 @@ from jausml.language.semantics.services import (
 )
 from jausml.language.semantics.ways import FEATURES, possible_ways
 from jausml.language.validation.rule import Finding, Note, rule
-from jausml.language.validation.rules.jaus.components import missing_query, provider_name, rate_finding
+from jausml.language.validation.rules.jaus.components import (
+    missing_query,
+    provider_name,
+    rate_finding,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

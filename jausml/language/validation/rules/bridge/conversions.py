@@ -8,7 +8,12 @@ import re
 from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
-from jausml.language.attributes.expressions import ExpressionError, Variable, occurrences, parse_expression
+from jausml.language.attributes.expressions import (
+    ExpressionError,
+    Variable,
+    occurrences,
+    parse_expression,
+)
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.attributes import LIST, NUMBERS

@@ -6,7 +6,14 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.attributes import LIST, NUMBERS, TIME, TIME_STAMP, Attribute, PathFault
+from jausml.language.semantics.attributes import (
+    LIST,
+    NUMBERS,
+    TIME,
+    TIME_STAMP,
+    Attribute,
+    PathFault,
+)
 from jausml.language.semantics.chains import ChainFault, chain_kinds, fits, yields
 from jausml.language.semantics.conversions import conversions_between
 from jausml.language.semantics.directions import directions

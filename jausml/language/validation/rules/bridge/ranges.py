@@ -12,7 +12,13 @@ from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.attributes import LARGEST_SINGLE, NUMBER, Attribute
 from jausml.language.semantics.directions import directions
 from jausml.language.semantics.ranges import result_ranges, source_range
-from jausml.language.semantics.units import Measure, attribute_measure, measure, result_measure, units_clash
+from jausml.language.semantics.units import (
+    Measure,
+    attribute_measure,
+    measure,
+    result_measure,
+    units_clash,
+)
 from jausml.language.validation.rule import Finding, rule
 
 if TYPE_CHECKING:

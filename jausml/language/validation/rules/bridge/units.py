@@ -12,7 +12,13 @@ from jausml.language.semantics.conversions import conversion_of
 from jausml.language.semantics.conversions.conversion import MAXIMUM
 from jausml.language.semantics.conversions.numbers import Square, SquareRoot
 from jausml.language.semantics.directions import directions
-from jausml.language.semantics.units import Measure, UnitFault, attribute_measure, measure, result_measure
+from jausml.language.semantics.units import (
+    Measure,
+    UnitFault,
+    attribute_measure,
+    measure,
+    result_measure,
+)
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:

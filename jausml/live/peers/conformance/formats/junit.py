@@ -5,9 +5,9 @@ from __future__ import annotations
 from itertools import groupby
 from typing import TYPE_CHECKING
 
+from jausml.language.validation.formats.suites import Case, Suite, junit_document
 from jausml.live.peers.conformance.formats.text import evidence_lines
 from jausml.live.peers.conformance.verdicts import Verdict
-from jausml.language.validation.formats.suites import Case, Suite, junit_document
 
 if TYPE_CHECKING:
     from jausml.live.peers.conformance.check import ConformanceReport, Result
