@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 VERBS = {
     "init": "Make a project of models.",
     "new": "Add an element to a model: a bridge, a component, a node.",
-    "upgrade": "Bring the models of a project to the current metamodels.",
     "validate": "Check models.",
     "generate": "Generate a workspace from the system in a model.",
     "run": "Start the processes of a generated workspace.",

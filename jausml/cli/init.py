@@ -52,6 +52,11 @@ _EXAMPLES = {_TOPICS: "odom:nav_msgs/Odometry", _JSIDL: "services/Winch.jsidl"}
     "bridge for the SOURCEs, which are topics such as odom:nav_msgs/Odometry; jsidl: a "
     "component with the services of the SOURCEs, which are JSIDL files and folders.",
 )
+@click.option(
+    "--copies",
+    is_flag=True,
+    help="Only renew the copies of metamodels and library in a project, after an update of jausml.",
+)
 @topic_options
 def command(
     folder: Path,
@@ -59,6 +64,7 @@ def command(
     name: str | None,
     notation: str,
     origin: str,
+    copies: bool,
     side: str,
     yes: bool,
     holds: tuple[str, ...],
@@ -75,6 +81,9 @@ def command(
     from jausml.authoring.projects.creating import Wish, create, name_for
     from jausml.authoring.projects.errors import ProjectError
 
+    if copies:
+        _renew(folder)
+        return
     if bool(sources) is not (origin in _EXAMPLES):
         what = f"needs SOURCEs, such as {_EXAMPLES[origin]}" if not sources else "takes no SOURCE"
         if sources and all(":" in each for each in sources):
@@ -101,6 +110,18 @@ def command(
     click.echo(f"  jausml generate {wish.model} -o src")
     click.echo("  jausml run src --for 10")
     tell_undecided(chosen)
+
+
+def _renew(folder: Path) -> None:
+    from jausml.authoring.projects.creating import renew_copies
+
+    try:
+        written, kept = renew_copies(folder)
+    except OSError as error:
+        raise EnvironmentFault(f"{error.filename} cannot be written: {error.strerror}") from error
+    for path in kept:
+        click.echo(f"{path} stays: it was changed here", err=True)
+    click.echo(f"{len(written)} copies in {folder} renewed")
 
 
 def _from_topics(

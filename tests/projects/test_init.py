@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -169,3 +171,51 @@ def test_the_command_that_enters_a_folder_named_like_an_option(tmp_path, monkeyp
     done = run("init", "--name", "x", "--", "-x")
     assert done.exit_code == 0, done.output
     assert "  cd ./-x\n" in done.output
+
+
+def test_copies_are_renewed_unless_somebody_changed_them(project):
+    folder = project()
+    assert "0 copies" in run("init", folder, "--copies").output
+    (folder / "metamodels" / "ros.ecore").unlink()
+    old, mine = folder / "library" / "ros" / "std_msgs.xmi", folder / "metamodels" / "jaus.ecore"
+    present = old.read_bytes()
+    _as_of_an_older_tool(old, folder / "library" / "SHA256SUMS")
+    mine.write_bytes(mine.read_bytes() + b"<!-- mine -->")
+    done = run("init", folder, "--copies")
+    assert done.exit_code == 0, done.output
+    assert "metamodels/jaus.ecore stays: it was changed here" in done.output
+    assert (folder / "metamodels" / "ros.ecore").is_file()
+    assert old.read_bytes() == present
+    assert mine.read_bytes().endswith(b"<!-- mine -->")
+    assert "0 copies" in run("init", folder, "--copies").output
+
+
+def _as_of_an_older_tool(copy, sums):
+    """Changes a copy together with what is said of it, as an older tool would have made both."""
+    before = hashlib.sha256(copy.read_bytes()).hexdigest()
+    copy.write_bytes(copy.read_bytes().replace(b"</", b"\n</", 1))
+    after = hashlib.sha256(copy.read_bytes()).hexdigest()
+    sums.write_text(sums.read_text("utf-8").replace(before, after), "utf-8")
+
+
+def test_a_project_of_the_first_metamodels_is_understood(tmp_path, monkeypatch):
+    golden = tmp_path / "golden"
+    shutil.copytree(Path(__file__).parent / "golden_1_0", golden)
+    (golden / ".git").mkdir()
+    monkeypatch.chdir(golden)
+    done = run("validate", "models", "--strict")
+    assert done.exit_code == 0, done.output
+    for model in ("rover.xmi", "boat.ros2jaus"):
+        done = run("generate", f"models/{model}", "-o", f"src/{model}")
+        assert done.exit_code == 0, done.output
+
+
+@pytest.mark.parametrize("version", ["0.1", "2.7"])
+def test_a_model_of_another_version_is_told_so(project, version):
+    model = project() / "models" / "rover.xmi"
+    text = model.read_text("utf-8").replace("jausml.org/system/1.0", f"jausml.org/system/{version}")
+    model.write_text(text, "utf-8")
+    done = run("validate", model)
+    assert done.exit_code == 1
+    assert "JML101" in done.output
+    assert f"system/{version}" in done.output

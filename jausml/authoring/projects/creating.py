@@ -9,10 +9,10 @@ from pathlib import Path
 import jinja2
 
 from jausml import __version__
+from jausml.authoring.projects.copies import SUMS, renewed, sums_of
 from jausml.authoring.projects.eclipse import METAMODELS, with_schema_location
 from jausml.authoring.projects.errors import ProjectError
 from jausml.authoring.projects.first_model import as_xmi, empty_text, empty_xmi, text_of
-from jausml.authoring.projects.upgrading.copies import SUMS, sums_of
 from jausml.language.model.inputs import read_input
 from jausml.language.model.uris import library_root
 from jausml.language.model.xmi.writer import replace_file
@@ -91,6 +91,30 @@ def create(folder: Path, wish: Wish) -> list[str]:
         (folder / each).parent.mkdir(parents=True, exist_ok=True)
         replace_file(folder / each, contents[each])
     return written
+
+
+def renew_copies(folder: Path) -> tuple[list[str], list[str]]:
+    """Writes the copies that Eclipse needs as they are now; those that somebody changed stay.
+
+    Args:
+        folder: The folder of a project; where it has no copies, they are made.
+
+    Returns:
+        The paths of what was written, and of what stays, relative to the folder.
+
+    Raises:
+        OSError: A file cannot be written.
+    """
+    written: list[str] = []
+    kept: list[str] = []
+    for name, contents in copies_for().items():
+        wanted, changed = renewed(folder / name, contents)
+        for path, data in wanted.items():
+            (folder / name / path).parent.mkdir(parents=True, exist_ok=True)
+            replace_file(folder / name / path, data)
+        written += [f"{name}/{path}" for path in wanted]
+        kept += [f"{name}/{path}" for path in changed]
+    return written, kept
 
 
 def _contents(wish: Wish) -> dict[str, bytes]:

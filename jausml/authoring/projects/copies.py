@@ -29,12 +29,11 @@ def renewed(folder: Path, contents: Mapping[str, bytes]) -> tuple[dict[str, byte
     """Returns the copies that are to be written anew, and those that somebody has changed.
 
     Args:
-        folder: The folder of the copies; it has no `SHA256SUMS` where nobody made them.
+        folder: The folder of the copies; its `SHA256SUMS` says what they were made as.
         contents: The copies as they should be, by their paths relative to the folder.
     """
-    if not (folder / SUMS).is_file():
-        return {}, []
-    lines = read_input(folder / SUMS).decode("utf-8", "replace").splitlines()
+    stored = read_input(folder / SUMS) if (folder / SUMS).is_file() else b""
+    lines = stored.decode("utf-8", "replace").splitlines()
     known = {path: digest for digest, _, path in (line.partition("  ") for line in lines)}
     wanted: dict[str, bytes] = {}
     kept = []
@@ -47,7 +46,7 @@ def renewed(folder: Path, contents: Mapping[str, bytes]) -> tuple[dict[str, byte
         else:
             kept.append(path)
     sums = sums_of(contents)
-    if read_input(folder / SUMS) != sums and not kept:
+    if stored != sums and not kept:
         wanted[SUMS] = sums
     return wanted, kept
 
