@@ -1,4 +1,4 @@
-"""Each folder of code is a package: what is left of a folder that moved would be imported as one."""
+"""Each folder of code is a package: what is left of one that moved would be imported as well."""
 
 from __future__ import annotations
 
