@@ -112,7 +112,7 @@ def test_random_statements_are_laid_out_as_ruff_does(lines: list[str]) -> None:
     assert laid == formatted(laid)
 
 
-@pytest.mark.parametrize("part", ["generation", "runtime", "text", "live"])
+@pytest.mark.parametrize("part", ["generation", "runtime", "language/text", "live"])
 def test_what_ruff_has_formatted_stays(part: str) -> None:
     stays(PACKAGES["jausml"] / part)
 
