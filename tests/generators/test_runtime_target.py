@@ -77,17 +77,19 @@ def test_the_manifest_names_what_is_imported(copies):
     assert foreign - {"numpy"} == set(DEPENDENCIES)
 
 
-def needs_more(text):
-    """Tells whether a module imports numpy or rclpy, or one of the modules that do."""
+def needs_more(name, text):
+    """Tells whether a module imports numpy or rclpy, or is of the ROS side, or imports of it."""
     inside = [n.module or "" for n in ast.walk(ast.parse(text)) if isinstance(n, ast.ImportFrom)]
-    return bool({"numpy", "rclpy"} & set(imported(text))) or any(
-        name == "ros" or name.startswith(("ros_", "rclpy.")) for name in inside
+    return (
+        name.startswith("bridge/ros/")
+        or bool({"numpy", "rclpy"} & set(imported(text)))
+        or any({"ros", "rclpy"} & set(each.split(".")) for each in inside)
     )
 
 
 def test_what_components_need_is_the_copy_alone(tmp_path, copies):
     write("talk", tmp_path, (RUNTIME,))
-    names = [name for name, text in sorted(copies.items()) if not needs_more(text)]
+    names = [name for name, text in sorted(copies.items()) if not needs_more(name, text)]
     assert {
         "component/process.py",
         "component/component.py",
