@@ -102,7 +102,7 @@ def test_a_guardian_that_dies_is_replaced_and_one_that_dies_soon_is_not(path, tm
         time.sleep(max(0.0, TOO_SOON + 1.0))  # a life that is long enough
         first = guardian_of(system.running["bridge"].popen.pid)
         os.kill(first, signal.SIGKILL)
-        wait_for(lambda: "another one is started" in log.read_text(), "another guardian")
+        wait_for(lambda: "another one runs" in log.read_text(), "another guardian")
         second = guardian_of(system.running["bridge"].popen.pid)
         assert second != first
         os.kill(second, signal.SIGKILL)

@@ -454,6 +454,7 @@ with Loop() as loop:
         endpoint = ("127.0.0.1", int(sys.argv[1]))
         content = {"data": b"stop..".hex(), "endpoint": endpoint, "slot": slot}
         ward.guard(lambda: stops(0.2, [], [content])).arm(True)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(3))
     print("runs", flush=True)
     signal.pause()
 """
@@ -517,7 +518,7 @@ def test_in_a_container_signals_are_for_the_bridge(container, number):
         vehicle.bind(("127.0.0.1", 0))
         first = container(vehicle.getsockname()[1])
         os.kill(children(first.pid)[0], number)
-        assert first.wait(60) == 128 + signal.SIGTERM
+        assert first.wait(60) == 3  # as the bridge ended, not as the signal says
 
 
 # As much of `ros2 security` as the script uses, with the files that sros2 makes.

@@ -298,8 +298,9 @@ class Ward:
         if self._loop.now() - self._begun < TOO_SOON:
             self._give_up(f"has ended with code {code} soon after its start")
         else:
-            LOGGER.warning("the guardian has ended with code %d; another one is started", code)
             self._start()
+            if not self.failure:
+                LOGGER.warning("the guardian has ended with code %d; another one runs", code)
 
     def _give_up(self, reason: str) -> None:
         self.failure = reason
