@@ -32,7 +32,7 @@ from .bridge.connections.shaping import Shape
 from .bridge.connections.to_jaus import TopicsToMessage
 from .bridge.connections.to_reports import TopicsToReport
 from .bridge.connections.to_ros import EventToTopics, MessageToTopics, QueryToTopics
-from .bridge.connections.transcoding import Transcode, ros_classes, transcoded
+from .bridge.connections.transcoding import Transcode, ros_classes
 from .bridge.ends.actions import ListAction, Progress
 from .bridge.ends.ends import RosSide
 from .bridge.ends.list_driver import ListAnswers, ListMessages
@@ -44,7 +44,6 @@ from .bridge.forms import differing_forms
 from .bridge.lists.action_to_list import ActionToList
 from .bridge.lists.list_to_action import ListToAction
 from .bridge.messages.errors import AbsentFieldError, OutOfRangeError, StaleJoinError
-from .bridge.messages.layouts import CdrLayouts, CdrRows, PresenceLayouts
 from .bridge.messages.values import by_name, set_quaternion, set_time
 from .bridge.process import run_bridge, run_node
 from .clients.command_client import PendingCommand
@@ -89,8 +88,6 @@ __all__ = [
     "BridgeSettings",
     "CallTranslation",
     "Carried",
-    "CdrLayouts",
-    "CdrRows",
     "CommandAnswer",
     "Completion",
     "ComponentProgram",
@@ -127,7 +124,6 @@ __all__ = [
     "PeerSearch",
     "PendingCommand",
     "PendingQuery",
-    "PresenceLayouts",
     "Priority",
     "Progress",
     "Qos",
@@ -165,5 +161,4 @@ __all__ = [
     "running_transport",
     "set_quaternion",
     "set_time",
-    "transcoded",
 ]

@@ -62,13 +62,6 @@ def tasks(model: Model) -> list[Task]:
             words=lambda view: view.connection_names,
         ),
         FileTask(
-            "transcoders.py.j2",
-            [bridge.transcoders for bridge in bridges],
-            lambda module: module.path,
-            imports=lambda module: module.imports,
-            words=lambda module: module.bridge.connection_names,
-        ),
-        FileTask(
             "test_translations.py.j2",
             tests,
             lambda view: f"{view.package}/test/test_{view.package}_translations.py",

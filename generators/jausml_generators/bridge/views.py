@@ -25,7 +25,6 @@ from jausml_generators.bridge.actions import (
 from jausml_generators.bridge.base_module import BaseModule, names_of, stub
 from jausml_generators.bridge.call_views import CallView
 from jausml_generators.bridge.connections import ConnectionView
-from jausml_generators.bridge.flat.transcoders import TranscodersModule
 from jausml_generators.bridge.jaus_ends import query_of
 from jausml_generators.bridge.light.module import LightModule
 from jausml_generators.bridge.report_joins import messages_of_joins
@@ -252,7 +251,6 @@ class BridgeView:
                 **runtime.names(),
                 **self.light.origins(self.translations.ros_classes, ".ros_types"),
                 **offered(".messages", *(view.class_name for view in self.messages)),
-                **offered(".", "transcoders"),
                 **offered("typing", "Any"),
             }
         )
@@ -267,11 +265,6 @@ class BridgeView:
         """What stands in the module of the base besides the connections."""
         return BaseModule(self.translations.uses)
 
-    @functools.cached_property
-    def transcoders(self) -> TranscodersModule:
-        """The flat forms of the translations."""
-        return TranscodersModule(self)
-
     @property
     def dependencies(self) -> tuple[str, ...]:
         """Packages that the package needs at run time, by their names for rosdep, sorted."""
@@ -280,8 +273,6 @@ class BridgeView:
         with suppress(AssignmentError, PathError):
             packages |= {kind.package for kind in self.translations.ros_classes.names}
             packages |= {package_of(each.type) for each in self.bridge.actionConnections}
-            if self.transcoders.uses_numpy:
-                packages.add("python3-numpy")
         return tuple(sorted(packages))
 
     @property

@@ -28,14 +28,8 @@ COLUMNS = f"{CONVERSIONS}.columns"
 """Columns of numbers, by numpy."""
 LIGHT = f"{FACE}.bridge.light_message"
 """What light classes of ROS messages are made of."""
-OCTETS = f"{CONVERSIONS}.octets"
-"""Lists of small numbers as bytes."""
-RECORDS = f"{FACE}.bridge.records"
-"""Elements of lists as structured arrays of numpy."""
-ROTATIONS = f"{CONVERSIONS}.rotations"
-"""Conversions of orientations on their parts."""
-STAMPS = f"{CONVERSIONS}.stamps"
-"""Time stamps as the integers of their bits."""
+OCTETS = f"{FACE}.bridge.messages.octets"
+"""Lists of single octets."""
 WIRE = f"{FACE}.wire"
 """What classes of messages are made of."""
 
@@ -57,7 +51,5 @@ def names() -> Mapping[str, Origin]:
         "conversions": Origin(FACE, "conversions"),
         "arithmetic": Origin(CONVERSIONS, "arithmetic"),
         "columns": Origin(CONVERSIONS, "columns"),
-        "octets": Origin(CONVERSIONS, "octets"),
-        "rotations": Origin(CONVERSIONS, "rotations"),
-        "stamps": Origin(CONVERSIONS, "stamps"),
+        "octets": Origin(f"{FACE}.bridge.messages", "octets"),
     }

@@ -57,7 +57,7 @@ _PASSING_MODULES = names_in(
     """
 )
 # Modules of generated packages, besides the base and the skeleton.
-_OWN_MODULES = frozenset({"main", "messages", "transcoders"})
+_OWN_MODULES = frozenset({"main", "messages"})
 _FOREIGN_PACKAGES = names_in(
     """
     ament_copyright ament_flake8 ament_index_python ament_pep257 builtin_interfaces colcon

@@ -12,7 +12,7 @@ import time
 import typing
 from importlib import import_module
 
-from jausml_runtime.bridge.connections.transcoding import readable, transcoder_of
+from jausml_runtime.bridge.connections.transcoding import transcoder
 from jausml_runtime.bridge.messages.errors import StaleJoinError
 from jausml_runtime.conversions import Time
 
@@ -84,12 +84,8 @@ class Translation:
         translate = getattr(bridge, f"translate_{name}")
         self.connection = getattr(bridge, name)
         self.joins = {each["name"]: Join(each, kinds[each["name"]]) for each in plan["joins"]}
-        factory = transcoder_of(translate)
-        if factory is not None:
-            self._run = factory(bridge, self.connection)
-        else:
-            source = kinds["source"]
-            self._run = readable(translate, source.decode, _encode, _ignore, time.monotonic)
+        decode = getattr(kinds["source"], "from_cdr", None) or kinds["source"].decode
+        self._run = transcoder(translate, decode, _encode, _ignore, time.monotonic)
         self._clock = clock
 
     def run(self, subsystem: int, at: int, data: bytes) -> Answer:
@@ -114,7 +110,7 @@ def _class_of(hint: typing.Any) -> typing.Any:
 
 
 def _encode(target: typing.Any) -> bytes:
-    data: bytes = target.to_cdr()
+    data: bytes = target.to_cdr() if hasattr(target, "to_cdr") else target.encode()
     return data
 
 

@@ -156,16 +156,10 @@ class Bridge:
         self._log_forms()
 
     def _log_forms(self) -> None:
-        """Says which forms translations run in, by name where it is not the fastest one."""
-        names: dict[Form, list[str]] = {form: [] for form in Form}
-        for connection in self.connections:
-            names[connection.form].append(connection.name)
-        flat = names.pop(Form.FLAT)
-        if flat:
-            LOGGER.info("translations from bytes to bytes: %d", len(flat))
-        for form, others in names.items():
-            if others:
-                LOGGER.info("translations on %s: %s", form.value, ", ".join(others))
+        """Names the translations that make objects of ROS, which takes longer."""
+        found = [each.name for each in self.connections if each.form is Form.ROS_CLASSES]
+        if found:
+            LOGGER.info("translations on %s: %s", Form.ROS_CLASSES.value, ", ".join(found))
 
     def close(self) -> None:
         """Stops what was commanded, releases control and cancels events; ROS is closed after it."""

@@ -1,4 +1,4 @@
-"""Comparison of the forms of a translation, for the generated tests of a bridge."""
+"""Comparison of the ways of a translation, for the generated tests of a bridge."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ..base.errors import JausError
-from ..wire.message import DecodeError, EncodeError
-from .connections.transcoding import transcoder_of, uses_ros_classes
+from ..wire.message import EncodeError
+from .connections.transcoding import uses_ros_classes
 from .light_message import LightMessage
 from .messages.errors import RosTypeError
 
@@ -36,12 +36,12 @@ def differing_forms(
     source: Any,
     **joins: Any,
 ) -> list[str]:
-    """Returns what the forms of a translation do not make alike of a message and its variants.
+    """Returns what the ways of a translation do not make alike of a message and its variants.
 
-    The readable method is compared with its flat form, where it has one: what they make, the error
-    that they raise, and what they count as out of range. Variants lack an optional field, and have
-    another value in one byte. The light class of the ROS message is compared with that of rclpy,
-    where that is installed. The clock stands still meanwhile.
+    Lists that are translated as a whole are compared with their elements, translated one by one:
+    what they make, the error that they raise, and what they count as out of range. Variants lack an
+    optional field, or have another value in one byte. The light class of the ROS message is
+    compared with that of rclpy, where that is installed. The clock stands still meanwhile.
 
     Args:
         bridge: The bridge.
@@ -51,7 +51,7 @@ def differing_forms(
         **joins: Messages of joined topics, or None.
 
     Returns:
-        Sentences, of the forms at most one; nothing when all make the same, when there is no such
+        Sentences, of the lists at most one; nothing when all make the same, when there is no such
         source message, or when an override works on the classes of ROS.
     """
     if uses_ros_classes(translate):
@@ -60,10 +60,10 @@ def differing_forms(
         data = _encoded(source)
     except EncodeError:
         return []
-    kind, factory, moment = type(source), transcoder_of(translate), bridge.now()
+    kind, moment = type(source), bridge.now()
     made: list[Any] = []
 
-    def readable(payload: bytes) -> bytes | None:
+    def run(payload: bytes) -> bytes | None:
         message = _decoded(kind, payload)
         target = translate(message, **joins)
         encoded = None if target is None else _encoded(target)
@@ -72,19 +72,18 @@ def differing_forms(
 
     vars(bridge)["now"] = lambda: moment
     try:
-        _outcome(bridge, connection, lambda: readable(data))
+        _outcome(bridge, connection, lambda: run(data))
         found = [line for each in made for line in _differing_from_rclpy(each)]
-        if factory is not None:
-            flat = factory(bridge, connection)
-            for each in _variants(source, data):
-                expected = _outcome(bridge, connection, partial(readable, each))
-                if expected[0] == DecodeError.__name__:
-                    continue  # of broken bytes a flat form reads only what it wants
-                outcome = _outcome(bridge, connection, partial(flat, each, **joins))
-                if outcome != expected:
-                    told = f"readable: {_shown(expected)}, flat: {_shown(outcome)}"
-                    return [*found, f"of {each.hex()}: {told}"]
+        for each in _variants(source, data):
+            connection.goes_over_lists = False
+            expected = _outcome(bridge, connection, partial(run, each))
+            connection.goes_over_lists = True
+            outcome = _outcome(bridge, connection, partial(run, each))
+            if outcome != expected:
+                told = f"one by one: {_shown(expected)}, as a whole: {_shown(outcome)}"
+                return [*found, f"of {each.hex()}: {told}"]
     finally:
+        connection.goes_over_lists = True
         del vars(bridge)["now"]
     return found
 

@@ -9,11 +9,12 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, TypeGuard, TypeVar
 
 from ..wire.message import DecodeError, EncodeError
-from .messages import cdr
+from ..wire.records import FEWEST, Records
+from .messages import cdr, cdr_rows
 from .messages.errors import RosTypeError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, MutableSequence, Sequence
 
 __all__ = ["Layout", "LightMessage", "cdr", "differences", "installed_class", "is_light"]
 
@@ -86,9 +87,12 @@ class LightMessage:
     @classmethod
     def _read_many(
         cls: type[MessageT], data: bytes, offset: int, count: int, order: int
-    ) -> tuple[list[MessageT], int]:
+    ) -> tuple[MutableSequence[MessageT], int]:
         """Returns messages that follow each other, and the offset behind them."""
         cdr.check_count(data, offset, count, cls.LEAST)
+        alike = cdr_rows.read(cls, data, offset, count, order) if count >= FEWEST else None
+        if alike is not None:
+            return Records(alike[0]), alike[1]
         found = []
         for _ in range(count):
             message, offset = cls._read(data, offset, order)
@@ -100,6 +104,9 @@ class LightMessage:
         cls: type[MessageT], found: Sequence[MessageT], append: cdr.Append, offset: int
     ) -> int:
         """Appends messages, which begin at an offset; returns the offset behind them."""
+        alike = found.alike if type(found) is Records else None
+        if isinstance(alike, cdr_rows.CdrRows) and alike.message is cls:
+            return alike.write(append, offset)
         for each in found:
             # An override may have put an object of ROS into the list.
             offset = cls._write(each, append, offset)

@@ -54,10 +54,18 @@ def reverse_rows(cells: Sequence[Cell], columns: float) -> list[Cell]:
     Raises:
         ConversionError: The cells do not fill rows of `columns` cells.
     """
-    if len(cells) == 0:
-        return []
-    if not (columns >= 1.0 and columns % 1.0 == 0.0 and len(cells) % columns == 0.0):
-        raise ConversionError(f"{len(cells)} cells do not fill rows of {columns}")
-    width = int(columns)
-    starts = range(len(cells) - width, -1, -width)
-    return [cell for start in starts for cell in cells[start : start + width]]
+    starts = row_starts(len(cells), columns)
+    return [cell for start in starts for cell in cells[start : start + int(columns)]]
+
+
+def row_starts(count: int, columns: float) -> range:
+    """Returns where the rows of a grid begin, the last row first.
+
+    Raises:
+        ConversionError: The cells do not fill rows of `columns` cells.
+    """
+    if not count:
+        return range(0)
+    if not (columns >= 1.0 and columns % 1.0 == 0.0 and count % columns == 0.0):
+        raise ConversionError(f"{count} cells do not fill rows of {columns}")
+    return range(count - int(columns), -1, -int(columns))

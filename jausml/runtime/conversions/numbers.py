@@ -27,6 +27,9 @@ __all__ = [
     "value_to_percent",
 ]
 
+_DEGREE = math.pi / 180.0
+_RADIAN = 180.0 / math.pi
+
 Key = TypeVar("Key", bound="Hashable")
 Value = TypeVar("Value")
 
@@ -72,12 +75,12 @@ def square(value: float) -> float:
 
 def degrees_to_radians(value: float) -> float:
     """Degrees to radians."""
-    return math.radians(value)
+    return value * _DEGREE
 
 
 def radians_to_degrees(value: float) -> float:
     """Radians to degrees."""
-    return math.degrees(value)
+    return value * _RADIAN
 
 
 def square_root(value: float) -> float:

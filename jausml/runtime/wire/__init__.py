@@ -20,6 +20,7 @@ from .codec import (
     whole_of,
 )
 from .message import DecodeError, EncodeError, Message
+from .records import Number, RowLayout, Stamp, read_records, write_records
 from .stamped_message import StampedMessage
 from .time_stamp import TimeStamp
 
@@ -27,6 +28,9 @@ __all__ = [
     "DecodeError",
     "EncodeError",
     "Message",
+    "Number",
+    "RowLayout",
+    "Stamp",
     "StampedMessage",
     "TimeStamp",
     "check_count",
@@ -36,6 +40,7 @@ __all__ = [
     "latin1",
     "one_of",
     "padded",
+    "read_records",
     "real",
     "scaled",
     "scaled_down",
@@ -46,4 +51,5 @@ __all__ = [
     "unpadded",
     "whole",
     "whole_of",
+    "write_records",
 ]

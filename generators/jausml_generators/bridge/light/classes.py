@@ -134,7 +134,7 @@ class LightClass:
         if field.is_single:
             return element
         if field.primitive is None:
-            return f"list[{element}]"
+            return f"{'list' if field.message is None else 'cdr_.Messages'}[{element}]"
         return "cdr_.Truths" if element == "bool" else f"cdr_.{_VECTORS[element]}"
 
     def _new(self, field: FieldLayout) -> str:

@@ -22,6 +22,7 @@ from jausml_generators.bridge.translation.expressions import (
 from jausml_generators.bridge.translation.places import AsLongAs, Local, Place, There, joined
 from jausml_generators.bridge.translation.sources import COUNT, INDEX, Counters
 from jausml_generators.bridge.translation.steps import Each, Require, Write, gives
+from jausml_generators.bridge.translation.together import alike
 from jausml_generators.bridge.translation.values import NO_POLICY, AssignmentError
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from jausml_generators.bridge.translation.expressions import Expression
     from jausml_generators.bridge.translation.places import Way
     from jausml_generators.bridge.translation.sources import Many
+    from jausml_generators.bridge.translation.steps import Alike
     from jausml_generators.bridge.translation.targets import ManyTarget
     from jausml_generators.bridge.translation.translation import Translation
 
@@ -56,12 +58,14 @@ class _Items:
         like: A list or constant that is as long.
         counts: Fewest and most elements.
         may_be_none: Whether an element may be None, where its name was missing.
+        is_put_together: Whether they were gathered by name, or by the user.
     """
 
     value: Expression
     like: Place
     counts: tuple[float, float]
     may_be_none: bool = False
+    is_put_together: bool = False
 
 
 class _ListSteps:
@@ -116,7 +120,8 @@ class _ListSteps:
             inputs = (made,)
         if len(inputs) > 1:
             raise AssignmentError(f"{self._assignment.source}: several sources need a conversion")
-        return self._items(made, self._many.counts)
+        found = self._items(made, self._many.counts)
+        return replace(found, is_put_together=isinstance(made, UserCall))
 
     def _items(self, value: Expression, counts: tuple[float, float]) -> _Items:
         """Elements by a variable, if they do not stand in one anyway."""
@@ -155,7 +160,8 @@ class _ListSteps:
         place = Place(self._body.local("items", FirstOf(items.value, constant)))
         target: Any = self._outer.target
         self._body.add(Write(target.field(keys).place, NamesOf(constant, place)))
-        return _Items(Read(place, LIST), place, (count if must else 0, count))
+        counts = (count if must else 0, count)
+        return _Items(Read(place, LIST), place, counts, is_put_together=True)
 
     def _counted(self, items: _Items) -> _Items:
         """The elements, when they are as many as the target carries."""
@@ -166,6 +172,13 @@ class _ListSteps:
             return items
         limit = self._body.whole_policy.limit("sized", items.value, self._target.path, wanted)
         return replace(items, value=limit)
+
+    def _alike(self, items: _Items) -> Alike | None:
+        """How the elements lie on both sides, if nobody has put the list together."""
+        if items.may_be_none or items.is_put_together:
+            return None
+        type_name = self._outer.surroundings.type_name
+        return alike(self._many.start, self._target.start, type_name)
 
     # -- what is made of it ----------------------------------------------------------------------
 
@@ -196,5 +209,7 @@ class _ListSteps:
                 self._target.place,
                 is_fresh=self._target.fresh,
                 is_replaced=outer.to_ros,
+                alike=self._alike(items),
+                owner=self._body.owner,
             )
         )

@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal, python_string
 from jausml.language.attributes.expressions import occurrences
+from jausml.language.semantics.conversions.grids import ReverseRows
 from jausml_generators.bridge.translation import expressions as values
 from jausml_generators.bridge.translation import places
 from jausml_generators.bridge.translation.expressions import Constant, Expression, Limit, New
 from jausml_generators.bridge.translation.formulas import FormulaPrinter
 from jausml_generators.bridge.translation.places import Condition, Local, Place
 from jausml_generators.bridge.translation.steps import (
+    Alike,
     Append,
     Choose,
     Each,
@@ -26,13 +28,17 @@ from jausml_generators.bridge.translation.steps import (
     WhereKept,
     Write,
 )
+from jausml_generators.bridge.translation.together import COLUMNS, is_together, octet_limit
+from jausml_generators.python.expressions import column_expression
 from jausml_generators.python.names import Scope
 from jausml_generators.python.statements import (
     Assign,
+    Define,
     Do,
     For,
     If,
     Raise,
+    Return,
     Statement,
     call,
     rendered,
@@ -42,7 +48,17 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
 # Functions and modules that the module of a bridge imports; no local hides them.
-IMPORTED = frozenset({"arithmetic", "by_name", "conversions", "set_quaternion", "set_time"})
+IMPORTED = frozenset(
+    {
+        "arithmetic",
+        "by_name",
+        "columns",
+        "conversions",
+        "octets",
+        "set_quaternion",
+        "set_time",
+    }
+)
 OWN_NAMES = IMPORTED | {"self", "source", "target"}
 _CASTS = {values.REAL: "float", values.BOOLEAN: "bool", values.OCTETS: "bytes"}
 # Characters of a value that may stand in an authored expression without a name of its own.
@@ -84,9 +100,12 @@ def literal(constant: Constant) -> str:
 class _Printer:
     """Prints the steps of one method, whose blocks share names and variables."""
 
-    def __init__(self, names: Scope, locals_: dict[Local, str]) -> None:
+    def __init__(
+        self, names: Scope, locals_: dict[Local, str], *, of_columns: bool = False
+    ) -> None:
         self._names = names
         self._locals = locals_
+        self._of_columns = of_columns
         self._made: list[Statement] = []
 
     # -- steps -----------------------------------------------------------------------------------
@@ -139,6 +158,13 @@ class _Printer:
     # -- lists -----------------------------------------------------------------------------------
 
     def _each(self, step: Each) -> None:
+        limit = octet_limit(step)
+        if limit is not None:
+            self._made.append(Assign(self.place(step.place), self._octets(step, limit)))
+            return
+        if is_together(step) and step.alike is not None:
+            self._together(step, step.alike)
+            return
         items = self.text(step.items)
         item, index = self._claim(step.item), self._claim(step.index)
         variables = f"{index}, {item}" if step.is_counted else item
@@ -150,6 +176,42 @@ class _Printer:
             self._made.append(Assign(place, call("list", through) if element == item else made))
             return
         self._loop(step, variables, through, place)
+
+    def _octets(self, step: Each, limit: Limit) -> str:
+        """Elements that are octets, by a conversion of the octet alone."""
+        made = limit.value
+        name = made.name if isinstance(made, values.Convert) else ""
+        record = [] if step.alike is None or step.alike.code else [step.alike.made]
+        return call(
+            "octets.each",
+            ".".join(filter(None, ["self", limit.owner, limit.policy])),
+            python_string(limit.path),
+            f"conversions.{name}",
+            self.text(step.items),
+            *map(self.text, limit.bounds),
+            *record,
+        )
+
+    def _together(self, step: Each, alike: Alike) -> None:
+        """Elements that are made by a function, which is called for all of them at once."""
+        items = self.text(step.items)
+        inner = _Printer(self._names, dict(self._locals), of_columns=True)
+        element, item = inner._claim(step.element), inner._claim(step.item)
+        index = [inner._claim(step.index)] if step.is_counted else []
+        body = inner.statements(step.steps)
+        if step.new is not None and not alike.code:
+            body.insert(0, Assign(element, inner.text(step.new)))
+        only = body[0] if len(body) == 1 else None
+        if isinstance(only, Assign) and only.place == element:
+            made = f"lambda {', '.join([*index, item])}: {only.value}"
+        else:
+            made = self._names.claim("make_element")
+            typed = [f"{each}: int" for each in index] + [f"{item}: {alike.item}"]
+            body.append(Return(element))
+            self._made.append(Define(made, ", ".join(typed), alike.made, tuple(body)))
+        verb = f"self.{step.owner}.{'each_counted' if step.is_counted else 'each'}"
+        code = [python_string(alike.code)] if alike.code else []
+        self._made.append(Assign(self.place(step.place), call(verb, made, items, *code)))
 
     def _single(self, step: Each) -> str | None:
         """The element as one expression; None where it takes statements."""
@@ -231,6 +293,8 @@ class _Printer:
                 return f"-{self.text(inner)}"
             case values.Now():
                 return "self.now()"
+            case values.Cast(value=inner, kind=values.REAL) if self._of_columns:
+                return call("columns.real", self.text(inner))
             case values.Cast(value=inner, kind=kind):
                 return call(_CASTS[kind], self.text(inner))
             case values.Length(of=place):
@@ -238,7 +302,8 @@ class _Printer:
             case values.Convert():
                 return self._convert(value)
             case values.LookUp(key=key, table=table):
-                return call("conversions.look_up", self.text(key), table)
+                module = "columns" if self._of_columns else "conversions"
+                return call(f"{module}.look_up", self.text(key), table)
             case Limit():
                 return self._limit(value)
             case values.Ranges(ranges=ranges):
@@ -274,7 +339,10 @@ class _Printer:
         arguments = [*map(self.text, (*value.inputs, *value.arguments))]
         if value.near is not None:
             arguments.append(f"near={self.text(value.near)}")
-        return call(f"conversions.{value.name}", *arguments)
+        if value.name == ReverseRows.name:
+            return call("octets.reverse_rows", *arguments)
+        is_column = self._of_columns and value.name in COLUMNS
+        return call(f"{'columns' if is_column else 'conversions'}.{value.name}", *arguments)
 
     def _limit(self, value: Limit) -> str:
         function = ".".join(filter(None, ["self", value.owner, value.policy, value.how]))
@@ -296,4 +364,6 @@ class _Printer:
                 text = local
             texts[id(operand)] = text
         sources = {name: texts[id(operand)] for name, operand in names.items()}
+        if self._of_columns:
+            return column_expression(value.expression, sources)
         return FormulaPrinter(self._made, self._names, sources).code(value.expression)

@@ -86,6 +86,23 @@ class WhereKept:
 
 
 @dataclass(frozen=True)
+class Alike:
+    """How the elements of two lists lie, where all lie alike in each.
+
+    Attributes:
+        item: Python type of an element that is gone through.
+        made: Python type of an element that is made.
+        code: Format character of `struct` where numbers of ROS are made; empty for records.
+        are_octets: Whether each is a number of eight bits, on both sides.
+    """
+
+    item: str
+    made: str
+    code: str
+    are_octets: bool
+
+
+@dataclass(frozen=True)
 class Each:
     """Makes the elements of a list from those of another.
 
@@ -100,6 +117,8 @@ class Each:
         place: The list that is filled.
         is_fresh: Whether the list is not there, or not empty, in a message as it is made.
         is_replaced: Whether the list must be complete before it is put in its place.
+        alike: How the elements lie; None where they do not lie alike.
+        owner: Attribute of the bridge that is the connection.
     """
 
     items: Expression
@@ -112,6 +131,8 @@ class Each:
     place: Place
     is_fresh: bool = False
     is_replaced: bool = False
+    alike: Alike | None = None
+    owner: str = ""
 
 
 Step: TypeAlias = Let | Write | Keep | Append | Require | Choose | WhereKept | Each

@@ -29,6 +29,10 @@ class Part(Protocol):
     def min_size(self) -> int:
         """Fewest bytes on the wire."""
 
+    @property
+    def row(self) -> tuple[str, ...]:
+        """Arguments of the layout of a record of numbers; none where it is no such record."""
+
 
 @dataclass(frozen=True)
 class PartValue:
@@ -107,7 +111,13 @@ class ListValue:
     @property
     def python_type(self) -> str:
         """Type in Python."""
-        return f"list[{self.element.python_type}]"
+        kind = "MutableSequence" if self.is_of_rows else "list"
+        return f"{kind}[{self.element.python_type}]"
+
+    @property
+    def is_of_rows(self) -> bool:
+        """Whether its elements are records of numbers, which are gone over at once."""
+        return isinstance(self.element, PartValue) and bool(self.element.part.row)
 
     @property
     def count_struct(self) -> str:

@@ -283,10 +283,18 @@ class MessageBuilder:
             case wire.Integer() | wire.Real() | wire.Scaled():
                 return self._fixed(scalars.number(field.kind))
             case wire.BitField():
-                name = self._scope.bit_field(field, field.kind).path
+                made = self._scope.bit_field(field, field.kind)
                 struct_format = field.kind.type.format
-                reader = f"{name}.from_integer"
-                return self._fixed(scalars.Bits(struct_format, name, "", "", (), reader=reader))
+                bits = scalars.Bits(
+                    struct_format,
+                    made.path,
+                    "",
+                    "",
+                    (),
+                    reader=f"{made.path}.from_integer",
+                    is_stamp=made.is_inherited,
+                )
+                return self._fixed(bits)
             case wire.FixedText():
                 return self._fixed(scalars.fixed_text(field.kind.length))
             case wire.Text():

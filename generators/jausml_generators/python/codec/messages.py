@@ -70,6 +70,17 @@ class MessageView:
         return tuple(item for item in self.nested if not getattr(item, "is_inherited", False))
 
     @property
+    def listed_rows(self) -> frozenset[str]:
+        """Full names of the records of numbers that are elements of lists."""
+        containers = (each for each in (self.body, *self.nested) if each.kind == "container")
+        return frozenset(
+            name
+            for each in containers
+            if isinstance(each, ContainerClass)
+            for name in each.listed_rows
+        )
+
+    @property
     def code_text(self) -> str:
         """Message code as the standard writes it, e.g. `0x4404`."""
         return f"0x{self.code:04X}"
@@ -110,8 +121,9 @@ class MessageView:
 
 
 _WIRE = """
-    DecodeError EncodeError Message StampedMessage check_count check_presence exactly integer latin1
-    one_of padded real scaled scaled_down scaled_up sized take take_text unpadded whole whole_of
+    DecodeError EncodeError Message Number RowLayout Stamp StampedMessage check_count check_presence
+    exactly integer latin1 one_of padded read_records real scaled scaled_down scaled_up sized take
+    take_text unpadded whole whole_of write_records
 """
 
 

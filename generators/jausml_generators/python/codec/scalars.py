@@ -114,7 +114,13 @@ class Fixed:
 
 @dataclass(frozen=True)
 class Bits(Fixed):
-    """A bit field: an integer on the wire, an instance of a nested class in Python."""
+    """A bit field: an integer on the wire, an instance of a nested class in Python.
+
+    Attributes:
+        is_stamp: Whether it is the time stamp that the base of the message brings.
+    """
+
+    is_stamp: bool = False
 
     def pack(self, value: str, field: str) -> str:
         """Returns the expression that makes the wire item."""

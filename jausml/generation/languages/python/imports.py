@@ -56,7 +56,7 @@ STANDARD: Mapping[str, Origin] = {
     "pytest": Origin("pytest"),
     "socket": Origin("socket"),
     "struct": Origin("struct"),
-    **offered("collections.abc", "Callable", "Iterator", "Sequence"),
+    **offered("collections.abc", "Callable", "Iterator", "MutableSequence", "Sequence"),
     **offered("dataclasses", "dataclass", "field"),
     **offered("enum", "IntEnum"),
     **offered("pathlib", "Path"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ..connections.connection import FILTERED
-from ..connections.transcoding import readable, ros_decoder, ros_encoder, uses_ros_classes
+from ..connections.transcoding import ros_decoder, ros_encoder, transcoder, uses_ros_classes
 from ..reports.diagnostics import Statistics
 from ..reports.limiting import Limiting
 
@@ -65,7 +65,7 @@ class CallTranslation(Limiting):
         real = uses_ros_classes(self._translate)
         decode = self.message.decode if self.to_ros else ros_decoder(ends.ros, self.type, real=real)
         encode = ros_encoder(ends.ros, self.type) if self.to_ros else _encode
-        self._transcode = readable(
+        self._transcode = transcoder(
             self._translate, decode, encode, self.note_blocking, ends.loop.stopwatch
         )
 

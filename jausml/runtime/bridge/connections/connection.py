@@ -23,7 +23,7 @@ from .joins import with_joins
 from .reporting import Reporter
 from .shaping import Shape, Shaping
 from .stopping import Stopping, Switch
-from .transcoding import Form, readable, transcoder_of
+from .transcoding import Form, transcoder
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -118,8 +118,8 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         """Returns what makes the objects that the readable translation is given."""
         raise NotImplementedError
 
-    def readable_form(self) -> Form:
-        """Returns the form of a translation that is not flat."""
+    def classes(self) -> Form:
+        """Returns which classes the translation works on."""
         raise NotImplementedError
 
     def make_take(self, switch: Switch) -> Take:
@@ -288,12 +288,8 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         return super().stop(reason)
 
     def _made_transcode(self) -> Transcode:
-        factory = transcoder_of(self._translate)
-        if factory is not None:
-            self.form = Form.FLAT
-            return factory(self._ends, self)
-        self.form = self.readable_form()
-        return readable(
+        self.form = self.classes()
+        return transcoder(
             self._translate,
             self.decoder(),
             self.encode,

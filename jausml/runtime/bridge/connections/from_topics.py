@@ -86,7 +86,7 @@ class FromTopics(Connection[SourceT, TargetT]):
         """Encodes a JAUS message."""
         return target.encode()
 
-    def readable_form(self) -> Form:
+    def classes(self) -> Form:
         """Returns which classes the translation is given objects of."""
         is_real = uses_ros_classes(self._translate) or not is_light(self._type)
         return Form.ROS_CLASSES if is_real else Form.LIGHT

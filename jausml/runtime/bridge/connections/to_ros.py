@@ -123,7 +123,7 @@ class ToTopics(Connection[SourceT, TargetT]):
         """Serializes a ROS message."""
         return self._encode(target)
 
-    def readable_form(self) -> Form:
+    def classes(self) -> Form:
         """Returns which classes the translation makes objects of."""
         is_real = uses_ros_classes(self._translate) or not is_light(self._type)
         return Form.ROS_CLASSES if is_real else Form.LIGHT

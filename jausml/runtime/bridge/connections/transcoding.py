@@ -1,8 +1,7 @@
-"""Forms of a translation: flat from bytes to bytes, or a method on objects.
+"""How connections run translations: from bytes to bytes, by a method on objects in between.
 
-The generated base decorates its readable methods with `transcoded`: a connection then runs the flat
-form instead. A method that overrides one has no such mark, and so is called itself: on the light
-classes of the bridge package, or on those of ROS if `ros_classes` asks for them.
+Those of ROS messages are of the light classes of the bridge package, or of the classes of ROS if
+`ros_classes` asks for them.
 """
 
 from __future__ import annotations
@@ -17,26 +16,10 @@ from ..light_message import is_light
 if TYPE_CHECKING:
     from ..ends.ends import RosSide
 
-    TranscoderFactory: TypeAlias = Callable[[Any, Any], "Transcode"]
-
 Transcode: TypeAlias = Callable[..., bytes | None]
 """Makes encoded target messages of encoded source messages, or None to pass nothing on."""
 
 MethodT = TypeVar("MethodT", bound=Callable[..., Any])
-
-
-def transcoded(factory: TranscoderFactory) -> Callable[[MethodT], MethodT]:
-    """Names the flat form of a translation, which passes the same on as the decorated method.
-
-    Args:
-        factory: Makes the flat form for a bridge and a connection.
-    """
-
-    def mark(method: MethodT) -> MethodT:
-        vars(method)["transcoder"] = factory
-        return method
-
-    return mark
 
 
 def ros_classes(method: MethodT) -> MethodT:
@@ -45,35 +28,26 @@ def ros_classes(method: MethodT) -> MethodT:
     return method
 
 
-def transcoder_of(translate: Callable[..., Any]) -> TranscoderFactory | None:
-    """Returns what makes the flat form of a translation; None when it has none."""
-    if hasattr(translate, "__wrapped__"):
-        return None  # the mark is that of the method which it wraps, and takes the attributes of
-    factory: TranscoderFactory | None = getattr(translate, "transcoder", None)
-    return factory
-
-
 def uses_ros_classes(translate: Callable[..., Any]) -> bool:
     """Whether a translation wants objects of the message classes of ROS."""
     return getattr(translate, "uses_ros_classes", False) is True
 
 
 class Form(Enum):
-    """Form in which the translation of a connection runs; the value is what diagnostics say."""
+    """Classes that the translation of a connection works on; the value is what diagnostics say."""
 
-    FLAT = "flat"
     LIGHT = "light classes"
     ROS_CLASSES = "ROS classes"
 
 
-def readable(
+def transcoder(
     translate: Callable[..., Any],
     decode: Callable[[bytes], Any],
     encode: Callable[[Any], bytes],
     on_blocking: Callable[[float], None],
     clock: Callable[[], float],
 ) -> Transcode:
-    """Returns what runs a translation on objects.
+    """Returns what runs a translation from bytes to bytes.
 
     Args:
         translate: Makes the target object, or None to pass nothing on.

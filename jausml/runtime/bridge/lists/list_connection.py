@@ -58,7 +58,7 @@ class ListConnection(Connection[SourceT, TargetT]):
         """Elements alone go nowhere."""
         return False
 
-    def readable_form(self) -> Form:
+    def classes(self) -> Form:
         """Returns which classes of ROS the translation has to do with."""
         is_real = uses_ros_classes(self._translate) or not is_light(self._action.element)
         return Form.ROS_CLASSES if is_real else Form.LIGHT

@@ -32,6 +32,9 @@ Truths: TypeAlias = MutableSequence[bool]
 
 T = TypeVar("T")
 
+Messages: TypeAlias = MutableSequence[T]
+"""Array or sequence of messages."""
+
 HEADER = b"\0\1\0\0"
 """What stands before a message in little-endian order."""
 

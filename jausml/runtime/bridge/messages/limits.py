@@ -12,8 +12,17 @@ that fits as it is, which is the usual case and costs one comparison. They diffe
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, ClassVar, Generic, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, NoReturn, TypeVar
 
+from ...conversions.columns import (
+    UnevenError,
+    fit,
+    is_column,
+    listed_in,
+    not_numbers,
+    odd,
+    rounded,
+)
 from .errors import OutOfRangeError
 
 if TYPE_CHECKING:
@@ -25,6 +34,7 @@ DROP_FIELD = "drop_field"
 DROP_MESSAGE = "drop_message"
 ERROR = "error"
 
+_LARGEST = 1.7976931348623157e308
 _LARGEST_SINGLE = 3.4028234663852886e38
 # A conversion in floating point may miss a limit by the last bits of its factors: this part of it.
 _ROUNDING = 2.0**-40
@@ -60,8 +70,11 @@ class Limit(Generic[Absent]):
         Raises:
             OutOfRangeError: The value does not fit and drops the message.
         """
-        if minimum <= value <= maximum:
-            return value
+        try:
+            if minimum <= value <= maximum:
+                return value
+        except ValueError:
+            return self._column(value, minimum, maximum, self, field, minimum, maximum)
         nearest = _nearest(value, minimum, maximum)
         slack = _ROUNDING * max(abs(minimum), abs(maximum))
         if nearest is not None and minimum - slack <= value <= maximum + slack:
@@ -80,8 +93,11 @@ class Limit(Generic[Absent]):
             minimum: Least value that the map lets through.
             maximum: Greatest value that the map lets through.
         """
-        if minimum <= value <= maximum or value != value:
-            return value
+        try:
+            if minimum <= value <= maximum or value != value:
+                return value
+        except ValueError:
+            return self._column(value, minimum, maximum, self.within, field, minimum, maximum)
         slack = _SCALED * (maximum - minimum)
         if not minimum - slack <= value <= maximum + slack:
             self._count(CLAMP, field, f"{value} is outside {minimum} .. {maximum} of the map")
@@ -92,8 +108,13 @@ class Limit(Generic[Absent]):
 
         A value that is rounded to an end is within.
         """
-        if minimum <= value <= maximum or minimum - 0.5 < value < maximum + 0.5:
-            return round(value)
+        try:
+            if minimum <= value <= maximum or minimum - 0.5 < value < maximum + 0.5:
+                return round(value)
+        except ValueError:
+            limited = self._column(value, minimum, maximum, self.integer, field, minimum, maximum)
+            whole: int = rounded(limited)
+            return whole
         nearest = _nearest(value, minimum, maximum)
         return self._outside(field, f"{value} is outside {minimum} .. {maximum}", nearest)
 
@@ -108,7 +129,12 @@ class Limit(Generic[Absent]):
         Raises:
             OutOfRangeError: The value does not fit and drops the message.
         """
-        if math.isfinite(value):
+        try:
+            is_finite = math.isfinite(value)
+        except TypeError:
+            whole: int = listed_in(value, ranges)
+            return whole
+        if is_finite:
             number = round(value)
             if any(low <= number <= high for low, high in ranges):
                 return number
@@ -116,14 +142,20 @@ class Limit(Generic[Absent]):
 
     def finite(self, field: str, value: float) -> float | Absent:
         """Returns a number that is not infinite; not a number and the infinite have no nearest."""
-        if math.isfinite(value):
-            return value
+        try:
+            if math.isfinite(value):
+                return value
+        except TypeError:
+            return self._column(value, -_LARGEST, _LARGEST, self.finite, field)
         return self._outside(field, f"{value} is no finite number", None)
 
     def single(self, field: str, value: float) -> float | Absent:
         """Returns a number that fits into single precision; the infinite have no nearest."""
-        if math.isinf(value):
-            return self._outside(field, f"{value} is no finite number", None)
+        try:
+            if math.isinf(value):
+                return self._outside(field, f"{value} is no finite number", None)
+        except TypeError:
+            return self._column(value, -_LARGEST_SINGLE, _LARGEST_SINGLE, self.single, field)
         return self(field, value, -_LARGEST_SINGLE, _LARGEST_SINGLE)
 
     def text(self, field: str, value: str, shortest: int, longest: int) -> str | Absent:
@@ -159,6 +191,36 @@ class Limit(Generic[Absent]):
         reason = f"{len(values)} elements are not {shortest} .. {longest}"
         return self._outside(field, reason, None)
 
+    @staticmethod
+    def _column(
+        values: Number,
+        least: float,
+        greatest: float,
+        limit: Callable[..., Any],
+        field: str,
+        *bounds: float,
+    ) -> Number:
+        """Returns a column whose values were given to a limit one by one, where they do not fit.
+
+        Raises:
+            UnevenError: The limit leaves out or refuses one of them.
+        """
+        found: Any = values
+        if fit(found, least, greatest):
+            return values
+        is_real = any(isinstance(each, float) for each in bounds)
+        found = found.astype("f8") if is_real else found.copy()
+        for index in odd(found, least, greatest):
+            try:
+                kept = limit(field, found[index].item(), *bounds)
+            except OutOfRangeError:
+                raise UnevenError from None
+            if kept is None:
+                raise UnevenError
+            found[index] = kept
+        limited: Number = found
+        return limited
+
     def _outside(self, field: str, reason: str, nearest: T | None) -> T | Absent:
         """Does with a value that does not fit what the policy says.
 
@@ -185,9 +247,14 @@ class DropField(Limit[None]):
 
     def __call__(self, field: str, value: float, minimum: float, maximum: float) -> float | None:
         """Returns a real number within minimum .. maximum; None for others."""
-        if isinstance(value, float) and math.isnan(value):  # an int may be too large for a float
-            # ROS marks so what is unknown: it may be so in every message.
-            self._count(DROP_FIELD, field, "not a number")
+        if isinstance(value, float):
+            if math.isnan(value):
+                # ROS marks so what is unknown: it may be so in every message.
+                self._count(DROP_FIELD, field, "not a number")
+                return None
+        elif is_column(value) and not_numbers(value):  # and no int, which may be too large
+            for _ in range(len(value)):
+                self._count(DROP_FIELD, field, "not a number")
             return None
         return super().__call__(field, value, minimum, maximum)
 

@@ -1,0 +1,153 @@
+"""Lists of single octets, such as the cells of a grid, all at once.
+
+They are rows of numbers of a ROS message, or records of JAUS of one number of eight bits.
+"""
+
+from __future__ import annotations
+
+from array import array
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+from ...base.errors import JausError
+from ...conversions import grids
+from ...wire.records import Records, Rows
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, MutableSequence, Sequence
+
+    from .limits import Limit
+
+
+class Table:
+    """What becomes of each octet.
+
+    Attributes:
+        octets: The octet for each of the 256, as `bytes.translate` takes them.
+        odd: What those become that have none: an octet that stands for no other, to be looked for
+            in the result, as a limit says what is done with them. None where all have one.
+    """
+
+    def __init__(
+        self, convert: Callable[[float], float], lower: int, upper: int, *, is_signed: bool
+    ) -> None:
+        """Asks a conversion for the value of each octet.
+
+        Args:
+            convert: Gives the value for a number, or raises an error of the runtime.
+            lower: Least value that fits.
+            upper: Greatest value that fits.
+            is_signed: Whether the octets are numbers of -128 .. 127.
+        """
+        found: dict[int, int] = {}
+        for octet in range(256):
+            try:
+                value = convert(number(octet, is_signed=is_signed))
+            except JausError:
+                continue
+            if lower <= value <= upper:
+                found[octet] = round(value) & 0xFF
+        unused = set(range(256)).difference(found.values())
+        self.odd = min(unused) if len(found) < 256 else None
+        self.octets = bytes(found.get(octet, self.odd or 0) for octet in range(256))
+
+
+@lru_cache(64)
+def _table(
+    convert: Callable[[float], float],
+    lower: int,
+    upper: int,
+    is_signed: bool,  # noqa: FBT001
+) -> Table:
+    return Table(convert, lower, upper, is_signed=is_signed)
+
+
+def number(octet: int, *, is_signed: bool) -> int:
+    """Returns the number that an octet is."""
+    return octet - 256 if is_signed and octet > 127 else octet
+
+
+def each(
+    limit: Limit[Any],
+    field: str,
+    convert: Callable[[float], float],
+    items: Sequence[Any],
+    minimum: int,
+    maximum: int,
+    record: type[Any] | None = None,
+) -> MutableSequence[Any]:
+    """Returns the integers that a conversion makes of single octets.
+
+    Args:
+        limit: Decides on those that do not fit.
+        field: The field, for counters and log.
+        convert: The conversion, a function of the number alone.
+        items: The octets: numbers, or records of one number.
+        minimum: Least value that the target field carries.
+        maximum: Greatest value that the target field carries.
+        record: Class of the records that the results are; None for numbers.
+
+    Raises:
+        ConversionError: A number has no counterpart.
+        OutOfRangeError: A value does not fit and drops the message.
+    """
+    raw, is_signed = _raw(items)
+    table = _table(convert, minimum, maximum, is_signed)
+    found = raw.translate(table.octets)
+    if table.odd is not None and table.odd in found:
+        limited = bytearray(found)
+        at = found.find(table.odd)
+        while at >= 0:
+            value = convert(number(raw[at], is_signed=is_signed))
+            limited[at] = limit.integer(field, value, minimum, maximum) & 0xFF
+            at = found.find(table.odd, at + 1)
+        found = bytes(limited)
+    if record is not None:
+        return Records(Rows(record, found, len(found)))
+    return array("b", found) if minimum < 0 else bytearray(found)
+
+
+def reverse_rows(cells: Sequence[Any], columns: float) -> Sequence[Any]:
+    """Returns the cells of a grid, row by row, with the rows in the opposite order.
+
+    Raises:
+        ConversionError: The cells do not fill rows of `columns` cells.
+    """
+    alike = cells.alike if type(cells) is Records else None
+    if isinstance(alike, Rows):
+        size = len(alike.data) // alike.count
+        data = _reversed(alike.data, alike.count, columns, size)
+        return Records(Rows(alike.record, data, alike.count, alike.vector))
+    if isinstance(cells, array):
+        data = _reversed(cells.tobytes(), len(cells), columns, cells.itemsize)
+        return array(cells.typecode, data)
+    if isinstance(cells, bytearray):
+        return bytearray(_reversed(bytes(cells), len(cells), columns, 1))
+    return grids.reverse_rows(cells, columns)
+
+
+def _reversed(data: bytes, count: int, columns: float, size: int) -> bytes:
+    starts = grids.row_starts(count, columns)
+    width = int(columns) * size
+    return b"".join(data[start * size : start * size + width] for start in starts)
+
+
+def _raw(items: Sequence[Any]) -> tuple[bytes, bool]:
+    """Returns octets as bytes, and whether they have a sign."""
+    alike = items.alike if type(items) is Records else None
+    if isinstance(alike, Rows):
+        (only,) = alike.record.ROW.fields
+        return alike.data, only.code == "b"
+    if isinstance(items, array):
+        return items.tobytes(), items.typecode == "b"
+    if isinstance(items, bytes | bytearray):
+        return bytes(items), False
+    # Records or numbers that somebody has put together.
+    values = [getattr(each, _attribute(each)) if hasattr(each, "ROW") else each for each in items]
+    is_signed = any(value < 0 for value in values)
+    return array("b" if is_signed else "B", values).tobytes(), is_signed
+
+
+def _attribute(record: Any) -> str:
+    name: str = record.ROW.fields[0].attribute
+    return name
