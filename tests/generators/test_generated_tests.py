@@ -100,27 +100,6 @@ DAMAGES = {
         "child_frame_id = target.header.frame_id = self.speed_frame_id",
     ),
 }
-# The same in the flat forms, which the comparison of forms finds.
-FLAT = "checked_bridge/transcoders.py"
-FLAT_DAMAGES = {
-    "a factor of the effort": ("= linear_y * -20.0", "= linear_y * -2.0"),
-    "a limit": ("if not -100.0 <= propulsive_linear_effort_y <= 100.0", "if False"),
-    "drop for clamp": (
-        'drop_field_limit(\n                "PropulsiveLinearEffortY"',
-        'clamp_limit(\n                "PropulsiveLinearEffortY"',
-    ),
-    "the name of a counter": (
-        'clamp_limit(\n                "PropulsiveLinearEffortX"',
-        'clamp_limit(\n                "PropulsiveLinearEffortY"',
-    ),
-    "the required field": ('raise AbsentFieldError("Velocity_X")', "velocity_x = 0.0"),
-    "the default value": ("linear_z = 0.25", "linear_z = 0.5"),
-    "the last value": ("if bridge.last_speed_twist_twist_angular_z is not None", "if False"),
-    "the constant": ("header_frame_id = bridge.speed_frame_id", 'header_frame_id = "map"'),
-    "the byte order": ('struct.Struct(">ddd16xd")', 'struct.Struct("<ddd16xd")'),
-    "an offset": ("offset = offset + 3 & -4", "offset = offset + 4 & -4"),
-    "a presence": ("presence |= 0x2", "presence |= 0x4"),
-}
 MORE_NAMES = "from jausml_runtime.conversions import (\n"
 IMPORTED = (
     "    flu_quaternion_to_frd_angles,\n    frd_angles_to_flu_quaternion,\n    percent_to_value,\n"
@@ -227,13 +206,6 @@ def outcomes(folder):
     return outcomes_of(folder, BASE, DAMAGES)
 
 
-@pytest.fixture(scope="module")
-def flat_outcomes(folder):
-    """Returns what becomes of damages of the flat ones."""
-    pytest.importorskip("rclpy")
-    return outcomes_of(folder, FLAT, FLAT_DAMAGES)
-
-
 @pytest.mark.slow
 def test_the_generated_tests_pass(outcomes):
     code, output = outcomes[None]
@@ -245,14 +217,6 @@ def test_the_generated_tests_pass(outcomes):
 def test_damage_is_found(outcomes, name):
     code, output = outcomes[name]
     # Other codes than 1 mean that the tests did not run.
-    assert code == 1, output
-    assert "1 failed" in output
-    assert "NameError" not in output
-
-
-@pytest.mark.parametrize("name", FLAT_DAMAGES)
-def test_damage_of_a_flat_form_is_found(flat_outcomes, name):
-    code, output = flat_outcomes[name]
     assert code == 1, output
     assert "1 failed" in output
     assert "NameError" not in output

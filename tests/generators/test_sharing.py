@@ -152,9 +152,9 @@ def test_maps_that_say_the_same_share_as_one_map_does(tmp_path):
 
     assert plain.connection.map is not again.connection.map
     assert plain.alike == again.alike != other.alike
-    factories = {each.name: each for each in view.transcoders.factories}
-    assert factories["plain"].form is factories["again"].form
-    assert factories["plain"].form.lines != factories["other"].form.lines
+    lines = {each.name: each.translated.lines for each in view.connections}
+    assert lines["plain"] == tuple(each.replace("again", "plain") for each in lines["again"])
+    assert lines["plain"] != tuple(each.replace("other", "plain") for each in lines["other"])
 
 
 @pytest.mark.parametrize(

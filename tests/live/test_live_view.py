@@ -101,7 +101,7 @@ def test_the_last_message_on_both_sides_while_somebody_asks(system, page):
         lambda: "Velocity_X: 2" in (found := page.live.message(ODOMETRY))["jaus"] and found,
         "report",
     )
-    assert ["translation", "flat"] in told["values"]
+    assert ["translation", "light classes"] in told["values"]
     wait_for(
         lambda: (
             page.live.message(ODOMETRY)

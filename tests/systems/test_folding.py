@@ -42,7 +42,7 @@ from jausml.live.systems.tables import (
 )
 
 VALUES = (
-    ("translation", "flat"),
+    ("translation", "light classes"),
     ("messages taken", "40"),
     ("rate (Hz)", "19.50"),
     ("declared rate (Hz)", "20.00"),

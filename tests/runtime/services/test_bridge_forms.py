@@ -1,13 +1,12 @@
-"""The forms of a translation: flat, on light classes, and on the message classes of ROS."""
+"""The forms of a translation: on light classes, and on the message classes of ROS."""
 
 from __future__ import annotations
 
 import logging
-import struct
 
 import pytest
 
-from jausml.runtime import ros_classes, transcoded
+from jausml.runtime import ros_classes
 from jausml.runtime.bridge.connections.joins import Join
 from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.bridge.messages.errors import AbsentFieldError
@@ -26,7 +25,6 @@ from .bridge_support import (
     event,
     message_connection,
     minutes,
-    minutes_to_number,
     number_to_time,
     peer_component,
     safe,
@@ -36,31 +34,9 @@ from .bridge_support import (
 _LIMIT = 59
 
 
-def flat_number_to_time(_bridge, connection):
-    """The flat form of `Generated.translate_numbers`, written by hand."""
-
-    def transcode(data, other=None):
-        try:
-            _, number = struct.unpack("<4sd", data)
-        except struct.error as error:
-            raise DecodeError("Number", str(error)) from error
-        if number == -1.0:
-            return None
-        if number == -2.0:
-            raise ConversionError("no time")
-        if not 0 <= number <= _LIMIT:
-            number = connection.clamp.integer("minutes", number, 0, _LIMIT)
-        hour = 0 if other is None else int(other.data)
-        stamp = SetTime.TimeStamp(minutes=int(number), hour=hour)
-        return SetTime(time_stamp=stamp).encode()
-
-    return transcode
-
-
 class Generated:
     """What a generated base has."""
 
-    @transcoded(flat_number_to_time)
     def translate_numbers(self, source, other=None):
         if source.data == -1.0:
             return None
@@ -92,7 +68,7 @@ class OnRosClasses(Overridden):
         return super().translate_numbers(source, other)
 
 
-FORMS = {Generated: "flat", Overridden: "light classes", OnRosClasses: "ROS classes"}
+FORMS = {Generated: "light classes", Overridden: "light classes", OnRosClasses: "ROS classes"}
 
 
 def told(world, setting, name):
@@ -177,20 +153,6 @@ def test_joined_message_that_cannot_be_read_is_counted(setting):
 # ------------------------------------------------------------------ JAUS to ROS
 
 
-def flat_minutes_to_number(_bridge, _connection):
-    def transcode(data):
-        if len(data) != 3:
-            raise DecodeError("ReportEventTimeout", f"{len(data)} bytes")
-        return Number(float(data[2])).to_cdr()
-
-    return transcode
-
-
-@transcoded(flat_minutes_to_number)
-def translate_minutes(report):
-    return minutes_to_number(report)
-
-
 @ros_classes
 def real_minutes(report):
     return RosNumber(float(report.timeout))
@@ -200,20 +162,17 @@ def test_a_bridge_may_mix_forms(world, setting, caplog):
     peer_component(world, event_timeout=3)
     with caplog.at_level(logging.INFO, "jausml"):
         setting.open(
-            event("flat", rate=10.0, translate=translate_minutes),
             event("light", rate=10.0),
             event("real", rate=10.0, translate=real_minutes),
             Generated().drive,
         )
     world.run(1.1)
-    for name, form in (("flat", "flat"), ("light", "light classes"), ("real", "ROS classes")):
+    for name, form in (("light", "light classes"), ("real", "ROS classes")):
         assert set(setting.ros.numbers(name)) == {3.0}
         assert told(world, setting, name)["translation"] == form
-    assert len({len(setting.ros.numbers(name)) for name in ("flat", "light", "real")}) == 1
+    assert len({len(setting.ros.numbers(name)) for name in ("light", "real")}) == 1
     assert [each.getMessage() for each in caplog.records if "translation" in each.message] == [
-        "translations from bytes to bytes: 2",
-        "translations on light classes: light",
-        "translations on ROS classes: real",
+        "translations on ROS classes: real"
     ]
 
 
@@ -262,15 +221,11 @@ def test_message_that_cannot_be_read_is_counted(world, setting):
         (ZeroDivisionError(), "translation_failed"),
     ],
 )
-def test_every_drop_of_a_flat_form_has_a_name(world, setting, error, reason):
-    def factory(_bridge, _connection):
-        def transcode(_data):
-            raise error
-
-        return transcode
+def test_every_drop_has_a_name(world, setting, error, reason):
+    def translate(_report):
+        raise error
 
     peer_component(world)
-    translate = transcoded(factory)(lambda report: report)
     connection = setting.open(event(rate=10.0, translate=translate))
     world.run(0.5)
     assert list(setting.drops(connection)) == [reason]

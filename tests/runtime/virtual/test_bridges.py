@@ -75,14 +75,6 @@ def test_commands_cross_both_bridges_in_the_time_of_the_way(drive):
     assert "loop.callback_failed" not in happened["counters"]
 
 
-def test_translations_on_light_classes_pass_the_same(drive):
-    flat, light = (drive(form=form, delay=0.1, loss=0.1) for form in ("flat", "light"))
-    assert flat["forms"] == ["flat", "flat"]
-    assert light["forms"] == ["light classes", "light classes"]
-    assert light["arrived"] == flat["arrived"]
-    assert light["counters"] == flat["counters"]
-
-
 def test_a_lossy_way_loses_its_part(drive):
     arrived = moving(drive(loss=0.2, seconds=120, until=120))
     assert 0.7 * 2300 < len(arrived) < 0.87 * 2300

@@ -11,7 +11,6 @@ import hashlib
 import json
 import logging
 import sys
-from typing import Any
 
 from jausml_runtime.virtual import Link, VirtualWorld
 from station.ros_types import Twist
@@ -23,25 +22,6 @@ SCALE = 100.0
 """What the speed of a command is its time by, which is below the limit of the model then."""
 
 
-class ReadableVehicle(Vehicle):
-    """Overrides a translation, which then runs on the light classes."""
-
-    def translate_velocity_command(self, source: Any) -> Twist | None:
-        """Returns what the base would."""
-        return super().translate_velocity_command(source)
-
-
-class ReadableStation(Station):
-    """Does the same on the other side."""
-
-    def translate_velocity_command(self, source: Twist) -> Any:
-        """Returns what the base would."""
-        return super().translate_velocity_command(source)
-
-
-BRIDGES = {"flat": (Vehicle, Station), "light": (ReadableVehicle, ReadableStation)}
-
-
 def drive(asked: argparse.Namespace) -> dict[str, object]:
     """Returns what arrived and when, and a digest of all bytes with their times."""
     link = Link(delay=asked.delay, loss=asked.loss)
@@ -49,7 +29,7 @@ def drive(asked: argparse.Namespace) -> dict[str, object]:
     digest = hashlib.sha256()
     with VirtualWorld(seed=asked.seed) as world:
         world.watch(lambda now, where, data: digest.update(f"{now!r} {where} ".encode() + data))
-        vehicle, station = (each() for each in BRIDGES[asked.form])
+        vehicle, station = Vehicle(), Station()
         transport = world.transport(link, link)
         vehicle.open(world.ros_node("vehicle"), transport)
         station.open(world.ros_node("station"), world.transport())
@@ -70,13 +50,11 @@ def drive(asked: argparse.Namespace) -> dict[str, object]:
         if asked.cut:
             world.call_at(asked.cut, transport.cut)
         world.run_for(asked.seconds)
-        forms = [each.velocity_command.form.value for each in (vehicle, station)]
         station.close()
         vehicle.close()
         return {
             "arrived": arrived,
             "digest": digest.hexdigest(),
-            "forms": forms,
             "counters": world.counters.snapshot(),
         }
 
@@ -90,7 +68,6 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=20.0)
     parser.add_argument("--until", type=float, default=20.0)
     parser.add_argument("--cut", type=float, default=0.0)
-    parser.add_argument("--form", choices=["flat", "light"], default="flat")
     asked = parser.parse_args()
     logging.disable()
     sys.stdout.write(json.dumps(drive(asked)))

@@ -1,4 +1,4 @@
-"""Flat forms of the ready maps do what the readable translations do with long lists, too."""
+"""Ready maps do with long lists as wholes what they do with their elements, one by one."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from random import Random
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from flat_support import cdr, outcome, ros_value
+from by_chance import by_bytes, cdr, one_by_one, outcome, ros_value
 from mapping_support import ready_maps
 
 if TYPE_CHECKING:
@@ -18,13 +18,6 @@ if TYPE_CHECKING:
 
 PATHS = ("planned_local_path", "historical_local_path", "planned_global_path")
 COUNTS = (15, 16, 100)
-
-
-def flat_form(bridge: Any, name: str) -> Callable[..., Any]:
-    """The flat form of a connection."""
-    factory = getattr(type(bridge), f"translate_{name}").transcoder
-    flat: Callable[..., Any] = factory(bridge, getattr(bridge, name))
-    return flat
 
 
 def path(each: Any, count: int, chance: Random) -> Any:
@@ -52,19 +45,17 @@ def both_ways(
     readable = getattr(bridge, f"translate_{name}_to_jaus")
     expected = outcome(connection, lambda given: readable(given).encode(), source)
     assert isinstance(expected.result, bytes)
-    flat = flat_form(bridge, f"{name}_to_jaus")
+    whole = by_bytes(bridge, f"{name}_to_jaus")
     for order in "<>":
-        assert outcome(connection, flat, cdr(each.type, source, order)) == expected
+        assert outcome(connection, whole, cdr(each.type, source, order)) == expected
     now = importlib.import_module("jausml_runtime.conversions").Time(1_000_000_500, 7)
     bridge.now = lambda: now
     message = readable(source)
     change(message)
     connection = getattr(bridge, f"{name}_to_ros")
-    back = getattr(bridge, f"translate_{name}_to_ros")
-    decode = type(message).decode
     payload = message.encode()
-    expected = outcome(connection, lambda data: back(decode(data)).to_cdr(), payload)
-    assert outcome(connection, flat_form(bridge, f"{name}_to_ros"), payload) == expected
+    expected = outcome(connection, one_by_one(bridge, f"{name}_to_ros"), payload)
+    assert outcome(connection, by_bytes(bridge, f"{name}_to_ros"), payload) == expected
 
 
 def nothing(message: Any) -> None:

@@ -1,4 +1,4 @@
-"""Flat forms of long lists of records, which numpy goes through column by column."""
+"""Long lists of records, which are translated as a whole, column by column."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.generators.assignment_support import generated
-from tests.generators.flat_forms import check, forms, outcome
+from tests.generators.list_ways import check, outcome, ways
 
 if TYPE_CHECKING:
     from tests.generators.assignment_support import Generated
@@ -101,7 +101,7 @@ cells {
   ROS->JAUS ( data -> cells { ., index -> value : expression("value1 + 0.25 * index") } )
 }
 
-bridge flat_columns {
+bridge long_lists {
   address: 1.1.2
   connection path_up { map: path topic a {} }
   connection path_down { map: path direction: rosToJaus topic a {} }
@@ -123,7 +123,7 @@ ORDERS = st.sampled_from("<>")
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Generated:
-    return generated(TEXT, tmp_path_factory.mktemp("flat_columns"), "flat_columns")
+    return generated(TEXT, tmp_path_factory.mktemp("long_lists"), "long_lists")
 
 
 def test_text_is_clean(made: Generated) -> None:
@@ -131,10 +131,9 @@ def test_text_is_clean(made: Generated) -> None:
 
 
 def test_each_has_columns(made: Generated) -> None:
-    text = made.artifacts["flat_columns/flat_columns/transcoders.py"].text
-    forms_of = text.split("\ndef ")[1:]
-    assert len(forms_of) == 8
-    assert all("if fits:" in each for each in forms_of)
+    methods = made.base.split("\n    def translate_")[1:]
+    assert len(methods) == 8
+    assert all(".each(" in each or ".each_counted(" in each for each in methods)
 
 
 def poses_to_ros(rows: list[Any]) -> bytes:
@@ -232,8 +231,8 @@ def test_zeros_with_signs(made: Generated, signs: tuple[float, float]) -> None:
 def test_each_out_of_range_is_counted_as_in_the_loop(made: Generated) -> None:
     rows = [usual(n) for n in range(20)]
     rows[2][2] = rows[9][2] = 1e39
-    flat, _ = forms(made, "path_down")
-    result, counts = outcome(made, "path_down", flat, path("<", rows))
+    whole, _ = ways(made, "path_down")
+    result, counts = outcome(made, "path_down", whole, path("<", rows))
     assert sum(counts.values()) == 2
     assert (
         struct.unpack_from(f"<{POSE}", result, 3 + 2 * 26)[1]
@@ -242,9 +241,9 @@ def test_each_out_of_range_is_counted_as_in_the_loop(made: Generated) -> None:
 
 
 def test_path_as_bytes(made: Generated) -> None:
-    flat, _ = forms(made, "path_down")
+    whole, _ = ways(made, "path_down")
     rows = [[n, "odom", 0.5 * n, -2.0, 0.1, 0.0, 0.0, 0.0, 1.0] for n in range(20)]
-    result = flat(path("<", rows))
+    result = whole(path("<", rows))
     assert result[:3] == struct.pack("<HB", 0xD101, 20)
     last = struct.unpack_from(f"<{POSE}", result, 3 + 19 * 26)
     assert last == (19, 9.5, 2.0, 0.1, 0x8000, 0x8000, 0x8000)
@@ -252,10 +251,10 @@ def test_path_as_bytes(made: Generated) -> None:
 
 def test_bytes_that_end_too_early(made: Generated) -> None:
     data = path("<", [usual(n) for n in range(17)])
-    flat, readable = forms(made, "path_down")
+    whole, one_by_one = ways(made, "path_down")
     for size in (*range(4, 300, 7), *range(len(data) - 80, len(data))):
-        found = outcome(made, "path_down", flat, data[:size])[0]
-        assert found[0] is outcome(made, "path_down", readable, data[:size])[0][0]
+        found = outcome(made, "path_down", whole, data[:size])[0]
+        assert found[0] is outcome(made, "path_down", one_by_one, data[:size])[0][0]
 
 
 def scan(order: str, head: list[float], values: list[float]) -> bytes:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import struct
 from dataclasses import dataclass
@@ -140,3 +141,35 @@ def outcome(connection: Any, translate: Any, *arguments: Any, **joins: Any) -> O
     except Exception as error:
         result = type(error)
     return Outcome(result, dict(connection.statistics.out_of_range))
+
+
+def by_bytes(bridge: Any, name: str) -> Any:
+    """Returns the translation of a connection from bytes to bytes, as it runs."""
+    translate = getattr(bridge, f"translate_{name}")
+    base = vars(inspect.getmodule(type(bridge).__mro__[1]))
+    source = base[translate.__annotations__["source"]]
+
+    def run(data: bytes, **joins: Any) -> bytes | None:
+        is_of_ros = hasattr(source, "from_cdr")
+        target = translate(source.from_cdr(data) if is_of_ros else source.decode(data), **joins)
+        if target is None:
+            return None
+        made: bytes = target.encode() if is_of_ros else target.to_cdr()
+        return made
+
+    return run
+
+
+def one_by_one(bridge: Any, name: str) -> Any:
+    """Returns the same, element by element."""
+    connection, run = getattr(bridge, name), by_bytes(bridge, name)
+
+    def alone(data: bytes, **joins: Any) -> bytes | None:
+        connection.goes_over_lists = False
+        try:
+            made: bytes | None = run(data, **joins)
+        finally:
+            connection.goes_over_lists = True
+        return made
+
+    return alone
