@@ -14,8 +14,8 @@ WAYS = ("up", "down")
 ALL_WAYS = (*WAYS, "both")
 WAY_NAMES = {"up": "JAUS to ROS", "down": "ROS to JAUS", "both": "both ways at once"}
 
-FLAT, LIGHT = "flat", "light"
-FORMS = (FLAT, LIGHT, TYPED, GENERIC)
+LIGHT = "light"
+FORMS = (LIGHT, TYPED, GENERIC)
 """Forms of a translation."""
 
 KINDS = {

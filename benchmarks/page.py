@@ -310,9 +310,8 @@ def _translations(sections: Mapping[str, Any], plots: Mapping[str, str]) -> Iter
     yield "## Translations\n"
     yield (
         "Microseconds of processor time from bytes to bytes, in one process with warm caches. "
-        "*flat* is the generated function from bytes to bytes, *light* the readable method on "
-        "light classes, *typed* the same method on the message classes of ROS, and *generic* the "
-        "interpreter.\n"
+        "*light* is the generated method on light classes, which bridges run; "
+        "*typed* is the same method on the message classes of ROS, and *generic* the interpreter.\n"
     )
     yield _figure("translations", plots)
     rows = []

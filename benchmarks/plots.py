@@ -13,8 +13,7 @@ if TYPE_CHECKING:
 _COLOURS = {
     "floor": "#3f7a2a",
     "generated": "#2b5f8f",
-    "flat": "#2b5f8f",
-    "light": "#7fb0dd",
+    "light": "#2b5f8f",
     "typed": "#a9730f",
     "generic": "#8a8a8a",
 }

@@ -1,6 +1,6 @@
 """What a translation takes of a processor, from bytes to bytes, in this process and warm.
 
-The same maps in each form: flat, on light classes, on the message classes of ROS, and interpreted.
+The same maps in each form: on light classes, on the message classes of ROS, and interpreted.
 Forms take turns. Decoding and encoding are part of it, publishing and sending are not.
 """
 
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import interpreting
 import typed_bridge
 from figures import Blocks
-from names import FLAT, FORMS, GENERIC, KINDS, LIGHT, READY_MAPS, TYPED, WAYS
+from names import FORMS, GENERIC, KINDS, LIGHT, READY_MAPS, TYPED, WAYS
 from rclpy.serialization import deserialize_message, serialize_message
 from samples import sample
 from systems import MAPS, READY, Measured, generate
@@ -80,7 +80,6 @@ class _Forms:
         self._base = typed_bridge.bridge_class(package)
         self._bridge = self._base()
         transcoding = importlib.import_module("jausml_runtime.bridge.connections.transcoding")
-        self._transcoder_of = transcoding.transcoder_of
         self._typed = typed_bridge.typed(self._base, transcoding.ros_classes)()
         messages = importlib.import_module(f"{package}.messages")
         element = next(each for each in model.instances(bridge.Bridge) if each.name == package)
@@ -101,15 +100,12 @@ class _Forms:
         """Returns the forms that there are of one translation, and what they are given."""
         name = f"{message.map}_{way}"
         method = getattr(self._bridge, f"translate_{name}")
-        factory = self._transcoder_of(getattr(self._base, f"translate_{name}"))
         found = {TYPED: self._typed_form(message, way)}
         if name in self._interpreters:
             found[GENERIC] = _interpreted(self._interpreters[name], message.ros_class, way)
         light = _light_class(method, message)
         if light is not None:
             found[LIGHT] = self._light_form(message, way, light)
-        if factory is not None:
-            found[FLAT] = factory(self._bridge, getattr(self._bridge, name))
         given = message.jaus if way == "up" else message.ros
         for form, translate in found.items():
             assert translate(given) is not None, f"{form} of {name} passes nothing on"

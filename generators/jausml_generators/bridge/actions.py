@@ -35,11 +35,7 @@ if TYPE_CHECKING:
 
 
 def carried(owner: bridge.Bridge) -> list[bridge.Connection]:
-    """Returns what translations are generated for: connections, and elements of lists.
-
-    Args:
-        owner: The bridge.
-    """
+    """Returns what translations are generated for: connections, and elements of lists."""
     return [*owner.bridgeConnections, *map(_of_elements, owner.actionConnections)]
 
 
@@ -64,11 +60,7 @@ def messages_of_driver(action: bridge.RosActionConnection) -> DriverMessages:
 
 
 def answers_of_driver(action: bridge.RosActionConnection) -> list[Answer]:
-    """Returns what the driver of a connection answers; a connection of the bridge comes first.
-
-    Args:
-        action: The connection.
-    """
+    """Returns what the driver of a connection answers; a connection of the bridge comes first."""
     owner = action.eContainer()
     others = owner.bridgeConnections if isinstance(owner, bridge.Bridge) else ()
     asked = (each for each in others if each.exchange.name != "message")
@@ -78,11 +70,7 @@ def answers_of_driver(action: bridge.RosActionConnection) -> list[Answer]:
 
 @dataclass(frozen=True)
 class ActionView(ConnectionView):
-    """A modelled action connection; what it shares with connections is about its elements.
-
-    Args:
-        action: The connection.
-    """
+    """A modelled action connection; what it shares with connections is about its elements."""
 
     action: bridge.RosActionConnection = field(kw_only=True)
 

@@ -9,8 +9,6 @@ from jausml.generation import docstrings as docs
 from jausml.generation.literals import printable, python_literal, python_string
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
-
     from jausml_generators.bridge.translation import Surroundings
     from jausml_generators.bridge.translation.surroundings import (
         Constant,
@@ -26,10 +24,6 @@ class ParameterView:
     """An attribute of the bridge that a parameter of the node may change.
 
     Attributes:
-        name: Name of the parameter.
-        attribute: Name of the attribute.
-        value: Modelled value.
-        description: What it is, with its unit.
         is_positive: Whether it is above 0.
     """
 
@@ -48,11 +42,7 @@ class ParameterView:
 
 @dataclass(frozen=True)
 class BaseModule:
-    """What the translations of a bridge use of its class and module, as text.
-
-    Args:
-        uses: What they use.
-    """
+    """What the translations of a bridge use of its class and module, as text."""
 
     uses: Surroundings
 
@@ -60,15 +50,6 @@ class BaseModule:
     def constants(self) -> tuple[str, ...]:
         """Statements of the constants of the module."""
         return tuple(map(_constant, self.uses.constants.values()))
-
-    def constants_named(self, names: Collection[str]) -> tuple[str, ...]:
-        """Returns the statements of some of these constants.
-
-        Args:
-            names: Their names.
-        """
-        found = self.uses.constants.values()
-        return tuple(_constant(each) for each in found if each.name in names)
 
     @property
     def quantities(self) -> tuple[QuantityView, ...]:

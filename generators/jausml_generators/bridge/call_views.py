@@ -27,13 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class CallView:
-    """A modelled service connection.
-
-    Args:
-        connection: The service connection.
-        translated: Its translations.
-        view_of: Returns the class of a JAUS message.
-    """
+    """A modelled service connection."""
 
     connection: bridge.RosServiceConnection
     translated: TranslatedCall

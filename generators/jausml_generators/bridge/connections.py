@@ -37,14 +37,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ConnectionView:
-    """A modelled connection.
-
-    Args:
-        connection: The connection.
-        translated: Its translation.
-        view_of: Returns the class of a JAUS message.
-        requested: JAUS fields of each report that connections of the bridge read.
-    """
+    """A modelled connection."""
 
     connection: bridge.Connection
     translated: Translated

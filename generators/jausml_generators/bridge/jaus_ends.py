@@ -29,9 +29,7 @@ def query_call(query: MessageView, report: MessageView | None, fields: Container
     """Returns a query as it is asked: its presence vector names the fields that are read.
 
     Args:
-        query: The query.
         report: The report, if something of it is read.
-        fields: The fields that are read.
     """
     presence = query.find(PRESENCE_VECTOR)
     if not presence or report is None:
@@ -45,13 +43,7 @@ def guard_of(
     receivers: Iterable[jaus.Component | None],
     search: jaus.PeerSearch | None,
 ) -> str:
-    """Returns whom the receivers of a message obey, as a member of `Guard`.
-
-    Args:
-        message: The message.
-        receivers: Those that are named.
-        search: How they are found otherwise.
-    """
+    """Returns whom the receivers of a message obey, as a member of `Guard`."""
     service = message.eContainer()
     if service is None or not needs_control(message, service):
         return "ANY"

@@ -38,8 +38,6 @@ class ParameterLine:
     """A parameter of a bridge in its file.
 
     Attributes:
-        name: Its name.
-        value: Modelled value.
         about: What it is; empty when the name says it.
         is_comment: Whether the line is commented out, as its name depends on the deployment.
     """
@@ -51,11 +49,7 @@ class ParameterLine:
 
 
 def parameter_lines(view: BridgeView) -> Iterator[ParameterLine]:
-    """Yields the parameters that stand in the file of a bridge, besides those of its transport.
-
-    Args:
-        view: The bridge.
-    """
+    """Yields the parameters that stand in the file of a bridge, besides those of its transport."""
     element = view.bridge
     yield ParameterLine("jaus_id", element.address, "JAUS address of the bridge.")
     yield ParameterLine("autostart", value=True, about="Whether the node becomes active by itself.")

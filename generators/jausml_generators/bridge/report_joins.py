@@ -26,8 +26,6 @@ class ReportJoinView:
 
     Args:
         report: The report, and where it comes from.
-        name: Its name in Python.
-        message: Its class.
         query: The query as it is asked, as Python text; empty when nothing is asked.
     """
 
@@ -89,9 +87,6 @@ class ReportJoinView:
 def messages_of_joins(connection: bridge.Connection) -> Iterator[jaus.MessageDef]:
     """Yields the joined reports of a connection and the queries for them.
 
-    Args:
-        connection: The connection.
-
     Raises:
         GenerationError: Nobody takes a query for a report.
     """
@@ -104,9 +99,6 @@ def messages_of_joins(connection: bridge.Connection) -> Iterator[jaus.MessageDef
 
 def query_of_join(report: JoinedReport) -> jaus.MessageDef | None:
     """Returns the query for a joined report; None when it is not asked for.
-
-    Args:
-        report: The joined report.
 
     Raises:
         GenerationError: Neither its service nor another of who sends it has one.

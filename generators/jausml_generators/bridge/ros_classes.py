@@ -17,26 +17,15 @@ class RosClasses:
 
     A class that shares its name with another, as messages that mirror JAUS do, is imported under a
     name with its package.
-
-    Attributes:
-        names: The names by type.
     """
 
     def __init__(self, taken: Iterable[str]) -> None:
-        """Starts without names.
-
-        Args:
-            taken: Names of other classes.
-        """
+        """Starts without names."""
         self.names: dict[RosType, str] = {}
         self._taken = set(taken)
 
     def name_of(self, element: ros.MessageType) -> str:
-        """Returns the name of the class of a type.
-
-        Args:
-            element: The type.
-        """
+        """Returns the name of the class of a type."""
         kind = ros_type(element)
         if kind not in self.names:
             package = "".join(word.capitalize() for word in kind.package.split("_"))

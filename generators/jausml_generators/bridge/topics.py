@@ -29,14 +29,7 @@ _QOS = {
 
 @dataclass(frozen=True)
 class JoinView:
-    """A further topic that a translation takes values from.
-
-    Args:
-        connection: The connection.
-        join: The join.
-        name: Its name in Python.
-        type_name: Name of its ROS message class in the generated modules.
-    """
+    """A further topic that a translation takes values from."""
 
     connection: bridge.Connection
     join: bridge.Join
@@ -70,12 +63,7 @@ class JoinView:
 
 
 def topic_call(connection: bridge.Connection, topic: bridge.Topic) -> str:
-    """Returns a topic with the policies that differ from the usual ones.
-
-    Args:
-        connection: The connection.
-        topic: One of its topics.
-    """
+    """Returns a topic with the policies that differ from the usual ones."""
     policies = {"reliability": reliability(connection, topic), **_further_policies(topic.qos)}
     stated = [
         f"{snake_case(feature)}={python_literal(value)}"

@@ -56,13 +56,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class BridgeView:
-    """A modelled bridge.
-
-    Args:
-        bridge: The bridge.
-        system: The system that owns it.
-        source: Model file.
-    """
+    """A modelled bridge."""
 
     bridge: Bridge
     system: System
@@ -316,9 +310,6 @@ class BridgeView:
 
 def bridge_views(model: Model) -> tuple[BridgeView, ...]:
     """Returns the bridges of the system that is generated; `model.made` shares them.
-
-    Args:
-        model: A valid model.
 
     Raises:
         NoSystemError: It has no system, or several.

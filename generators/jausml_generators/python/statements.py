@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from jausml.generation.literals import printable, python_string
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable
 
 _STEP = " " * 4
 # Characters of a string that stands on a line of its own, wherever that begins.
@@ -176,11 +176,6 @@ def rendered(statements: Iterable[Statement], depth: int = 0) -> list[str]:
         else:
             lines.append(margin + _line(each))
     return lines
-
-
-def assigns(statements: Sequence[Statement], place: str) -> bool:
-    """Tells whether statements give a place a value whatever holds."""
-    return any(isinstance(each, Assign) and each.place == place for each in statements)
 
 
 def _line(statement: Assign | Do | Raise | Return) -> str:

@@ -44,10 +44,6 @@ def differing_forms(
     compared with that of rclpy, where that is installed. The clock stands still meanwhile.
 
     Args:
-        bridge: The bridge.
-        translate: The translation, a method of the bridge.
-        connection: Its connection.
-        source: The message that is translated, a light one or a JAUS message.
         **joins: Messages of joined topics, or None.
 
     Returns:

@@ -33,8 +33,6 @@ class LightMessage:
         TYPE: The type, e.g. `nav_msgs/msg/Odometry`.
         LAYOUT: The types of the fields by name, in order, as `get_fields_and_field_types` of the
             class of ROS gives them.
-        NESTED: Classes of the messages inside it.
-        LEAST: Fewest bytes that it takes, without padding.
     """
 
     __slots__ = ()
@@ -134,7 +132,6 @@ def differences(light: type[LightMessage], real: Any) -> list[str]:
     """Returns how a type of the model differs from the installed one; nothing when it does not.
 
     Args:
-        light: Class of the type of the model.
         real: Class of the installed type, which messages are exchanged with.
 
     Returns:

@@ -10,11 +10,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from . import rotations
 from .types import Angles, Quaternion
 
 if TYPE_CHECKING:
     from .types import QuaternionLike
+
+# Closer to vertical than this, roll and yaw turn about the same axis.
+_VERTICAL = 1.0 - 1e-12
 
 __all__ = [
     "enu_quaternion_to_ned_angles",
@@ -61,12 +63,12 @@ def orientation_if_known(orientation: QuaternionLike, variance: float) -> Quater
 
 def frd_angles_to_flu_quaternion(roll: float, pitch: float, yaw: float) -> Quaternion:
     """Roll, pitch and yaw about forward-right-down axes to the orientation in forward-left-up."""
-    return Quaternion(*rotations.frd_angles_to_flu_quaternion(roll, pitch, yaw))
+    return _from_angles(roll, -pitch, -yaw)
 
 
 def frd_yaw_to_flu_quaternion(yaw: float) -> Quaternion:
     """Yaw about the down axis alone to the orientation in forward-left-up."""
-    return Quaternion(*rotations.frd_yaw_to_flu_quaternion(yaw))
+    return Quaternion(0.0, 0.0, math.sin(-yaw / 2), math.cos(yaw / 2))
 
 
 def flu_quaternion_to_frd_roll(orientation: QuaternionLike) -> float:
@@ -74,9 +76,7 @@ def flu_quaternion_to_frd_roll(orientation: QuaternionLike) -> float:
 
     A quaternion of length zero is no orientation: the result is not a number.
     """
-    return rotations.flu_quaternion_to_frd_roll(
-        orientation.x, orientation.y, orientation.z, orientation.w
-    )
+    return flu_quaternion_to_frd_angles(orientation).roll
 
 
 def flu_quaternion_to_frd_pitch(orientation: QuaternionLike) -> float:
@@ -84,9 +84,7 @@ def flu_quaternion_to_frd_pitch(orientation: QuaternionLike) -> float:
 
     A quaternion of length zero is no orientation: the result is not a number.
     """
-    return rotations.flu_quaternion_to_frd_pitch(
-        orientation.x, orientation.y, orientation.z, orientation.w
-    )
+    return flu_quaternion_to_frd_angles(orientation).pitch
 
 
 def flu_quaternion_to_frd_yaw(orientation: QuaternionLike) -> float:
@@ -94,9 +92,7 @@ def flu_quaternion_to_frd_yaw(orientation: QuaternionLike) -> float:
 
     A quaternion of length zero is no orientation: the result is not a number.
     """
-    return rotations.flu_quaternion_to_frd_yaw(
-        orientation.x, orientation.y, orientation.z, orientation.w
-    )
+    return flu_quaternion_to_frd_angles(orientation).yaw
 
 
 def flu_quaternion_to_frd_angles(orientation: QuaternionLike) -> Angles:
@@ -104,10 +100,22 @@ def flu_quaternion_to_frd_angles(orientation: QuaternionLike) -> Angles:
 
     A quaternion of length zero is no orientation: the results are not numbers.
     """
-    parts = rotations.flu_quaternion_to_frd_angles(
-        orientation.x, orientation.y, orientation.z, orientation.w
-    )
-    return Angles(*parts)
+    x, y, z, w = orientation.x, -orientation.y, -orientation.z, orientation.w
+    squared_length = x * x + y * y + z * z + w * w
+    if squared_length == 0.0:
+        return Angles(math.nan, math.nan, math.nan)
+    sine = 2 * (w * y - z * x) / squared_length
+    if math.isnan(sine):
+        return Angles(math.nan, sine, math.nan)
+    if -_VERTICAL <= sine <= _VERTICAL:
+        return Angles(
+            math.atan2(2 * (w * x + y * z), w * w - x * x - y * y + z * z),
+            math.asin(sine),
+            math.atan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z),
+        )
+    # Roll is taken as zero there, so that the three angles still give the orientation.
+    yaw = math.atan2(-2 * (x * y - w * z), w * w - x * x + y * y - z * z)
+    return Angles(0.0, math.asin(max(-1.0, min(1.0, sine))), yaw)
 
 
 def ned_angles_to_enu_quaternion(roll: float, pitch: float, heading: float) -> Quaternion:
@@ -116,12 +124,13 @@ def ned_angles_to_enu_quaternion(roll: float, pitch: float, heading: float) -> Q
     The angles are those of a forward-right-down body in north-east-down, the orientation that of
     the same body, as forward-left-up, in east-north-up.
     """
-    return Quaternion(*rotations.ned_angles_to_enu_quaternion(roll, pitch, heading))
+    return _from_angles(roll, -pitch, math.pi / 2 - heading)
 
 
 def ned_heading_to_enu_quaternion(heading: float) -> Quaternion:
     """Heading clockwise from north alone to the orientation of a level body in east-north-up."""
-    return Quaternion(*rotations.ned_heading_to_enu_quaternion(heading))
+    half_yaw = (math.pi / 2 - heading) / 2
+    return Quaternion(0.0, 0.0, math.sin(half_yaw), math.cos(half_yaw))
 
 
 def enu_quaternion_to_ned_angles(orientation: QuaternionLike) -> Angles:
@@ -130,10 +139,9 @@ def enu_quaternion_to_ned_angles(orientation: QuaternionLike) -> Angles:
     The orientation is that of a forward-left-up body, the angles those of the same body, as
     forward-right-down. A quaternion of length zero gives what are no numbers.
     """
-    parts = rotations.enu_quaternion_to_ned_angles(
-        orientation.x, orientation.y, orientation.z, orientation.w
-    )
-    return Angles(*parts)
+    roll, pitch, yaw = flu_quaternion_to_frd_angles(orientation)
+    # A yaw of zero points east there, which is a heading of a quarter turn.
+    return Angles(roll, pitch, math.remainder(math.pi / 2 + yaw, math.tau))
 
 
 def enu_quaternion_to_ned_heading(orientation: QuaternionLike) -> float:
@@ -141,6 +149,17 @@ def enu_quaternion_to_ned_heading(orientation: QuaternionLike) -> float:
 
     A quaternion of length zero is no orientation: the result is not a number.
     """
-    return rotations.enu_quaternion_to_ned_heading(
-        orientation.x, orientation.y, orientation.z, orientation.w
+    return enu_quaternion_to_ned_angles(orientation).yaw
+
+
+def _from_angles(roll: float, pitch: float, yaw: float) -> Quaternion:
+    """The rotation about x by roll, then about y by pitch, then about z by yaw."""
+    sr, cr = math.sin(roll / 2), math.cos(roll / 2)
+    sp, cp = math.sin(pitch / 2), math.cos(pitch / 2)
+    sy, cy = math.sin(yaw / 2), math.cos(yaw / 2)
+    return Quaternion(
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+        cr * cp * cy + sr * sp * sy,
     )

@@ -17,12 +17,7 @@ if TYPE_CHECKING:
 
 
 def absences(ends: Ends, sample: Sample) -> Iterator[Check]:
-    """Yields the checks of the absent policies of a connection to ROS.
-
-    Args:
-        ends: The connection.
-        sample: A source message for it, of which one field at a time is left out.
-    """
+    """Yields the checks of the absent policies of a connection to ROS."""
     source = ends.source
     if not isinstance(source, JausMessage):
         return

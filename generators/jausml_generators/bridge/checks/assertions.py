@@ -20,8 +20,6 @@ def has_value(place: Place, value: Scalar, tolerance: float = 0.0) -> list[str]:
     """Returns the assertions that an attribute is there and has a value.
 
     Args:
-        place: The attribute.
-        value: Its value.
         tolerance: Largest difference of a number; 0 means what single precision may lose.
     """
     lines = is_there(place)

@@ -28,10 +28,6 @@ class Check:
 
     Attributes:
         name: Name of the function behind `test_`, unique in the module.
-        documentation: What the test shows, one sentence.
-        lines: Its statements.
-        decorators: Lines above the function.
-        parameters: Its parameters with their types.
     """
 
     name: str
@@ -53,11 +49,7 @@ class Check:
 
 
 def tidy(statements: Iterable[str]) -> tuple[str, ...]:
-    """Returns statements without assertions that are there already.
-
-    Args:
-        statements: Statements as the functions below make them.
-    """
+    """Returns statements without assertions that are there already."""
     return tuple(_tidied(statements))
 
 
@@ -92,8 +84,6 @@ def close_to(place: str, value: float, tolerance: float = 0.0) -> str:
     """Returns the assertion that a place holds a number.
 
     Args:
-        place: The place.
-        value: The number.
         tolerance: Largest difference; 0 means the default of pytest, a millionth of the number.
     """
     if math.isnan(value):

@@ -34,10 +34,7 @@ class Ends:
     """A connection with its messages under the names that they have in tests.
 
     Attributes:
-        view: The connection.
         name: Its name in Python, or what stands for it.
-        type_name: Returns the name of the class of a ROS type.
-        uses: What the translations of the bridge use.
     """
 
     view: ConnectionView
@@ -175,7 +172,6 @@ class Ends:
         """Returns the statements that show that `source` is not translated.
 
         Args:
-            error: Class of the error.
             before: What keeps the error, e.g. ` as caught`.
         """
         refusal = f"with pytest.raises({error}){before}:\n    {self.call('source')}"

@@ -18,12 +18,7 @@ if TYPE_CHECKING:
 
 
 def examples(ends: Ends, sample: Sample) -> Iterator[Check]:
-    """Yields the checks by example of a connection.
-
-    Args:
-        ends: The connection.
-        sample: A source message for it.
-    """
+    """Yields the checks by example of a connection."""
     view = ends.view
     begin = [*ends.source.fill(sample.values), *ends.translated()]
     lines = list(begin)

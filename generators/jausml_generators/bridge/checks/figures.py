@@ -29,9 +29,7 @@ class Chain:
     Args:
         map: The `bridge.AttributeMap`.
         assignment: The `bridge.FieldAssignment`.
-        to_ros: Whether it fills the ROS type.
         quantities: The quantities that the bridge states, by name.
-        unit_step: Factor and offset from the unit of the result to that of the target.
     """
 
     map: bridge.AttributeMap
@@ -79,9 +77,6 @@ class Chain:
     def results(self, values: Sequence[Any]) -> list[Any]:
         """Returns what the conversions make of the values of the sources, before other units.
 
-        Args:
-            values: One for each source.
-
         Raises:
             NoValueError: They have no result.
         """
@@ -91,11 +86,7 @@ class Chain:
         return current
 
     def forward(self, values: Sequence[float]) -> float | None:
-        """Returns what becomes of the values of the sources; None when they have no result.
-
-        Args:
-            values: One for each source.
-        """
+        """Returns what becomes of the values of the sources; None when they have no result."""
         try:
             current = self.results(values)
         except NoValueError:
@@ -120,9 +111,5 @@ class Chain:
 
 
 def quantities_of(owner: bridge.Bridge | None) -> dict[str, bridge.Quantity]:
-    """Returns the quantities that a bridge states, by name.
-
-    Args:
-        owner: The bridge.
-    """
+    """Returns the quantities that a bridge states, by name."""
     return {str(each.name): each for each in owner.quantities} if owner is not None else {}

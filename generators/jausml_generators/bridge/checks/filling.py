@@ -43,11 +43,7 @@ PRESENT = "\0present"
 
 
 def short_name(path: str) -> str:
-    """Returns a word for an attribute, made of the last steps of its path.
-
-    Args:
-        path: Its path in the model.
-    """
+    """Returns a word for an attribute, made of the last steps of its path."""
     steps = [step for step in re.split(r"[^A-Za-z0-9_]+", path) if step and not step.isdigit()]
     return snake_case("_".join(steps[-2:] if len(steps[-1]) < _SHORT else steps[-1:]))
 
@@ -67,13 +63,9 @@ class Place:
     """An attribute of a message of either side.
 
     Attributes:
-        path: Its path in the model.
         code: The attribute, as Python text.
-        kind: Kind of its values.
-        limits: Least and greatest number that it can hold.
         ranges: Legal ranges of integers where they have gaps or names; else empty.
         step: Smallest difference of two numbers that it can tell apart; 0 when that is tiny.
-        names: Values by the names that the model has for them.
         conditions: What must hold for it to be there, as Python text.
     """
 
@@ -131,22 +123,12 @@ class Message(Protocol):
         """
 
     def fill(self, values: Mapping[str, Scalar]) -> list[str]:
-        """Returns the statements that make the message with some values.
-
-        Args:
-            values: Values by path.
-        """
+        """Returns the statements that make the message with some values."""
 
 
 @dataclass(frozen=True)
 class JausMessage:
-    """A JAUS message.
-
-    Attributes:
-        element: The message in the model.
-        message: Its class.
-        name: Name of the variable.
-    """
+    """A JAUS message."""
 
     element: jaus.MessageDef
     message: MessageView
@@ -200,13 +182,7 @@ class JausMessage:
 
 @dataclass(frozen=True)
 class RosMessage:
-    """A ROS message.
-
-    Attributes:
-        type: Its type.
-        name: Name of the variable.
-        type_name: Returns the name of the class of a type.
-    """
+    """A ROS message."""
 
     type: ros.MessageType
     name: str

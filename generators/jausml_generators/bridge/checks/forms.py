@@ -16,7 +16,6 @@ def forms(ends: Ends, sample: Sample | None) -> Check:
     """Returns the check of a connection, for a message as it is made and for a sample.
 
     Args:
-        ends: The connection.
         sample: A source message that passes, if one is known.
     """
     compared = equals(

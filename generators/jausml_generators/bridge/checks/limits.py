@@ -37,11 +37,7 @@ class _Case:
     """A value that does not fit.
 
     Attributes:
-        chain: The conversions.
-        source: The attribute that it comes from.
-        target: The attribute that it does not fit.
         word: Where it lies: `above`, `below` or `not_a_number`.
-        value: The value of the source.
         nearest: The nearest value that fits; None when there is none.
     """
 
@@ -54,12 +50,7 @@ class _Case:
 
 
 def limits(ends: Ends, sample: Sample) -> Iterator[Check]:
-    """Yields the checks of the out-of-range policies of a connection.
-
-    Args:
-        ends: The connection.
-        sample: A source message for it, of which one value at a time is changed.
-    """
+    """Yields the checks of the out-of-range policies of a connection."""
     for chain in ends.chains:
         if not chain.leads_back or chain.sources[0] not in sample.values:
             continue

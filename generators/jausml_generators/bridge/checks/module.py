@@ -34,11 +34,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class TestModule:
-    """What the template of the generated tests asks.
-
-    Args:
-        bridge: The bridge.
-    """
+    """What the template of the generated tests asks."""
 
     __test__ = False  # pytest takes classes named Test... for tests
     bridge: BridgeView

@@ -40,11 +40,7 @@ class _Returning:
     """A value that returns.
 
     Attributes:
-        place: The JAUS field.
-        low: Least value that is tried.
-        high: Greatest value that is tried.
         tolerance: How far off it may return.
-        is_angle: Whether whole turns do not count.
     """
 
     place: Place
@@ -55,12 +51,7 @@ class _Returning:
 
 
 def round_trips(sampled: Sequence[tuple[Ends, Sample]], class_name: str) -> Iterator[Check]:
-    """Yields a check for each two connections that carry a message there and back by one map.
-
-    Args:
-        sampled: The connections of a bridge that have a sample, with it.
-        class_name: Class of the bridge.
-    """
+    """Yields a check for each two connections that carry a message there and back by one map."""
     homeward: dict[bridge.AttributeMap, list[Ends]] = defaultdict(list)
     for ends, _ in sampled:
         if not ends.to_ros:

@@ -21,9 +21,6 @@ def safe_values(ends: Ends) -> Iterator[Check]:
     """Yields the check that a connection sends what the model says when its source is lost.
 
     The whole message is compared: what the model leaves out stays as it is made.
-
-    Args:
-        ends: The connection.
     """
     view = ends.view
     if not view.has_safe_value:

@@ -53,8 +53,6 @@ class Sample:
     """A source message that is translated without loss.
 
     Attributes:
-        values: Values of the source by path.
-        expected: Values of the target by path, where they are known.
         changed: Paths of the target at which something else must stand than as it is made.
     """
 

@@ -26,9 +26,6 @@ _SLACK = 1.0 + 1e-9
 def vectors(ends: Ends) -> Iterator[Check]:
     """Yields the test vectors of the map of a connection, for its direction.
 
-    Args:
-        ends: The connection.
-
     Raises:
         GenerationError: A value of a vector does not fit its attribute.
     """

@@ -31,8 +31,6 @@ class LightField:
     """A field of a light class.
 
     Attributes:
-        name: Its name.
-        annotation: Its type.
         parameter: The parameter of `__init__`, with type and default.
         value: What `__init__` stores, as Python text.
         idl: What rosidl calls its type, as a Python string.
@@ -47,15 +45,7 @@ class LightField:
 
 @dataclass(frozen=True)
 class LightClass:
-    """A ROS message type as a light class.
-
-    Attributes:
-        name: Name of the class.
-        message: The type.
-        class_of: Returns the name of the class of a type.
-        runs: Names of rows of numbers.
-        sizes: Sizes of messages.
-    """
+    """A ROS message type as a light class."""
 
     name: str
     message: ros.MessageType

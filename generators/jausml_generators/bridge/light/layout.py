@@ -25,10 +25,6 @@ class Primitive:
 
     Attributes:
         code: Format character of `struct`.
-        size: Bytes on the wire.
-        python: Type in Python.
-        zero: Python text of its zero.
-        idl: What rosidl calls it.
     """
 
     code: str
@@ -57,9 +53,7 @@ class FieldLayout:
     """A field of a message.
 
     Attributes:
-        name: Its name.
         array: `single`, `fixedArray`, `boundedSequence` or `unboundedSequence`.
-        count: Elements of a fixed array, most elements of a bounded sequence.
         primitive: Its type of numbers; None for texts and messages.
         text: `string` or `wstring`; empty for others.
         bound: Most characters of a text; 0 without a limit.
@@ -143,9 +137,6 @@ def _default(text: str, kind: str, array: str) -> Any:
 
 def types_within(roots: Iterable[ros.MessageType]) -> list[ros.MessageType]:
     """Returns types and those of the messages inside them, the inner ones first.
-
-    Args:
-        roots: The types.
 
     Raises:
         GenerationError: A message contains itself.

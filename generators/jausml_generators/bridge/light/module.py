@@ -23,11 +23,7 @@ _TAKEN = ("ClassVar", "Layout", "LightMessage")
 
 
 class LightModule:
-    """The module `ros_types` of a package.
-
-    Args:
-        roots: The types that the package uses by name.
-    """
+    """The module `ros_types` of a package."""
 
     def __init__(self, roots: Iterable[ros.MessageType]) -> None:
         self._roots = tuple(roots)
@@ -64,7 +60,6 @@ class LightModule:
         """Returns where classes that another module names come from.
 
         Args:
-            classes: The names of the other module.
             module: This module, as the other imports it.
         """
         own = {ros_type(each): self.name_of(each) for each in self.types}

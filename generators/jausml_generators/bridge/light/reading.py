@@ -21,14 +21,7 @@ def reading_lines(
     runs: Runs,
     sizes: Sizes,
 ) -> tuple[str, ...]:
-    """Returns the body of a method that reads a message from `data` at `offset`.
-
-    Args:
-        message: The type of the message.
-        class_of: Returns the name of the class of a type.
-        runs: Names of rows of numbers.
-        sizes: Sizes of messages.
-    """
+    """Returns the body of a method that reads a message from `data` at `offset`."""
     reader = _Reader(class_of, runs, sizes)
     values = reader.values(message)
     reader.flush()

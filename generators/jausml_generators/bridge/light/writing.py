@@ -24,14 +24,7 @@ def writing_lines(
     runs: Runs,
     sizes: Sizes,
 ) -> tuple[str, ...]:
-    """Returns the body of a method that appends the message `self`, which begins at `offset`.
-
-    Args:
-        message: The type of the message.
-        class_of: Returns the name of the class of a type.
-        runs: Names of rows of numbers.
-        sizes: Sizes of messages.
-    """
+    """Returns the body of a method that appends the message `self`, which begins at `offset`."""
     writer = _Writer(class_of, runs, sizes)
     writer.add(message, "self")
     writer.flush()

@@ -25,11 +25,7 @@ class AlikeMaps:
         self._by_content: dict[Hashable, bridge.AttributeMap] = {}
 
     def first(self, attribute_map: bridge.AttributeMap) -> bridge.AttributeMap:
-        """Returns the first map that was asked for of those that say the same under other names.
-
-        Args:
-            attribute_map: The map.
-        """
+        """Returns the first map that was asked for of those that say the same under other names."""
         if attribute_map not in self._first:
             # The tests of vectors name the map.
             name = attribute_map.name if attribute_map.vectors else None

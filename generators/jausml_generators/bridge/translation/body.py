@@ -27,7 +27,6 @@ class Body:
     Attributes:
         owner: Attribute of the bridge that is the connection, e.g. `speed`.
         policy: Out-of-range policy of the connection, as a literal of the metamodel.
-        steps: The steps of the present block.
     """
 
     owner: str = ""
@@ -64,12 +63,7 @@ class Body:
         self.steps += steps
 
     def local(self, hint: str, value: Expression) -> Local:
-        """Gives a value a variable, which is returned.
-
-        Args:
-            hint: What it should be called.
-            value: The value.
-        """
+        """Gives a value a variable, which is returned."""
         local = Local(hint)
         self.add(Let((local,), value))
         return local
@@ -87,9 +81,6 @@ class Body:
         """Puts what is added meanwhile under conditions.
 
         Conditions that the step before has too are not said again.
-
-        Args:
-            *alternatives: Each of conditions that hold together.
         """
         outer, known = self.steps, len(self._required)
         last = outer[-1] if outer else None
@@ -127,12 +118,7 @@ class Body:
                 self.add(step)
 
     def require(self, ways: Sequence[Way], path: str) -> None:
-        """Adds the refusal of messages that lack a field.
-
-        Args:
-            ways: What holds when it is there.
-            path: Path of the field.
-        """
+        """Adds the refusal of messages that lack a field."""
         for each in ways:
             if each in self._required:
                 continue

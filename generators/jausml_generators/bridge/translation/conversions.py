@@ -57,15 +57,7 @@ _RESULTS = {
 
 
 class Chain:
-    """The conversions of one assignment.
-
-    Args:
-        body: Takes statements that the values need before the last one.
-        surroundings: The class and the module around.
-        target: Where the results go.
-        target_paths: To which of its places.
-        to_ros: Whether the target is of ROS.
-    """
+    """The conversions of one assignment."""
 
     def __init__(
         self,
@@ -89,7 +81,6 @@ class Chain:
 
         Args:
             conversions: The `bridge.Conversion` elements.
-            values: The values of the sources.
             source_paths: Their paths, by which expressions name them.
 
         Raises:
@@ -114,7 +105,6 @@ class Chain:
         """Returns the values in the unit of the target.
 
         Args:
-            values: The results of the conversions.
             step: Factor and offset between the units; None when they are the same.
         """
         if step is None:

@@ -39,12 +39,7 @@ class Read:
 
 @dataclass(frozen=True)
 class Setting:
-    """An attribute of the bridge that may change while it runs: a quantity, a frame, what was kept.
-
-    Attributes:
-        name: Its name.
-        kind: Kind of its value.
-    """
+    """An attribute of the bridge that may change: a quantity, a frame, what was kept."""
 
     name: str
     kind: str = REAL
@@ -86,11 +81,7 @@ class Convert:
     """The result of a conversion of the catalogue, or its results.
 
     Attributes:
-        name: Its name.
-        inputs: The values that it takes.
-        arguments: Its arguments.
         near: The instant near which a time is meant; None where it is not asked.
-        kind: Kind of its first result.
     """
 
     name: str
@@ -114,13 +105,10 @@ class Limit:
     """A value within its target; what is not is counted, cut off or refused.
 
     Attributes:
-        owner: Attribute of the bridge that is the connection.
         policy: What becomes of values that do not fit: `clamp`, `drop_field`, `drop_message` or
             `error`.
         how: What keeps them within: empty for two numbers, else `integer`, `listed`, `single`,
             `finite`, `text`, `octets`, `sized`, or `within` for what a map limits on purpose.
-        path: Path of the field, for counters.
-        value: The value.
         bounds: What it must keep to.
     """
 
@@ -152,13 +140,7 @@ class Ranges:
 
 @dataclass(frozen=True)
 class Operand:
-    """What a name in an authored expression stands for.
-
-    Attributes:
-        value: The value.
-        hint: What a variable for it should be called.
-        is_computed: Whether asking for it again would compute it again.
-    """
+    """What a name in an authored expression stands for."""
 
     value: Expression
     hint: str
@@ -167,12 +149,7 @@ class Operand:
 
 @dataclass(frozen=True)
 class Authored:
-    """The value of an expression of the model.
-
-    Attributes:
-        expression: The expression.
-        operands: What its names stand for.
-    """
+    """The value of an expression of the model."""
 
     expression: authored.Expression
     operands: tuple[tuple[str, Operand], ...]
@@ -207,8 +184,6 @@ class New:
     """A new object of a class: an element or container without values, or one made of parts.
 
     Attributes:
-        class_name: The class.
-        parts: What it is made of.
         is_spread: Whether the only part is a tuple of the parts.
     """
 
@@ -266,13 +241,7 @@ class Encode:
 
 @dataclass(frozen=True)
 class ByName:
-    """The elements of a list in the order of constant names; none for a name that is missing.
-
-    Attributes:
-        names: The constant.
-        keys: The names of the elements.
-        items: The elements.
-    """
+    """The elements of a list in the order of constant names; none for a name that is missing."""
 
     names: str
     keys: Expression

@@ -28,13 +28,7 @@ _SHORT = 48
 
 @dataclass(frozen=True)
 class FormulaPrinter:
-    """Writes one expression.
-
-    Args:
-        statements: Takes the statements of steps.
-        names: Names of local variables.
-        sources: Python text of the variables.
-    """
+    """Writes one expression."""
 
     statements: list[Statement]
     names: Scope

@@ -39,7 +39,6 @@ def add_list(translation: Translation, assignment: bridge.ListAssignment) -> Non
     """Adds the steps that fill a list of the target.
 
     Args:
-        translation: The translation that the assignment belongs to.
         assignment: The `bridge.ListAssignment`.
 
     Raises:
@@ -54,9 +53,6 @@ class _Items:
     """What a loop goes over.
 
     Attributes:
-        value: The elements.
-        like: A list or constant that is as long.
-        counts: Fewest and most elements.
         may_be_none: Whether an element may be None, where its name was missing.
         is_put_together: Whether they were gathered by name, or by the user.
     """

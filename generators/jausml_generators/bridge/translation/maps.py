@@ -44,12 +44,7 @@ def to_ros(
     """Returns the steps that make `target` (ROS) from `source` (JAUS).
 
     Args:
-        connection: The connection, whose map has the assignments.
-        message: Its JAUS message.
-        owner: Attribute of the bridge that is the connection.
-        class_name: Name of the ROS message class in the module.
         joins: Parameter and class of each joined report, by name of the join.
-        around: The class and the module around.
 
     Raises:
         AssignmentError: A value does not fit its target.
@@ -70,11 +65,7 @@ def to_jaus(
     """Returns the steps that make `target` (JAUS) from `source` (ROS).
 
     Args:
-        connection: The connection, whose map has the assignments.
-        message: Its JAUS message.
-        owner: Attribute of the bridge that is the connection.
         joins: Parameter and `ros.MessageType` of each joined message, by name of the join.
-        around: The class and the module around.
 
     Raises:
         AssignmentError: A value does not fit its target.
@@ -93,13 +84,6 @@ def stop(
     around: Surroundings,
 ) -> Body:
     """Returns the steps that make `target`, of either side, without a source.
-
-    Args:
-        connection: The connection.
-        message: Its JAUS message.
-        owner: Attribute of the bridge that is the connection.
-        class_name: Name of the ROS message class in the module.
-        around: The class and the module around.
 
     Raises:
         AssignmentError: A value does not fit its target.
@@ -184,7 +168,6 @@ def _nested_method(translation: Translation, attribute_map: bridge.AttributeMap)
     """Returns the method that translates a message inside another one.
 
     Args:
-        translation: The translation that has the message.
         attribute_map: The `bridge.AttributeMap` of the message inside.
     """
     around, owner = translation.surroundings, translation.body.owner

@@ -25,10 +25,6 @@ if TYPE_CHECKING:
 def add_message(translation: Translation, assignment: bridge.MessageAssignment) -> None:
     """Adds the statements that translate a message which a JAUS field carries.
 
-    Args:
-        translation: The translation that the assignment belongs to.
-        assignment: The assignment.
-
     Raises:
         AssignmentError: A value does not fit its target.
         PathError: A path leads nowhere.

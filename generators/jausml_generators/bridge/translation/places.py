@@ -11,11 +11,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Local:
-    """A variable of a translation; printers name it where it is given its value.
-
-    Attributes:
-        hint: What it should be called.
-    """
+    """A variable of a translation; printers name it where it is given its value."""
 
     hint: str
 

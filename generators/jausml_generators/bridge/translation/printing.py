@@ -66,12 +66,7 @@ _SHORT = 40
 
 
 def printed(steps: Iterable[Step], parameters: Iterable[str] = ()) -> tuple[str, ...]:
-    """Returns the lines of a translation.
-
-    Args:
-        steps: Its steps.
-        parameters: Names that no local variable takes.
-    """
+    """Returns the lines of a translation."""
     printer = _Printer(Scope(OWN_NAMES | frozenset(parameters)), {})
     return tuple(rendered(printer.statements(steps)))
 

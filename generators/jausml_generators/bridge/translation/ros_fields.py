@@ -28,10 +28,8 @@ class RosStart:
     """Where paths start.
 
     Attributes:
-        root: The message or element.
         type: The `ros.MessageType` of the message or element; None for an element without fields.
         field: The `ros.Field` of which an element without fields is one.
-        label: Path of the array in the message, for counters.
     """
 
     root: str | Local
@@ -48,14 +46,11 @@ class RosField:
         path: The path as counters and errors name it, e.g. `pose.covariance[7]`.
         type: Primitive type (`float64`) or full name of a message type
             (`geometry_msgs/Quaternion`).
-        is_array: True when the end is a whole array.
-        place: Where it stands.
         bound: Most characters of a string; 0 when nothing limits it.
         counts: Fewest and most elements of a whole array; None when nothing limits them.
         message_type: The `ros.MessageType` of the end or of the elements of the array; None for
             primitive types.
         field: The `ros.Field` at the end; None for a whole message.
-        constants: Names and values of the constants of the type that has the field.
     """
 
     path: str

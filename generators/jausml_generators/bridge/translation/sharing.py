@@ -40,11 +40,7 @@ class _Unnamed(Surroundings):
 
 
 class SharedTranslations:
-    """The translations of one bridge by what makes them the same but for the name.
-
-    Args:
-        uses: What translations use of class and module.
-    """
+    """The translations of one bridge by what makes them the same but for the name."""
 
     def __init__(self, uses: Surroundings) -> None:
         self._uses = uses
@@ -54,13 +50,7 @@ class SharedTranslations:
     def lines(
         self, key: object, name: str, make: Callable[[str, Surroundings], tuple[str, ...]]
     ) -> tuple[str, ...]:
-        """Returns the lines of a translation.
-
-        Args:
-            key: What is equal for translations that differ in the name of the connection alone.
-            name: Name of the connection in Python.
-            make: Makes the lines from a name and surroundings.
-        """
+        """Returns the lines of a translation."""
         if key not in self._once:
             # Most maps have one connection; all that is not named after it is claimed here.
             self._once.add(key)

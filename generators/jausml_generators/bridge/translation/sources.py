@@ -42,10 +42,6 @@ class Source(Protocol):
     def value(self, path: str, policy: Policy) -> Value:
         """Returns the value at the end of a path.
 
-        Args:
-            path: The path.
-            policy: What becomes of the value where it does not fit its target.
-
         Raises:
             PathError: The path leads nowhere.
         """
@@ -63,11 +59,7 @@ class Many:
     """A list as the source of assignments.
 
     Attributes:
-        place: The list.
-        path: Its path, for counters.
         conditions: What must hold for it to be there.
-        start: Where paths of its elements start, without their name: JausStart or RosStart.
-        counts: Fewest and most elements.
     """
 
     place: Place
@@ -83,7 +75,6 @@ class Counters:
 
     Attributes:
         values: The values of `index` and `count`.
-        used: Which of them were asked for.
     """
 
     values: Mapping[str, Expression]
@@ -102,10 +93,6 @@ class JausSource:
     """A JAUS message, or an element of a list in it.
 
     Attributes:
-        message: The message.
-        start: Where paths start.
-        top: The whole message, when this is an element.
-        counters: The counters of the loop over the elements.
         conditions: What must hold for the element to be there.
         joins: Python name and class of each joined report, by name of the join.
     """
@@ -189,10 +176,7 @@ class RosSource:
 
     Attributes:
         type: The `ros.MessageType` of the message.
-        start: Where paths start.
         joins: Python name and `ros.MessageType` of each joined message, by name of the join.
-        top: The whole message, when this is an element.
-        counters: The counters of the loop over the elements.
         conditions: What must hold for the element to be there.
     """
 

@@ -20,13 +20,7 @@ class Let:
 
 @dataclass(frozen=True)
 class Write:
-    """Gives a place a value.
-
-    Attributes:
-        place: The place.
-        value: The value.
-        remark: What is said of it, such as its unit.
-    """
+    """Gives a place a value."""
 
     place: Place
     value: Expression
@@ -51,13 +45,7 @@ class Append:
 
 @dataclass(frozen=True)
 class Require:
-    """Refuses the message unless a condition holds.
-
-    Attributes:
-        condition: The condition.
-        error: Class of the error.
-        text: What is wrong: for an absent field, its path.
-    """
+    """Refuses the message unless a condition holds."""
 
     condition: Condition
     error: str
@@ -66,12 +54,7 @@ class Require:
 
 @dataclass(frozen=True)
 class Choose:
-    """Steps that are gone where conditions hold.
-
-    Attributes:
-        conditions: Alternatives, each of conditions that hold together.
-        steps: The steps.
-    """
+    """Steps that are gone where conditions hold."""
 
     conditions: tuple[tuple[Condition, ...], ...]
     steps: tuple[Step, ...]
@@ -90,10 +73,7 @@ class Alike:
     """How the elements of two lists lie, where all lie alike in each.
 
     Attributes:
-        item: Python type of an element that is gone through.
-        made: Python type of an element that is made.
         code: Format character of `struct` where numbers of ROS are made; empty for records.
-        are_octets: Whether each is a number of eight bits, on both sides.
     """
 
     item: str
@@ -107,18 +87,10 @@ class Each:
     """Makes the elements of a list from those of another.
 
     Attributes:
-        items: The elements that are gone through.
-        item: Variable of each.
-        index: Variable of its number.
-        is_counted: Whether the steps ask for the number.
-        element: Variable of the element that is made.
         new: An element without values; None where the steps make it.
-        steps: What is done for each.
-        place: The list that is filled.
         is_fresh: Whether the list is not there, or not empty, in a message as it is made.
         is_replaced: Whether the list must be complete before it is put in its place.
         alike: How the elements lie; None where they do not lie alike.
-        owner: Attribute of the bridge that is the connection.
     """
 
     items: Expression

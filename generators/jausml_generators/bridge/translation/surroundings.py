@@ -22,9 +22,6 @@ class Constant:
     """A constant of the module.
 
     Attributes:
-        name: Its name.
-        annotation: Its type.
-        items: Python text of the items, keys included.
         brackets: What stands around them: `{}` or `()`.
         about: What it is, in plain text.
     """
@@ -41,10 +38,7 @@ class QuantityView:
     """A quantity of the maps, an attribute of the bridge.
 
     Attributes:
-        name: Its name in Python and as parameter.
-        value: Its number.
         units: Its unit; empty when the model has none.
-        documentation: What the model says of it.
         is_maximum: Whether values are measured against it or limited by it, so that it is above 0.
     """
 
@@ -60,9 +54,7 @@ class FrameView:
     """A frame of a connection, an attribute of the bridge.
 
     Attributes:
-        name: Its name in Python.
         parameter: Its name as parameter, e.g. `pose.frame_id`.
-        value: The name of the frame that the map has.
         about: Which one it is, in plain text.
     """
 
@@ -78,9 +70,6 @@ class UserMethod:
 
     Attributes:
         name: Name of the method, e.g. `convert_gear`.
-        model_name: Its name in the model.
-        inputs: Types of the values that it takes.
-        output: Type of what it returns.
     """
 
     name: str
@@ -94,7 +83,6 @@ class Memory:
     """An attribute that keeps a value from one message to the next.
 
     Attributes:
-        name: Its name.
         annotation: Its type, None included.
     """
 
@@ -107,10 +95,6 @@ class NestedTranslation:
     """A method that translates a message inside another one.
 
     Attributes:
-        name: Name of the method.
-        source_name: Class of the message that is taken.
-        target_name: Class of the message that is made.
-        documentation: What it does.
         lines: Its statements; none while they are written.
     """
 
@@ -126,17 +110,11 @@ class Surroundings:
     """Collects what the translations of one class use of it.
 
     Attributes:
-        view_of: Returns the class of a JAUS message.
         type_name: Returns the name of the class of a ROS type, which the module then imports.
         overrides: Quantities of the bridge by name, which stand for those of maps.
-        attributes: Names of attributes and methods of the class.
-        constants: Constants of the module by what they are made from.
-        quantities: The quantities that are used.
         frames: The names of frames, by connection, last part of the path and value.
-        frame_parameters: Names of the parameters of these.
         unit_steps: The steps between units that were asked for, by assignment.
         methods: The conversions that the user writes, by name.
-        memories: The attributes that keep values.
         nested: The translations of messages inside others, by connection, map and direction.
     """
 
@@ -160,10 +138,6 @@ class Surroundings:
         """Returns the name of a constant of the module; equal ones of one name share it.
 
         Args:
-            name: What it should be called, any text.
-            annotation: Its type.
-            items: Python text of its items.
-            brackets: What stands around them.
             about: What it is, in plain text.
         """
         key = (name, annotation, tuple(items))
@@ -179,25 +153,14 @@ class Surroundings:
         *,
         to_ros: bool,
     ) -> tuple[float, float] | None:
-        """Returns what `semantics.units.unit_step` does; connections of one map share it.
-
-        Args:
-            attribute_map: The map.
-            assignment: An assignment of it.
-            to_ros: Whether the assignment fills the ROS type.
-        """
+        """Returns what `semantics.units.unit_step` does; connections of one map share it."""
         key = (attribute_map, assignment, to_ros)
         if key not in self.unit_steps:
             self.unit_steps[key] = unit_step(attribute_map, assignment, to_ros=to_ros)
         return self.unit_steps[key]
 
     def quantity(self, quantity: bridge.Quantity, *, is_maximum: bool) -> str:
-        """Returns the attribute of a quantity, whose value a parameter may change.
-
-        Args:
-            quantity: The quantity.
-            is_maximum: Whether values are measured against it or limited by it.
-        """
+        """Returns the attribute of a quantity, whose value a parameter may change."""
         key = self._quantity_key(quantity)
         if key not in self.quantities:
             found = self.overrides.get(quantity.name, quantity)
@@ -215,7 +178,6 @@ class Surroundings:
             connection: The connection, by its name in Python.
             path: Path of the field, e.g. `header.frame_id`. Those that end alike and have the same
                 value are one frame.
-            value: Its name in the model.
         """
         last = path.rpartition(".")[2]
         key = (connection, last, value)
@@ -253,11 +215,6 @@ class Surroundings:
     def user_method(self, method: str, inputs: Sequence[str], output: str) -> str:
         """Returns the method of a conversion that the user writes.
 
-        Args:
-            method: Its name in the model.
-            inputs: Types of the values that it takes.
-            output: Type of what it returns.
-
         Raises:
             AssignmentError: Another assignment gives it another number of values.
         """
@@ -277,12 +234,7 @@ class Surroundings:
         return known.name
 
     def memory(self, name: str, annotation: str) -> str:
-        """Returns the attribute that keeps a value; None before the first.
-
-        Args:
-            name: What it should be called.
-            annotation: Type of the value.
-        """
+        """Returns the attribute that keeps a value; None before the first."""
         claimed = self.attributes.claim(f"last_{name}")
         self.memories.append(Memory(claimed, f"{annotation} | None"))
         return claimed

@@ -26,7 +26,6 @@ class Table:
     """A table in one direction.
 
     Attributes:
-        constant: Name, type, items, brackets and description of the constant.
         known: All integers that it yields; empty when it yields others.
     """
 
@@ -45,11 +44,8 @@ def look_up(
     """Returns a table as the dictionary that a look_up needs.
 
     Args:
-        table: The table.
         value: What is looked up; its kind is that of the keys.
-        kind: Kind of what is found.
         listed: Names and values of what is found, as its field names them.
-        to_ros: Whether JAUS values are looked up.
 
     Raises:
         AssignmentError: An entry is no value of its side.

@@ -59,12 +59,9 @@ class ManyTarget:
     """A list as the target of assignments.
 
     Attributes:
-        place: The list.
-        path: Its path, for counters.
         counts: Fewest and most elements; None when nothing limits them.
         fresh: Whether the list is not there, or not empty, in a message as it is made.
         new_element: An element without values; None where an assignment makes it.
-        start: Where paths of its elements start, without their name: JausStart or RosStart.
     """
 
     place: Place
@@ -106,7 +103,6 @@ class RosTarget:
 
     Attributes:
         type: The `ros.MessageType` of the message.
-        start: Where paths start.
     """
 
     type: ros.MessageType
@@ -154,7 +150,6 @@ class RosTarget:
         """Returns the array at the end of a path.
 
         Args:
-            path: The path.
             type_name: Name of the class of its elements; None when they are no messages.
         """
         found = self.field(path)
@@ -180,13 +175,7 @@ class RosTarget:
 
 @dataclass(frozen=True)
 class JausTarget:
-    """A JAUS message, or an element of a list in it.
-
-    Attributes:
-        message: The message.
-        start: Where paths start.
-        made: Places of the containers that are there, with the variables of those that have one.
-    """
+    """A JAUS message, or an element of a list in it."""
 
     message: MessageView
     start: JausStart = field(default_factory=lambda: JausStart("target"))
@@ -304,11 +293,6 @@ class JausTarget:
 
     def carrier(self, path: str, payload: Expression, policy: Policy) -> Expression:
         """Returns an encoded message as the field that carries it takes it.
-
-        Args:
-            path: Path of the field.
-            payload: The bytes.
-            policy: What becomes of more of them than the field takes.
 
         Raises:
             AssignmentError: The field carries no message.

@@ -92,13 +92,7 @@ _NO_COLUMNS = frozenset("?Q")
 
 
 def alike(source: Start, target: Start, type_name: TypeName) -> Alike | None:
-    """Returns how the elements of two lists lie, if all lie alike in each.
-
-    Args:
-        source: Where paths of the elements that are gone through start.
-        target: Where paths of the elements that are made start.
-        type_name: Names the class of a ROS message in the module.
-    """
+    """Returns how the elements of two lists lie, if all lie alike in each."""
     if not (_lies_alike(source) and _lies_alike(target)):
         return None
     taken, made = _python_type(source, type_name), _python_type(target, type_name)
@@ -252,8 +246,3 @@ def is_arithmetic(expression: authored.Expression) -> bool:
     if isinstance(expression, Operation) and expression.sign in {"/", "^"}:
         return False
     return all(map(is_arithmetic, operands_of(expression)))
-
-
-def goes_over_all(step: Each) -> bool:
-    """Whether a list is translated as a whole, by octets or in columns."""
-    return octet_limit(step) is not None or is_together(step)

@@ -35,13 +35,7 @@ _TAKEN_ATTRIBUTES = names_in(
 
 @dataclass(frozen=True)
 class TranslatedJoin:
-    """A joined message as a parameter.
-
-    Attributes:
-        join: The join.
-        name: Its name in Python.
-        type_name: Name of its message class in the module.
-    """
+    """A joined message as a parameter."""
 
     join: bridge.Join | bridge.ReportJoin
     name: str
@@ -53,13 +47,9 @@ class Translated:
     """The methods of one connection.
 
     Attributes:
-        name: Name of the connection in Python.
-        ros_name: Name of its ROS message class in the module.
-        joins: The joined messages.
         lines: The statements that make `target` from `source`.
         safe_lines: The statements that return what is sent when the source is lost; none without a
             safe value.
-        alike: What is equal for connections whose translations differ in the name alone.
     """
 
     name: str
@@ -75,9 +65,6 @@ class TranslatedCall:
     """The methods of one service connection.
 
     Attributes:
-        name: Name of the connection in Python.
-        request_name: Name of the class of its requests in the module.
-        response_name: Name of the class of its responses in the module.
         halves: Its halves that maps translate, as connections, with their translations.
     """
 
@@ -94,8 +81,6 @@ class Translations:
     Attributes:
         connections: Those of the connections, in model order.
         calls: Those of the service connections, in model order.
-        uses: What they use of class and module.
-        ros_classes: Names of the ROS message classes.
     """
 
     connections: tuple[Translated, ...]
@@ -111,12 +96,6 @@ def translate(
     taken: Iterable[str],
 ) -> Translations:
     """Translates the connections of a bridge.
-
-    Args:
-        element: The bridge.
-        connections: What it carries across.
-        view_of: Returns the class of a JAUS message.
-        taken: Names of other classes in the module.
 
     Raises:
         AssignmentError: A value does not fit its target.

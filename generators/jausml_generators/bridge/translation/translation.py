@@ -52,17 +52,7 @@ def paths_of(text: str) -> list[str]:
 
 @dataclass(frozen=True)
 class Translation(ABC):
-    """Assignments of one map in one direction, or of one list in it.
-
-    Attributes:
-        body: Takes the statements.
-        surroundings: The class and the module around.
-        map: The map.
-        source: Where source paths start.
-        target: Where target paths start.
-        name: Name of the translation, for what it keeps between messages.
-        nested_method: Returns the Python path of the method that translates by another map.
-    """
+    """Assignments of one map in one direction, or of one list in it."""
 
     body: Body
     surroundings: Surroundings

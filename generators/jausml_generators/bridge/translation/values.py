@@ -101,9 +101,6 @@ class Policy:
 
         Args:
             how: What keeps it there; empty for two numbers.
-            value: The value.
-            path: Path of the field, for counters.
-            bounds: The numbers.
         """
         constants = tuple(number(each) for each in bounds)
         return Limit(self.owner, self.name, how, path, value, constants)
@@ -118,14 +115,9 @@ class Value:
     """A value on its way to the target.
 
     Attributes:
-        expression: The value.
         conditions: What must hold for the value to be there.
         units: Unit of the source, or words about units; empty when unknown.
-        limits: Least and greatest value of a number that is not converted, when they are known.
-        policy: What becomes of it where it does not fit its target.
-        listed: Names and values of the numbers that the source names.
         known: All integers that it can be; empty when they are not known.
-        is_computed: Whether asking for it again would compute it again.
     """
 
     expression: Expression
@@ -209,14 +201,7 @@ def fitted_to_jaus(value: Value, target: JausField) -> Expression:
 
 
 def real(policy: Policy, value: Expression, path: str, limits: Limits) -> Expression:
-    """Returns a real within limits.
-
-    Args:
-        policy: What becomes of it where it is not within.
-        value: The real.
-        path: Path of the field, for counters.
-        limits: Least and greatest value.
-    """
+    """Returns a real within limits."""
     if limits == _DOUBLE:
         return policy.limit("finite", value, path)
     if limits == _SINGLE:
@@ -269,11 +254,7 @@ def constant(
     """Returns a text of the model as a constant of a kind.
 
     Args:
-        kind: Kind of the target.
         text: The constant, or the name of one.
-        limits: Least and greatest number.
-        place: Path of the target, for errors.
-        listed: Names and values of constants.
 
     Raises:
         AssignmentError: The text is no such value.

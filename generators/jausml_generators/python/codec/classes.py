@@ -245,11 +245,6 @@ class ContainerClass:
         """The members by their names in the model."""
         return {each.jaus_name: each for each in reversed(self.members)}
 
-    @cached_property
-    def by_attribute(self) -> Mapping[str, Member]:
-        """The members by their names in Python."""
-        return {each.attribute: each for each in self.members}
-
     @property
     def min_size(self) -> int:
         """Fewest bytes on the wire."""

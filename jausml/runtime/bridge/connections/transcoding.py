@@ -54,7 +54,6 @@ def transcoder(
         decode: Makes the source object; raises DecodeError.
         encode: Encodes the target object; raises EncodeError.
         on_blocking: Told the seconds of a translation that takes long: nothing else goes on then.
-        clock: Tells the seconds that it takes.
     """
 
     def transcode(data: bytes, **joins: Any) -> bytes | None:
@@ -74,9 +73,7 @@ def ros_decoder(ros: RosSide, message_type: type[Any], *, real: bool) -> Callabl
     """Returns what makes objects of serialized ROS messages.
 
     Args:
-        ros: The ROS side.
         message_type: A light class, or a message class of ROS.
-        real: Whether objects of the message class of ROS are wanted anyway.
     """
     if real or not is_light(message_type):
         return ros.codec(message_type).decode
@@ -87,7 +84,6 @@ def ros_encoder(ros: RosSide, message_type: type[Any]) -> Callable[[Any], bytes]
     """Returns what serializes ROS messages, be they light or of the message class of ROS.
 
     Args:
-        ros: The ROS side.
         message_type: A light class, or a message class of ROS.
     """
     if not is_light(message_type):

@@ -84,22 +84,12 @@ def several(make: Callable[[], T], count: int) -> list[T]:
 
 
 def filled(code: str, values: Sequence[Any]) -> MutableSequence[Any]:
-    """Returns a new array of given elements.
-
-    Args:
-        code: Format character of its elements.
-        values: Its elements.
-    """
+    """Returns a new array of given elements."""
     return elements(code, raw(code, values), LITTLE)
 
 
 def zeros(code: str, count: int) -> MutableSequence[Any]:
-    """Returns a new array of zeros.
-
-    Args:
-        code: Format character of its elements.
-        count: Number of elements.
-    """
+    """Returns a new array of zeros."""
     return elements(code, bytes(count * _SIZES[code]), LITTLE)
 
 
@@ -107,8 +97,6 @@ def elements(code: str, raw: bytes, order: int) -> MutableSequence[Any]:
     """Returns the elements of an array.
 
     Args:
-        code: Format character of the elements.
-        raw: The bytes of the array.
         order: Their order.
 
     Returns:
@@ -130,10 +118,6 @@ def vector(
     """Returns the elements of a sequence of numbers, and the offset behind it.
 
     Args:
-        data: The serialized message.
-        offset: Offset behind the number of elements.
-        count: That number.
-        code: Format character of the elements.
         order: Byte order.
 
     Raises:
@@ -153,7 +137,6 @@ def raw(code: str, values: Any, count: int | None = None) -> bytes:
     """Returns the bytes of an array or sequence of numbers.
 
     Args:
-        code: Format character of the elements.
         values: The elements: bytes, an array, or any sequence of numbers.
         count: How many there must be; None for a sequence.
 
@@ -175,12 +158,6 @@ def raw(code: str, values: Any, count: int | None = None) -> bytes:
 
 def put(append: Append, offset: int, found: bytes, size: int) -> int:
     """Appends the elements of a sequence of numbers.
-
-    Args:
-        append: Takes the bytes.
-        offset: Offset behind the number of elements.
-        found: The bytes of the elements.
-        size: Bytes of an element.
 
     Returns:
         The offset behind them.
@@ -204,11 +181,6 @@ def octet(value: Any) -> int:
 def text(data: bytes, offset: int, length: int) -> tuple[str, int]:
     """Returns a text, and the offset behind it; what is not UTF-8 is replaced.
 
-    Args:
-        data: The serialized message.
-        offset: Offset of the first character.
-        length: Number of bytes, with the zero at the end.
-
     Raises:
         DecodeError: The message ends before, or the zero is missing.
     """
@@ -224,7 +196,6 @@ def encoded(value: str, most: int = 0) -> bytes:
     """Returns the bytes of a text, with the zero at the end.
 
     Args:
-        value: The text.
         most: Largest number of characters; 0 for no limit.
 
     Raises:
@@ -239,8 +210,6 @@ def wide_text(data: bytes, offset: int, count: int, order: int) -> tuple[str, in
     """Returns a text of wide characters, each in four bytes, and the offset behind it.
 
     Args:
-        data: The serialized message.
-        offset: Offset behind the number of characters.
         count: Number of units of UTF-16.
         order: Byte order.
 
@@ -261,7 +230,6 @@ def wide(value: str, most: int = 0) -> bytes:
     """Returns the bytes of a text of wide characters.
 
     Args:
-        value: The text.
         most: Largest number of characters; 0 for no limit.
 
     Raises:
@@ -280,9 +248,6 @@ def texts(data: bytes, offset: int, count: int, order: int) -> tuple[list[str], 
     """Returns texts that follow each other, and the offset behind them.
 
     Args:
-        data: The serialized message.
-        offset: Offset of the first.
-        count: Number of texts.
         order: Byte order.
 
     Raises:
@@ -319,9 +284,6 @@ def put_texts(values: Sequence[str], append: Append, offset: int, most: int = 0)
     """Appends texts; returns the offset behind them.
 
     Args:
-        values: The texts.
-        append: Takes the bytes.
-        offset: Offset of the first.
         most: Largest number of characters; 0 for no limit.
 
     Raises:
@@ -352,12 +314,6 @@ def put_wide_texts(values: Sequence[str], append: Append, offset: int, most: int
 
 def check_count(data: bytes, offset: int, count: int, least: int) -> None:
     """Sees to it that nothing is made by a number for which there are no bytes.
-
-    Args:
-        data: The serialized message.
-        offset: Offset of the first element.
-        count: Number of elements.
-        least: Fewest bytes of an element.
 
     Raises:
         DecodeError: The bytes that are left are too few.

@@ -89,9 +89,7 @@ class CdrRows:
     """Elements of a sequence that lie alike.
 
     Attributes:
-        message: Their class.
         rows: The elements, but the first where that has other padding, as it begins elsewhere.
-        head: The first one in this case.
         order: Byte order of the rows.
     """
 
@@ -151,9 +149,7 @@ class _Columns:
     """An element of columns, whose attributes are made when they are asked for.
 
     Args:
-        rows: The elements.
         path: Where it stands in each, with a dot at its end; empty for the whole element.
-        message: Its class.
     """
 
     def __init__(self, rows: CdrRows, path: str, message: Any) -> None:
@@ -200,10 +196,6 @@ def read(cls: Any, data: bytes, offset: int, count: int, order: int) -> tuple[Cd
     """Returns the elements of a sequence, and the offset behind them; None where they are uneven.
 
     Args:
-        cls: Their class.
-        data: The serialized message.
-        offset: Where the first one begins.
-        count: How many there are, two at least.
         order: Byte order.
 
     Raises:

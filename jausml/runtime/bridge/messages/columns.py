@@ -44,7 +44,6 @@ def each(make: Callable[[T], Made], items: Sequence[T], code: str) -> MutableSeq
 
     Args:
         make: Makes an element, or a number, of an element.
-        items: The elements.
         code: Format character of the numbers that are made; empty for elements.
 
     Raises:
@@ -154,11 +153,7 @@ def _rows(made: Any, count: int) -> Rows:
 
 
 def _on_wire(field: Number | Stamp, value: Any) -> Any:
-    """Returns a value as it stands on the wire.
-
-    Raises:
-        UnevenError: It does not fit there.
-    """
+    """Returns a value as it stands on the wire."""
     if isinstance(field, Stamp):
         return _bits(value)
     if field.step:

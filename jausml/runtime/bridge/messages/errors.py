@@ -33,11 +33,7 @@ class OutOfRangeError(JausError):
 
 
 class StaleJoinError(JausError):
-    """A joined topic has delivered nothing, or nothing fresh, and the message needs it.
-
-    Attributes:
-        join: Name of the join.
-    """
+    """A joined topic has delivered nothing, or nothing fresh, and the message needs it."""
 
     def __init__(self, join: str, reason: str) -> None:
         super().__init__(f"{join}: {reason}")

@@ -51,25 +51,11 @@ class Limit(Generic[Absent]):
     """Keeps values within what their target field can carry; the subclasses are the policies."""
 
     def __init__(self, count: Callable[[str, str, str], None]) -> None:
-        """Prepares the limit of one connection.
-
-        Args:
-            count: Is told policy, field and reason of each value that did not drop the message.
-        """
+        """Prepares the limit of one connection."""
         self._count = count
 
     def __call__(self, field: str, value: float, minimum: float, maximum: float) -> float | Absent:
-        """Returns a real number within minimum .. maximum.
-
-        Args:
-            field: The field, for counters and log.
-            value: What the conversions gave.
-            minimum: Least value that the field carries.
-            maximum: Greatest value that the field carries.
-
-        Raises:
-            OutOfRangeError: The value does not fit and drops the message.
-        """
+        """Returns a real number within minimum .. maximum."""
         try:
             if minimum <= value <= maximum:
                 return value
@@ -86,12 +72,6 @@ class Limit(Generic[Absent]):
 
         Whatever the policy is, the value becomes the nearest one; not a number stays so. What is
         beyond an end by as little as scaled integers are rounded is not counted.
-
-        Args:
-            field: The field, for counters and log.
-            value: What the conversions before gave.
-            minimum: Least value that the map lets through.
-            maximum: Greatest value that the map lets through.
         """
         try:
             if minimum <= value <= maximum or value != value:
@@ -120,11 +100,6 @@ class Limit(Generic[Absent]):
 
     def listed(self, field: str, value: float, ranges: Sequence[tuple[int, int]]) -> int | Absent:
         """Returns an integer of a value set; others have no nearest one, since each has a meaning.
-
-        Args:
-            field: The field, for counters and log.
-            value: What the conversions gave.
-            ranges: Smallest and largest value of each legal range.
 
         Raises:
             OutOfRangeError: The value does not fit and drops the message.
@@ -161,12 +136,6 @@ class Limit(Generic[Absent]):
     def text(self, field: str, value: str, shortest: int, longest: int) -> str | Absent:
         """Returns a text of Latin-1 characters; one that does not fit has no nearest.
 
-        Args:
-            field: The field, for counters and log.
-            value: The text.
-            shortest: Fewest characters.
-            longest: Most characters.
-
         Raises:
             OutOfRangeError: The text does not fit and drops the message.
         """
@@ -200,11 +169,7 @@ class Limit(Generic[Absent]):
         field: str,
         *bounds: float,
     ) -> Number:
-        """Returns a column whose values were given to a limit one by one, where they do not fit.
-
-        Raises:
-            UnevenError: The limit leaves out or refuses one of them.
-        """
+        """Returns a column whose values were given to a limit one by one, where they do not fit."""
         found: Any = values
         if fit(found, least, greatest):
             return values
@@ -225,8 +190,6 @@ class Limit(Generic[Absent]):
         """Does with a value that does not fit what the policy says.
 
         Args:
-            field: The field.
-            reason: Why the value does not fit.
             nearest: The nearest value that fits; None when there is none.
         """
         raise NotImplementedError

@@ -35,8 +35,6 @@ class Table:
 
         Args:
             convert: Gives the value for a number, or raises an error of the runtime.
-            lower: Least value that fits.
-            upper: Greatest value that fits.
             is_signed: Whether the octets are numbers of -128 .. 127.
         """
         found: dict[int, int] = {}
@@ -79,12 +77,7 @@ def each(
     """Returns the integers that a conversion makes of single octets.
 
     Args:
-        limit: Decides on those that do not fit.
-        field: The field, for counters and log.
-        convert: The conversion, a function of the number alone.
         items: The octets: numbers, or records of one number.
-        minimum: Least value that the target field carries.
-        maximum: Greatest value that the target field carries.
         record: Class of the records that the results are; None for numbers.
 
     Raises:
