@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml_generators.bridge.checks.overlaps import Paths
+from jausml_generators.bridge.checks.ends import Paths
 
 PATHS = ["pose", "pose.position.x", "pose.position.x", "poses", "covariance[3]", "covariance[30]"]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 import struct
 from typing import TYPE_CHECKING, Any
@@ -270,3 +271,33 @@ def test_odd_values_in_a_path_to_ros(made: Generated, odd: float) -> None:
 def test_package_needs_numpy(made: Generated) -> None:
     text = made.artifacts["whole_lists/package.xml"].text
     assert "<exec_depend>python3-numpy</exec_depend>" in text
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    count=st.integers(0, 20),
+    frame=st.text(st.characters(codec="utf-8", exclude_characters="\0"), max_size=9),
+    header=st.text("ab", max_size=9),
+    order=ORDERS,
+)
+def test_what_is_not_looked_at_is_passed_on_as_it_is(
+    made: Generated, count: int, frame: str, header: str, order: str
+) -> None:
+    types = importlib.import_module(f"{made.package}.ros_types")
+    data = path(order, [(frame, 1.5 * n, -2.0, 0.25) for n in range(count)])
+    untouched, touched = types.Path.from_cdr(data), types.Path.from_cdr(data)
+    made_of_elements = types.Path(touched.header, list(touched.poses))
+    # The text before the list decides where its first element begins, and how that is padded.
+    untouched.header.frame_id = made_of_elements.header.frame_id = header
+    assert untouched.to_cdr() == made_of_elements.to_cdr()
+    assert types.Path.from_cdr(untouched.to_cdr()) == made_of_elements
+
+
+def test_what_a_translation_makes_is_written_wherever_it_begins(made: Generated) -> None:
+    poses = b"".join(struct.pack("<ffH", 1.5 * n, -2.0, 1000 * n) for n in range(9))
+    message = made.messages.SetPath.decode(struct.pack("<HB", 0xD104, 9) + poses)
+    for text in ("", "o", "odo", "odom", "odometry"):
+        target = made.bridge.translate_path_up(message)
+        target.header.frame_id = text
+        listed = type(target)(target.header, list(made.bridge.translate_path_up(message).poses))
+        assert target.to_cdr() == listed.to_cdr()

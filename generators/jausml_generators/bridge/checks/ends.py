@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import functools
+import re
+from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -12,7 +14,6 @@ from jausml.language.semantics.used_maps import used_maps
 from jausml_generators.bridge.checks.check import store
 from jausml_generators.bridge.checks.figures import NO_STEP, Chain, quantities_of
 from jausml_generators.bridge.checks.filling import PRESENT, JausMessage, RosMessage
-from jausml_generators.bridge.checks.overlaps import Paths
 from jausml_generators.bridge.report_joins import ReportJoinView
 from jausml_generators.bridge.translation.expressions import TEXT
 from jausml_generators.python.statements import call
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from jausml_generators.bridge.translation import Surroundings
 
     AnyJoin: TypeAlias = JoinView | ReportJoinView
+    from collections.abc import Iterator
 
 
 @dataclass(frozen=True)
@@ -236,3 +238,27 @@ def _usual(place: Place) -> Scalar:
         return "" if place.kind == TEXT else PRESENT
     candidates = (0, *(low for low, _ in place.ranges), *place.limits)
     return next(each for each in candidates if place.can_hold(each))
+
+
+_STEP = re.compile(r"[.\[]")
+
+
+class Paths:
+    """Some paths, which are asked how many of them overlap with another one."""
+
+    def __init__(self, paths: Iterable[str]) -> None:
+        self._at = Counter(paths)
+        self._within: Counter[str] = Counter()
+        for path, times in self._at.items():
+            for around in _around(path):
+                self._within[around] += times
+
+    def overlapping(self, path: str) -> int:
+        """Returns how many of the paths lead to a path, to what is in it, or to what it is in."""
+        outer = sum(self._at[around] for around in _around(path))
+        return outer + self._at[path] + self._within[path]
+
+
+def _around(path: str) -> Iterator[str]:
+    """Yields the paths to what a path is in."""
+    return (path[: step.start()] for step in _STEP.finditer(path))

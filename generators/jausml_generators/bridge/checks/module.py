@@ -8,16 +8,18 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.generation.languages.python import Imports, Origin, offered
-from jausml_generators.bridge.checks.absences import absences
 from jausml_generators.bridge.checks.check import NAME, Check
+from jausml_generators.bridge.checks.connection_checks import (
+    absences,
+    examples,
+    forms,
+    safe_values,
+    vectors,
+)
 from jausml_generators.bridge.checks.ends import Ends
-from jausml_generators.bridge.checks.examples import examples
-from jausml_generators.bridge.checks.forms import forms
 from jausml_generators.bridge.checks.limits import limits
 from jausml_generators.bridge.checks.round_trips import round_trips
-from jausml_generators.bridge.checks.safe_values import safe_values
 from jausml_generators.bridge.checks.samples import sample_of
-from jausml_generators.bridge.checks.vectors import vectors
 from jausml_generators.bridge.translation import AssignmentError
 from jausml_generators.bridge.translation.ros_fields import PathError
 from jausml_generators.common import runtime

@@ -10,8 +10,7 @@ from jausml.generation.docstrings import clean
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import python_literal, python_string
 from jausml_generators.bridge.light.layout import fields_of, nested
-from jausml_generators.bridge.light.reading import reading_lines
-from jausml_generators.bridge.light.writing import writing_lines
+from jausml_generators.bridge.light.serializing import reading_lines, writing_lines
 from jausml_generators.common.ros import ros_type
 from jausml_generators.python.statements import call, tuple_of
 
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes import ros
     from jausml_generators.bridge.light.layout import FieldLayout, Sizes
-    from jausml_generators.bridge.light.runs import Runs
+    from jausml_generators.bridge.light.serializing import Runs
 
 _OWN_CONSTANTS = frozenset({"LAYOUT", "LEAST", "NESTED", "TYPE"})
 _OWN_ATTRIBUTES = frozenset({"from_cdr", "self", "to_cdr"})

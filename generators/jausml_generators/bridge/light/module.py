@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from jausml.generation.languages.python import Imports, Origin, offered
 from jausml_generators.bridge.light.classes import LightClass
 from jausml_generators.bridge.light.layout import PRIMITIVES, Sizes, fields_of, types_within
-from jausml_generators.bridge.light.runs import Runs
+from jausml_generators.bridge.light.serializing import Runs
 from jausml_generators.common import runtime
 from jausml_generators.common.ros import local_names, ros_type
 from jausml_generators.python.names import snake_case

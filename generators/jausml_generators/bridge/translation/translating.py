@@ -10,10 +10,9 @@ from jausml.language.semantics import calls
 from jausml.language.semantics.stops import has_stop
 from jausml.language.semantics.used_maps import used_maps
 from jausml_generators.bridge.ros_classes import RosClasses
-from jausml_generators.bridge.translation.alike import AlikeMaps
 from jausml_generators.bridge.translation.maps import stop, to_jaus, to_ros
 from jausml_generators.bridge.translation.printing import OWN_NAMES, printed
-from jausml_generators.bridge.translation.sharing import SharedTranslations
+from jausml_generators.bridge.translation.sharing import AlikeMaps, SharedTranslations
 from jausml_generators.bridge.translation.surroundings import Surroundings
 from jausml_generators.python.names import Scope, names_in, snake_case
 

@@ -1,4 +1,4 @@
-"""Statements that write a ROS message in its serialized form."""
+"""Statements that read and write a ROS message in its serialized form."""
 
 from __future__ import annotations
 
@@ -6,14 +6,111 @@ from typing import TYPE_CHECKING
 
 from jausml_generators.bridge.light.layout import fields_of
 from jausml_generators.python.names import Scope, snake_case
-from jausml_generators.python.statements import call
+from jausml_generators.python.statements import call, long_string
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from jausml.language.metamodel.classes import ros
     from jausml_generators.bridge.light.layout import FieldLayout, Sizes
-    from jausml_generators.bridge.light.runs import Runs
+
+
+def reading_lines(
+    message: ros.MessageType,
+    class_of: Callable[[ros.MessageType], str],
+    runs: Runs,
+    sizes: Sizes,
+) -> tuple[str, ...]:
+    """Returns the body of a method that reads a message from `data` at `offset`."""
+    reader = _Reader(class_of, runs, sizes)
+    values = reader.values(message)
+    reader.flush()
+    made = call("cls", *values)
+    return (*reader.lines, f"return {made}, offset")
+
+
+class _Reader:
+    def __init__(
+        self, class_of: Callable[[ros.MessageType], str], runs: Runs, sizes: Sizes
+    ) -> None:
+        self.lines: list[str] = []
+        self._class_of = class_of
+        self._runs = runs
+        self._sizes = sizes
+        self._items: list[str] = []
+        self._is_used = False
+        self._rows = 1
+        self._found = 0
+
+    def values(self, message: ros.MessageType) -> list[str]:
+        """The values of the fields, as Python text; those of rows after `flush` only."""
+        fields = fields_of(message)
+        if not fields:
+            self._items.append("B")  # a message without fields takes a byte
+        return [self._value(field) for field in fields]
+
+    def flush(self) -> None:
+        """Adds the statements that read the numbers in a row so far."""
+        if not self._items:
+            return
+        row = f"row{self._rows} = " if self._is_used else ""
+        self.lines += [
+            f"run = {self._runs.name_of(self._items)}[offset & 7 | order]",
+            f"{row}run.unpack_from(data, offset)",
+            "offset += run.size",
+        ]
+        self._items.clear()
+        self._is_used = False
+        self._rows += 1
+
+    def _item(self, item: str) -> str:
+        self._items.append(item)
+        self._is_used = True
+        return f"row{self._rows}[{len(self._items) - 1}]"
+
+    def _value(self, field: FieldLayout) -> str:
+        if field.is_single:
+            return self._single(field)
+        if field.primitive is not None and field.is_fixed:
+            code = field.primitive.code
+            raw = self._item(f"{field.count}{code}")
+            return call("cdr_.elements", f'"{code}"', raw, "order")
+        count = str(field.count) if field.is_fixed else self._item("I")
+        self.flush()
+        if field.is_bounded:
+            self.lines.append(call("cdr_.check_bound", count, str(field.count)))
+        return self._sequence(field, count)
+
+    def _single(self, field: FieldLayout) -> str:
+        if field.primitive is not None:
+            return self._item(field.primitive.code)
+        if field.message is None:
+            length = self._item("I")
+            self.flush()
+            if field.text == "string":
+                return self._read(call("cdr_.text", "data", "offset", length))
+            return self._read(call("cdr_.wide_text", "data", "offset", length, "order"))
+        name = self._class_of(field.message)
+        if self._sizes.is_inlined(field.message):
+            return call(name, *self.values(field.message))
+        self.flush()
+        return self._read(call(f"{name}._read", "data", "offset", "order"))
+
+    def _sequence(self, field: FieldLayout, count: str) -> str:
+        if field.primitive is not None:
+            code = f'"{field.primitive.code}"'
+            return self._read(call("cdr_.vector", "data", "offset", count, code, "order"))
+        if field.message is not None:
+            function = f"{self._class_of(field.message)}._read_many"
+        else:
+            function = "cdr_.texts" if field.text == "string" else "cdr_.wide_texts"
+        return self._read(call(function, "data", "offset", count, "order"))
+
+    def _read(self, code: str) -> str:
+        self._found += 1
+        self.lines.append(f"found{self._found}, offset = {code}")
+        return f"found{self._found}"
+
 
 _OWN_NAMES = frozenset({"append", "cdr_", "len", "offset", "run", "self"})
 
@@ -140,3 +237,33 @@ class _Writer:
             function = "cdr_.put_texts" if field.text == "string" else "cdr_.put_wide_texts"
             arguments += [str(field.bound)] if field.bound else []
         self.lines.append(f"offset = {call(function, *arguments)}")
+
+
+class Runs:
+    """Names the layouts of rows of numbers; equal ones share a name.
+
+    Attributes:
+        names: Names by items, in the order in which they were asked for.
+    """
+
+    def __init__(self) -> None:
+        self.names: dict[str, str] = {}
+
+    def name_of(self, items: list[str]) -> str:
+        """Returns the name of the layouts of a row.
+
+        Args:
+            items: Format characters of `struct`; with a number before it, one stands for the bytes
+                of an array of that many.
+        """
+        return self.names.setdefault(" ".join(items), f"_RUN_{len(self.names) + 1}")
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """The statements that make the layouts."""
+        return tuple(f"{name} = cdr_.run{_bracketed(items)}" for items, name in self.names.items())
+
+
+def _bracketed(text: str) -> str:
+    literal = long_string(text)
+    return literal if literal.startswith("(") else f"({literal})"

@@ -1,0 +1,286 @@
+"""Checks of one connection: by examples, what is absent, its stop, vectors, lists as wholes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.generation.errors import GenerationError
+from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics.paths import target_paths
+from jausml.language.semantics.stops import stop_assignments
+from jausml_generators.bridge.checks.check import (
+    SINGLE,
+    Check,
+    equals,
+    has_value,
+    holds,
+    is_absent,
+    store,
+    tidy,
+)
+from jausml_generators.bridge.checks.filling import (
+    Code,
+    JausMessage,
+    Scalar,
+    ValueTextError,
+    short_name,
+)
+from jausml_generators.bridge.translation.ros_fields import PathError
+from jausml_generators.python.names import snake_case
+from jausml_generators.python.statements import call
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml_generators.bridge.checks.ends import Ends
+    from jausml_generators.bridge.checks.figures import Chain
+    from jausml_generators.bridge.checks.filling import Message, Place, Scalar
+    from jausml_generators.bridge.checks.samples import Sample
+
+
+def examples(ends: Ends, sample: Sample) -> Iterator[Check]:
+    """Yields the checks by example of a connection."""
+    view = ends.view
+    begin = [*ends.source.fill(sample.values), *ends.translated()]
+    lines = list(begin)
+    for path, value in sample.expected.items():
+        lines += has_value(ends.target.place(path), value)
+    for path in sample.changed:
+        lines.append(holds(f"{ends.target.place(path).code} != {ends.default(path)}"))
+    if not ends.to_ros:
+        lines += [
+            f"decoded = {view.target_name}.decode(target.encode())",
+            f"assert isinstance(decoded, {view.target_name})",
+        ]
+    about = f"{view.source_name} becomes {view.target_name}."
+    yield Check(ends.name, about, tidy(lines))
+    untouched = list(_untouched(ends))
+    if untouched:
+        yield Check(
+            f"{ends.name}_leaves_ignored_members_alone",
+            f"What the map ignores in {view.target_name} stays as it is made.",
+            tidy([*begin, *untouched]),
+        )
+
+
+def _untouched(ends: Ends) -> Iterator[str]:
+    for assignment in ends.assignments:
+        path = assignment.target.strip()
+        if not isinstance(assignment, bridge.Ignore):
+            continue
+        if ends.written.overlapping(path):
+            continue
+        try:
+            place = ends.target.place(path)
+        except PathError:
+            continue
+        if _is_there(place) and not _is_array(ends, path):
+            yield equals(place.code, ends.default(path))
+
+
+def _is_there(place: Place) -> bool:
+    """Whether a message as it is made has an attribute, and not only its optional container."""
+    own = f"{place.code} is not None"
+    return all(condition == own for condition in place.conditions)
+
+
+def _is_array(ends: Ends, path: str) -> bool:
+    """Whether a path leads to a whole array, whose comparison is not one truth value."""
+    return ends.to_ros and ends.target.place(path).kind.startswith(("array", "octets"))
+
+
+def absences(ends: Ends, sample: Sample) -> Iterator[Check]:
+    """Yields the checks of the absent policies of a connection to ROS."""
+    source = ends.source
+    if not isinstance(source, JausMessage):
+        return
+    optional = [path for path in sample.values if source.field(path).is_optional]
+    for path in optional:
+        chains = ends.reading(path)
+        if any(_policy(chain) == "dropMessage" for chain in chains):
+            yield _refused(ends, sample, path)
+            continue
+        for chain in chains:
+            yield from _kept(ends, sample, path, chain)
+
+
+def _policy(chain: Chain) -> str:
+    return str(chain.assignment.whenAbsent.name)
+
+
+def _refused(ends: Ends, sample: Sample, path: str) -> Check:
+    lines = [
+        *ends.source.fill(sample.without(path)),
+        *ends.refused("AbsentFieldError"),
+    ]
+    about = f"A message without {path} is refused."
+    return Check(f"{ends.name}_needs_{short_name(path)}", about, tuple(lines))
+
+
+def _kept(ends: Ends, sample: Sample, path: str, chain: Chain) -> Iterator[Check]:
+    policy = _policy(chain)
+    target = chain.targets[0]
+    if not all(map(ends.is_alone, chain.targets)):
+        return
+    place = ends.target.place(target)
+    absent = [*ends.source.fill(sample.without(path)), *ends.translated()]
+    if policy == "leave":
+        outcome = [
+            equals(ends.target.place(each).code, ends.default(each)) for each in chain.targets
+        ]
+        about = f"Without {path} {target} stays as it is made."
+    elif policy == "useDefault" and len(chain.sources) == 1 and len(chain.targets) == 1:
+        try:
+            value = place.parse(str(chain.assignment.defaultValue or ""))
+        except ValueTextError:
+            return
+        outcome = has_value(place, value)
+        about = f"Without {path} {target} takes its default."
+    elif policy == "lastValue" and target in sample.expected:
+        outcome = has_value(place, sample.expected[target])
+        absent = [*ends.source.fill(sample.values), *ends.translated(), *absent]
+        about = f"Without {path} {target} keeps its last value."
+    else:
+        return
+    name = f"{ends.name}_{short_name(target)}_without_{short_name(path)}"
+    lines = (*absent, *outcome)
+    yield Check(name, about, tidy(lines))
+
+
+def safe_values(ends: Ends) -> Iterator[Check]:
+    """Yields the check that a connection sends what the model says when its source is lost.
+
+    The whole message is compared: what the model leaves out stays as it is made.
+    """
+    view = ends.view
+    if not view.has_safe_value:
+        return
+    expected = ends.message("expected", is_ros=ends.to_ros)
+    whole = "" if ends.to_ros else ".encode()"
+    yield Check(
+        f"{ends.name}_safe_value",
+        "What is sent when the source is lost is what the model says.",
+        (
+            store("target", f"bridge.safe_{ends.name}()"),
+            f"assert isinstance(target, {view.target_name})",
+            *expected.fill(_values(ends)),
+            equals(f"target{whole}", f"expected{whole}"),
+        ),
+    )
+
+
+def _values(ends: Ends) -> dict[str, Scalar]:
+    return {
+        path: _value(assignment, ends.target.place(path))
+        for assignment in stop_assignments(ends.view.connection)
+        for path in target_paths(assignment)
+    }
+
+
+def _value(assignment: bridge.Assignment, place: Place) -> Scalar:
+    """The constant; what the clock says, or what no text stands for, is taken as it is."""
+    taken = Code(place.code)
+    if not isinstance(assignment, bridge.ConstantAssignment):
+        return taken
+    try:
+        return place.parse(str(assignment.value))
+    except ValueTextError:
+        return taken
+
+
+ABSENT = "absent"
+# Rounding of the sums that turn integers of the wire into values.
+_SLACK = 1.0 + 1e-9
+
+
+def vectors(ends: Ends) -> Iterator[Check]:
+    """Yields the test vectors of the map of a connection, for its direction.
+
+    Raises:
+        GenerationError: A value of a vector does not fit its attribute.
+    """
+    direction = "jausToRos" if ends.to_ros else "rosToJaus"
+    for vector in ends.map.vectors:
+        if vector.direction.name != direction:
+            continue
+        try:
+            yield _check(ends, vector)
+        except (PathError, ValueTextError) as error:
+            raise GenerationError(
+                f"test vector '{vector.name}' of map '{ends.map.name}': {error}"
+            ) from error
+
+
+def _check(ends: Ends, vector: bridge.TestVector) -> Check:
+    lines, joined = _given(ends, vector)
+    lines += [f"bridge.{name} = {value!r}" for name, value in ends.overridden.items()]
+    lines += ends.translated(joined)
+    if not ends.to_ros:
+        lines.append(f"target = {ends.view.target_name}.decode(target.encode())")
+    for expected in vector.expected:
+        place = ends.target.place(expected.path.strip())
+        if expected.value == ABSENT:
+            lines += is_absent(place)
+            continue
+        value = place.parse(str(expected.value))
+        lines += has_value(place, value, _tolerance(ends, expected, value))
+    about = vector.documentation or f"The test vector {vector.name} of the map {ends.map.name}."
+    name = f"{ends.name}_vector_{snake_case(vector.name)}"
+    return Check(name, str(about), tidy(lines))
+
+
+def _given(ends: Ends, vector: bridge.TestVector) -> tuple[list[str], list[str]]:
+    """The statements that make the source and joined messages, and the names of the latter."""
+    values: dict[str, dict[str, Scalar]] = {"": {}}
+    messages: dict[str, Message] = {"": ends.source}
+    for given in vector.given:
+        path = given.path.strip()
+        join = ends.join_of(path)
+        name = "" if join is None else join.name
+        if join is not None:
+            path = path.partition(".")[2]
+            messages.setdefault(name, ends.joined_message(join))
+        if given.value != ABSENT:
+            values.setdefault(name, {})[path] = messages[name].place(path).parse(str(given.value))
+    lines = [line for name, message in messages.items() for line in message.fill(values[name])]
+    return lines, [name for name in messages if name]
+
+
+def _tolerance(ends: Ends, expected: bridge.VectorValue, value: Scalar) -> float:
+    """The stated one, but no less than rounding on the wire; else half a step of JAUS fields."""
+    if isinstance(value, str):
+        return 0.0
+    place = ends.target.place(expected.path.strip())
+    half_step = 0.0 if place.kind == "integer" else place.step / 2 * _SLACK
+    if expected.tolerance > 0:
+        return max(float(expected.tolerance), half_step)
+    on_the_way = [half_step, SINGLE * abs(float(value))]
+    for chain in ends.chains:
+        if expected.path.strip() in chain.targets:
+            steps = [ends.source.place(path).step for path in chain.sources]
+            on_the_way.append(max(steps) / 2 * _SLACK)
+    return max(on_the_way)
+
+
+def forms(ends: Ends, sample: Sample | None) -> Check:
+    """Returns the check of a connection, for a message as it is made and for a sample.
+
+    Args:
+        sample: A source message that passes, if one is known.
+    """
+    compared = equals(
+        call(
+            "differing_forms",
+            "bridge",
+            f"bridge.translate_{ends.name}",
+            f"bridge.{ends.name}",
+            "source",
+            *ends.join_arguments(),
+        ),
+        "[]",
+    )
+    lines = [*ends.joined(), *ends.source.fill({}), compared]
+    if sample is not None and sample.values:
+        lines += [*ends.source.fill(sample.values), compared]
+    about = "Readable and flat translation, light classes and rclpy make the same bytes."
+    return Check(f"{ends.name}_has_the_same_bytes_in_each_form", about, tuple(lines))
