@@ -81,9 +81,32 @@ def page(data: Mapping[str, Any]) -> str:
         "## Faults\n",
         "All times are in seconds.\n",
         table(head, rows),
+        *_guardian(data.get("guardian", {}), data.get("halts", {})),
         *_floods(data.get("floods", {})),
     ]
     return "\n".join(parts)
+
+
+def _guardian(guardian: Mapping[str, Any], halts: Mapping[str, Any]) -> Iterator[str]:
+    """What is stopped in place of a bridge that cannot, and what it obeys when it goes on."""
+    if guardian:
+        yield "## A bridge that cannot stop\n"
+        yield (
+            "The guardian of a bridge sends the stops of its commands when the bridge is dead, or "
+            "has not run its loop for longer than the silence time-out of the command, at least "
+            "0.5 s. Times are from the fault until the stop arrived; none means that the "
+            "bridge went on before.\n"
+        )
+        rows = [(name, found.get("drive"), found.get("cruise")) for name, found in guardian.items()]
+        yield table(("fault", "drive", "cruise"), map(_rounded, rows))
+    if halts:
+        yield "The oldest command that was obeyed after a halt of the bridge (SIGSTOP):\n"
+        rows = [(name, found.get("drive"), found.get("cruise")) for name, found in halts.items()]
+        yield table(("halted for", "drive", "cruise"), map(_rounded, rows))
+
+
+def _rounded(row: tuple[Any, ...]) -> tuple[Any, ...]:
+    return tuple(round(each, 2) if isinstance(each, float) else each for each in row)
 
 
 def _floods(floods: Mapping[str, Any]) -> Iterator[str]:
