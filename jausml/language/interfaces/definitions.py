@@ -16,15 +16,7 @@ TEXTS = ("string", "wstring")
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """A fault of a definition.
-
-    Attributes:
-        rule: Id of the rule that is broken.
-        line: Line, counted from 1.
-        column: Column, counted from 1.
-        message: What is wrong.
-        hint: What to do about it, or empty.
-    """
+    """A fault of a definition; lines and columns are counted from 1."""
 
     rule: str
     line: int
@@ -69,14 +61,8 @@ class FieldDefinition:
     """One field.
 
     Attributes:
-        name: Its name.
-        type: Its type.
-        default: Its default in the notation of models (see `values`), None without one.
-        comment: The comments about it, lines joined by line feeds.
         units: What stands in square brackets in its comments, where that is one thing; rosidl
             takes it for the unit.
-        line: Line, counted from 1.
-        column: Column of the type, counted from 1.
     """
 
     name: str
@@ -90,16 +76,7 @@ class FieldDefinition:
 
 @dataclass(frozen=True, slots=True)
 class ConstantDefinition:
-    """One constant.
-
-    Attributes:
-        name: Its name.
-        type: A primitive type.
-        value: Its value in the notation of models.
-        comment: The comments about it.
-        line: Line, counted from 1.
-        column: Column of the type, counted from 1.
-    """
+    """One constant."""
 
     name: str
     type: str
@@ -111,14 +88,7 @@ class ConstantDefinition:
 
 @dataclass(slots=True)
 class Section:
-    """A message, or one part of a service or an action.
-
-    Attributes:
-        fields: Its fields in order.
-        constants: Its constants in order.
-        comment: The comment at its head.
-        line: Its first line, counted from 1.
-    """
+    """A message, or one part of a service or an action."""
 
     fields: list[FieldDefinition] = field(default_factory=list)
     constants: list[ConstantDefinition] = field(default_factory=list)
@@ -133,7 +103,6 @@ class Definition:
     Attributes:
         sections: One for a message, two for a service, three for an action; as many as there are
             when the number is wrong.
-        faults: What is wrong with it, by place.
     """
 
     sections: list[Section]

@@ -42,12 +42,7 @@ _NOT_TEXT = re.compile("[\0-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
 def parse_definition(text: str, kind: str) -> Definition:
-    """Reads a definition; never raises.
-
-    Args:
-        text: The text of the file.
-        kind: `msg`, `srv` or `action`.
-    """
+    """Reads a definition; never raises."""
     faults: list[Fault] = []
     sections = []
     for first_line, lines in _sections(text.removeprefix("\ufeff")):

@@ -35,11 +35,7 @@ _OTHER_NAMES = {
 
 
 class TypeTextError(ValueError):
-    """A text is no type.
-
-    Attributes:
-        hint: What to write, or empty.
-    """
+    """A text is no type."""
 
     def __init__(self, message: str, hint: str = "") -> None:
         super().__init__(message)
@@ -57,14 +53,7 @@ def is_package_name(text: str) -> bool:
 
 
 def parse_type(text: str) -> FieldType:
-    """Returns the type that a text means.
-
-    Args:
-        text: A type without spaces, such as `string<=8[3]` or `geometry_msgs/Point[]`.
-
-    Raises:
-        TypeTextError: It is none.
-    """
+    """Returns the type that a text means."""
     found = _BASE.fullmatch(text)
     if found is None:
         raise TypeTextError(f"{text!a} is no type")

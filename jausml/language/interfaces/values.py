@@ -27,15 +27,7 @@ class ValueTextError(ValueError):
 
 
 def parse_value(text: str, kind: FieldType) -> str:
-    """Returns a default or a constant as models write it.
-
-    Args:
-        text: The value as the definition writes it.
-        kind: The type of what it is for.
-
-    Raises:
-        ValueTextError: The text is no value of the type.
-    """
+    """Returns a default or a constant as models write it."""
     if not kind.is_primitive:
         raise ValueTextError(f"a {kind.name} cannot have a default")
     if kind.array == SINGLE:
@@ -58,11 +50,6 @@ def parse_value(text: str, kind: FieldType) -> str:
 
 def write_value(value: str, kind: FieldType, *, is_default: bool = False) -> str:
     """Returns a default or a constant as definitions write it.
-
-    Args:
-        value: The value as models write it.
-        kind: The type of what it is for.
-        is_default: True for the default of a field.
 
     Raises:
         ValueTextError: It is no value of the type, or no definition can say it.

@@ -16,11 +16,7 @@ if TYPE_CHECKING:
 
 
 class _Access:
-    """Access to a feature, in place of pyecore's in the classes of elements.
-
-    Args:
-        table: The feature.
-    """
+    """Access to a feature, in place of pyecore's in the classes of elements."""
 
     __slots__ = ("_default", "_feature", "_name")
 

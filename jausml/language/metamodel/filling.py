@@ -63,13 +63,7 @@ def set_values(obj: Any, table: FeatureTable, values: Iterable[Any]) -> None:
 
 
 def link(obj: Any, table: FeatureTable, target: Any) -> None:
-    """Sets a single-valued reference or adds to a multi-valued one; opposites are kept.
-
-    Args:
-        obj: The element that refers or owns.
-        table: A reference of its class.
-        target: The element referred to or owned.
-    """
+    """Sets a single-valued reference or adds to a multi-valued one; opposites are kept."""
     _store(obj, table, target)
     if table.kind is FeatureKind.CONTAINMENT:
         target._container = obj

@@ -26,9 +26,6 @@ class Keys:
     A key is the class of the element and the names of its owners below the root and of itself, as
     in `connection:bridge/velocity`. What has no name stands there by feature and index. Elements of
     other files than the first have the name of their file before theirs.
-
-    Args:
-        model: The model.
     """
 
     def __init__(self, model: Model) -> None:

@@ -16,13 +16,7 @@ _PATH = "trial.xmi"
 
 
 def made_model(metamodels: Metamodels, root: EObject, *inner: EObject) -> Model:
-    """Returns a model of one document that nobody wrote.
-
-    Args:
-        metamodels: The metamodels of the elements.
-        root: The root element.
-        inner: Elements below it that are asked for by class.
-    """
+    """Returns a model of one document that nobody wrote."""
     document = Document(Path(_PATH), _PATH, is_library=False, given=True)
     model = Model([document], metamodels)
     top = _node(root, None)

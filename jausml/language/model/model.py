@@ -27,12 +27,7 @@ UNKNOWN_PATH = "<model>"
 
 @dataclass(frozen=True, slots=True)
 class Origins:
-    """The elements of one document.
-
-    Attributes:
-        nodes: The document and the light node of each element.
-        identifiers: The ids of those that have one.
-    """
+    """The elements of one document."""
 
     nodes: dict[EObject, tuple[Document, Node]]
     identifiers: dict[EObject, str]
@@ -44,11 +39,6 @@ class Model:
     Elements are pyecore objects of the metamodels: `element.name`, `eGet`, `eContainer()` and the
     rest of pyecore's reflection work on them. Their `eResource` is None; this class knows the
     documents.
-
-    Attributes:
-        documents: The documents: those that the user named, in the order given, then those that
-            references led to.
-        metamodels: The metamodels of the elements.
     """
 
     def __init__(self, documents: Sequence[Document], metamodels: Metamodels) -> None:
@@ -117,11 +107,7 @@ class Model:
         return document is not None and document.is_library
 
     def elements(self, *, library: bool = True) -> Iterator[EObject]:
-        """Yields all elements in document order.
-
-        Args:
-            library: False leaves out elements of the shipped library.
-        """
+        """Yields all elements in document order."""
         for document in self.documents:
             if library or not document.is_library:
                 yield from self.elements_of(document)
@@ -134,15 +120,8 @@ class Model:
     def instances(self, kind: type[ElementT], *, library: bool = True) -> list[ElementT]:
         """Returns the elements of a class and of the classes that specialise it.
 
-        Args:
-            kind: The class, such as `jaus.Component`.
-            library: False leaves out elements of the shipped library.
-
         Returns:
             The elements in document order. Elements that were added since are not among them.
-
-        Raises:
-            KeyError: The metamodels have no such class.
         """
         wanted = {table.eclass for table in self.metamodels.class_of(kind).subtypes}
         by_class = self._by_class
@@ -156,11 +135,7 @@ class Model:
         return found if library else [obj for obj in found if not self.is_library(obj)]
 
     def made(self, make: Callable[[Model], MadeT]) -> MadeT:
-        """Returns what a function makes of the model, once for all who ask while nothing is read.
-
-        Args:
-            make: The function; it makes the same whenever it is called.
-        """
+        """Returns what a function makes of the model, made once until something is read."""
         if make not in self._made:
             self._made[make] = make(self)
         made: MadeT = self._made[make]
@@ -175,7 +150,6 @@ class Model:
             obj: An element. One that was not read is placed where its nearest owner stands.
             feature: Name of a feature; its XML attribute or child element is looked for,
                 and the element's own place is the answer when there is neither.
-            position: Which of several child elements, from 0.
         """
         origin = self._origin_of(obj)
         while origin is None and obj is not None:

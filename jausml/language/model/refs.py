@@ -34,7 +34,6 @@ def file_of(document: Document, root: Path) -> str:
     """Returns how refs name the file of a document.
 
     Args:
-        document: The document.
         root: The folder that files are relative to, symbolic links followed. A file that lies
             elsewhere is named by its whole path.
     """
@@ -46,13 +45,7 @@ def file_of(document: Document, root: Path) -> str:
 
 
 def ref_of(obj: EObject | None, model: Model, root: Path) -> Ref:
-    """Returns the ref of an element, empty for one that was not read.
-
-    Args:
-        obj: An element of the model.
-        model: The model.
-        root: The folder that files are relative to, symbolic links followed.
-    """
+    """Returns the ref of an element, empty for one that was not read."""
     document = model.document_of(obj)
     if obj is None or document is None:
         return ""
@@ -61,13 +54,7 @@ def ref_of(obj: EObject | None, model: Model, root: Path) -> Ref:
 
 
 def fragment_of(obj: EObject, document: Document, model: Model) -> str:
-    """Returns the fragment that finds an element again: its id if that is usable, else its path.
-
-    Args:
-        obj: An element.
-        document: Its document.
-        model: The model.
-    """
+    """Returns the fragment that finds an element again: its id if that is usable, else its path."""
     identifier = model.identifier(obj)
     if identifier and _REFERABLE.fullmatch(identifier):
         node = document.ids.get(identifier)
@@ -83,13 +70,7 @@ def split(ref: Ref) -> tuple[str, str]:
 
 
 def find(ref: Ref, model: Model, root: Path) -> EObject | None:
-    """Returns the element that a ref names, None when the model has none.
-
-    Args:
-        ref: A ref.
-        model: The model.
-        root: The folder that files are relative to, symbolic links followed.
-    """
+    """Returns the element that a ref names, None when the model has none."""
     file, fragment = split(ref)
     for document in model.documents:
         if fragment and document.readable and file_of(document, root) == file:

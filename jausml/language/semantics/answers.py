@@ -26,12 +26,7 @@ PRESENCE_VECTOR = "PresenceVector"
 
 @dataclass(frozen=True)
 class Answer:
-    """A query that is answered, and how.
-
-    Attributes:
-        query: Asks.
-        report: Answers.
-    """
+    """A query that is answered, and how."""
 
     query: jaus.MessageDef
     report: jaus.MessageDef
@@ -41,7 +36,6 @@ def answer_by(service: jaus.Service, report: jaus.MessageDef | None) -> Answer |
     """Returns the answer that a report of a service is; None when nobody can ask for it.
 
     Args:
-        service: The service, with what it inherits.
         report: The report; None where there is none.
     """
     if report is None:
@@ -54,10 +48,6 @@ def answer_alike(service: jaus.Service, message: jaus.MessageDef) -> Answer | No
     """Returns how a service tells what was set by a message; None when it is not asked for that.
 
     The report is laid out as the message is, so that nothing has to be translated.
-
-    Args:
-        service: The service, with what it inherits.
-        message: A message like SetLocalWaypoint.
     """
     wanted = f"Report{(message.name or '').removeprefix('Set')}"
     report = named(wanted, (m for each in lineage(service) for m in each.outputs))
@@ -75,9 +65,6 @@ def chosen_fields(answer: Answer) -> list[str] | None:
 
     QueryVelocityCommand, for example, names the type of the command.
 
-    Args:
-        answer: The query and its report.
-
     Returns:
         The names of plain fields of both; None when the query says it in another way.
     """
@@ -92,10 +79,6 @@ def told_by_command(message: jaus.MessageDef, services: Iterable[jaus.Service]) 
     """Returns how whoever obeys a command tells it when asked; None when that cannot be.
 
     It can be of what moves something: of a SetLocalPose nobody knows whether it still holds.
-
-    Args:
-        message: What is obeyed.
-        services: Those that are provided.
     """
     if not (is_command(message) and message.moves):
         return None
@@ -107,11 +90,7 @@ def told_by_command(message: jaus.MessageDef, services: Iterable[jaus.Service]) 
 
 
 def command_answer(connection: bridge.Connection) -> Answer | None:
-    """Returns how a connection tells the command that it carries to ROS; None when it cannot.
-
-    Args:
-        connection: The connection, with map and message.
-    """
+    """Returns how a connection tells the command that it carries to ROS; None when it cannot."""
     owner, message = connection.eContainer(), connection.map.message
     if owner is None or not _carries(connection, message):
         return None

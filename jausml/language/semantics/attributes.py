@@ -41,25 +41,15 @@ class Attribute:
     Attributes:
         kind: `number`, `numbers`, `bool`, `text`, `octets`, `list`, `TimeStamp`, the full name of a
             ROS type (`geometry_msgs/Quaternion`), or empty for what no assignment can fill or read.
-        name: How messages call it, such as `a list` or `geometry_msgs/Pose`.
-        integral: Whether a number is an integer.
         lower: Smallest legal number, None for no limit.
         upper: Largest legal number, None for no limit.
-        values: Legal integers and ranges of a JAUS value set, empty for no restriction.
         length: Largest number of bytes or characters of a text, None for no limit.
-        encoding: Encoding of a text on the wire.
         optional: Whether it is a JAUS field that a message may leave out.
         named: Whether the value set of a number gives single values a meaning.
         step: Distance between neighbouring numbers: 1 for integers, the least significant bit of
             scaled JAUS fields; None for floating point.
-        is_single: Whether it is a number of single precision.
         units: Unit of its numbers as the model writes it, empty when none is known.
-        frame: Name of the `Frame` literal of its numbers.
-        label: Name of the innermost member, which tells the axis: `Yaw`, `x`.
-        constants: Names of single values, with the values as text.
-        carries: Whether it is a JAUS field that may carry a whole JAUS message.
         count: Number of elements of a fixed array, None for others.
-        is_ros: Whether it belongs to a ROS message.
         field: The field or sub-field of the model, None where there is none.
     """
 
@@ -98,12 +88,7 @@ Found = Attribute | PathFault | None
 
 
 def nearest_name(name: str, fields: Iterable[Part]) -> str:
-    """Returns a hint for a name that is not among those of some fields.
-
-    Args:
-        name: The name.
-        fields: Elements with names.
-    """
+    """Returns a hint for a name that is not among those of some fields."""
     known = [field.name for field in fields if field.name]
     near = [k for k in known if k.lower() == name.lower()] or get_close_matches(name, known, n=1)
     if near:
@@ -112,11 +97,7 @@ def nearest_name(name: str, fields: Iterable[Part]) -> str:
 
 
 def primitive(kind: str) -> Attribute:
-    """Returns what a value of a ROS primitive type is.
-
-    Args:
-        kind: Name of the type, such as `float64`.
-    """
+    """Returns what a value of a ROS primitive type is."""
     if kind == "bool":
         return Attribute(BOOL, "a bool")
     if kind in ("string", "wstring"):

@@ -19,13 +19,7 @@ RESPONSE = "response"
 
 @dataclass(frozen=True)
 class Half:
-    """A half of the calls of a service connection that a map translates.
-
-    Attributes:
-        kind: `request` or `response`.
-        map: The map.
-        to_ros: Whether the ROS side of it is made.
-    """
+    """A half of the calls of a service connection that a map translates."""
 
     kind: str
     map: bridge.AttributeMap

@@ -18,12 +18,7 @@ _VALUES = (NUMBER, BOOL, TEXT)
 
 @dataclass(frozen=True, slots=True)
 class ChainFault:
-    """The conversion of a chain that cannot take what it gets.
-
-    Attributes:
-        conversion: The conversion.
-        message: What it takes and what it gets.
-    """
+    """The conversion of a chain that cannot take what it gets."""
 
     conversion: bridge.Conversion
     message: str
@@ -32,12 +27,7 @@ class ChainFault:
 def chain_kinds(
     conversions: Sequence[bridge.Conversion], kinds: Sequence[str]
 ) -> list[str] | ChainFault:
-    """Returns the kinds of what a chain of conversions yields.
-
-    Args:
-        conversions: The conversions in order; the first takes all sources.
-        kinds: Kinds of the sources.
-    """
+    """Returns the kinds of what a chain of conversions yields."""
     current = list(kinds)
     for conversion in conversions:
         meaning = conversion_of(conversion)
@@ -60,13 +50,7 @@ def fits(value: Attribute, target: Attribute) -> bool:
 
 
 def yields(conversion: bridge.Conversion, kind: str, target: Attribute) -> bool:
-    """Tells whether what a conversion yields goes to a target.
-
-    Args:
-        conversion: The last conversion.
-        kind: Kind of what it yields.
-        target: The target.
-    """
+    """Tells whether what a conversion yields goes to a target."""
     if kind == ANY:
         return True
     if kind == VALUE:

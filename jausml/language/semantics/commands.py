@@ -35,9 +35,6 @@ def is_command(message: jaus.MessageDef) -> bool:
 
     Inputs with a code below 2000h do, whether it is said or not: the JSIDL of ExecuteList forgets
     to. Outputs with such a code are answers, e.g. ConfirmControl.
-
-    Args:
-        message: The message.
     """
     owner = message.eContainer()
     is_of_class = 0 <= code(message) < _FIRST_QUERY
@@ -50,10 +47,6 @@ def needs_control(message: jaus.MessageDef, service: jaus.Service) -> bool:
     So it does with the commands of services that inherit AccessControl, as the standards say.
     Published services without it have commands for everyone, e.g. RegisterServices; the author of
     another service did not ask for that by leaving the inheritance out.
-
-    Args:
-        message: The message.
-        service: The service that takes it.
     """
     is_published = str(service.urn).startswith(_OF_STANDARDS)
     return is_command(message) and (not is_published or _has(_ACCESS_CONTROL, lineage(service)))
@@ -65,7 +58,6 @@ def needs_ready(service: jaus.Service, provided: Iterable[jaus.Service]) -> bool
     Args:
         service: The service that takes them. One that inherits no AccessControl shares the states
             of the component.
-        provided: All services that the component provides.
     """
     own = lineage(service)
     return _has(_MANAGEMENT, own if _has(_ACCESS_CONTROL, own) else provided)
@@ -74,13 +66,7 @@ def needs_ready(service: jaus.Service, provided: Iterable[jaus.Service]) -> bool
 def guard_of(
     message: jaus.MessageDef, service: jaus.Service, provided: Iterable[jaus.Service]
 ) -> Guard:
-    """Returns whom a component obeys an input message from.
-
-    Args:
-        message: The message.
-        service: The service that takes it.
-        provided: All services that the component provides.
-    """
+    """Returns whom a component obeys an input message from."""
     if not needs_control(message, service):
         return "ANY"
     is_for_ready = message.name not in _STANDBY_MESSAGES and needs_ready(service, provided)

@@ -91,11 +91,7 @@ CORE_MESSAGES = {
 
 
 def is_core_message(message: jaus.MessageDef) -> bool:
-    """Tells whether the runtime brings the class of a message.
-
-    Args:
-        message: The message.
-    """
+    """Tells whether the runtime brings the class of a message."""
     owner = message.eContainer()
     of_core = owner is not None and str(owner.urn).startswith(CORE)
     return of_core and CORE_MESSAGES.get(str(message.name)) == int(str(message.code), 16)

@@ -22,9 +22,7 @@ class Direction:
     """One direction of a map, a stop or a safe value: what is filled from what.
 
     Attributes:
-        map: The `bridge.AttributeMap`.
         owner: The map, its stop, or the connection that has the safe value.
-        to_ros: Whether the assignments fill the ROS type.
         assignments: The assignments that were read well, those nested in lists included.
     """
 
@@ -68,11 +66,6 @@ def direction_of(
     subject: Subject, attribute_map: bridge.AttributeMap, *, to_ros: bool
 ) -> Direction | None:
     """Returns one direction of a map, which may be one of the library.
-
-    Args:
-        subject: The model.
-        attribute_map: The map.
-        to_ros: Which direction.
 
     Returns:
         None when an end of the map was not read.

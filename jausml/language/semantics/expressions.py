@@ -18,7 +18,6 @@ def expression_names(placed: Placed[bridge.Assignment], position: int) -> dict[s
     """Returns the names of what an expression works on, with their positions among its inputs.
 
     Args:
-        placed: The assignment.
         position: Which of its conversions the expression is; the first works on the sources, each
             further one on the result of the one before.
 

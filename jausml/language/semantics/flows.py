@@ -18,13 +18,7 @@ class Flow:
     """A connection with its bridge.
 
     Attributes:
-        connection: The connection.
-        owner: The bridge that has it.
-        to_ros: Whether it publishes.
-        code: Code of its message.
         topics: Full names of the topics that are named legally.
-        peers: The components at the other end that are named.
-        is_open: Whether it may be anybody.
     """
 
     connection: bridge.Connection
@@ -46,12 +40,7 @@ class Flow:
 
 
 def flow_of(connection: bridge.Connection, owner: bridge.Bridge) -> Flow:
-    """Returns a connection as a flow.
-
-    Args:
-        connection: A connection with its map.
-        owner: The bridge that has it.
-    """
+    """Returns a connection as a flow."""
     namespace, node = owner.namespace or "", owner.name or ""
     # What arrives on a joined topic waits for a message on the main one.
     names = [each.name for each in connection.topics if each.name and each.join is None]
@@ -71,9 +60,6 @@ def flow_of(connection: bridge.Connection, owner: bridge.Bridge) -> Flow:
 
 def find_loops(flows: list[Flow]) -> list[list[Flow]]:
     """Returns one loop for each set of connections that reach each other.
-
-    Args:
-        flows: The connections of a system.
 
     Returns:
         Loops in the order of the connections, each from its first connection on.

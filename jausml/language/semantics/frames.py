@@ -44,7 +44,6 @@ class Axis:
     """The direction of a number.
 
     Attributes:
-        frame: Name of the `Frame` literal.
         name: `x`, `y` or `z`; empty for a whole orientation.
         is_angle: Whether it is an angle about the axis, and no rate or length.
         sign: 1 or -1: what conversions made of its sign.
@@ -88,12 +87,7 @@ def axis_of(attribute: Attribute) -> Axis | None:
 
 
 def passage(steps: Iterable[Step], sources: Iterable[Attribute]) -> Passage | None:
-    """Returns what becomes of the axes of sources; None when a conversion hides it.
-
-    Args:
-        steps: The conversions of an assignment.
-        sources: What they work on.
-    """
+    """Returns what becomes of the axes of sources; None when a conversion hides it."""
     axes = tuple(axis_of(each) for each in sources)
     between, sign = None, 1
     for step in steps:

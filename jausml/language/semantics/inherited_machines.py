@@ -71,7 +71,6 @@ class Node:
     """A state of a machine.
 
     Attributes:
-        path: Its path.
         elements: The states of the model that describe it, those of heirs first.
     """
 
@@ -89,9 +88,7 @@ class Machine:
     """Machines of one name along inheritance.
 
     Attributes:
-        name: The name.
         elements: The machines of the model, those of heirs last.
-        nodes: The modelled states by path, in model order, enclosing ones first.
     """
 
     name: str
@@ -123,11 +120,7 @@ class Machine:
             self.enter(path).elements.insert(0, state)
 
     def enter(self, path: str) -> Node:
-        """Returns the state of a path, which is there from now on with those that enclose it.
-
-        Args:
-            path: The path.
-        """
+        """Returns the state of a path, which is there from now on with those that enclose it."""
         names = path.split(".")
         for length in range(1, len(names) + 1):
             enclosing = ".".join(names[:length])
@@ -137,11 +130,7 @@ class Machine:
         return self.nodes[path]
 
     def children(self, path: str) -> list[str]:
-        """Returns the states directly inside a state, or the outermost ones of an empty path.
-
-        Args:
-            path: The enclosing state.
-        """
+        """Returns the states directly inside a state, or the outermost ones of an empty path."""
         return list(self._inside.get(path, ()))
 
     def initial(self, path: str) -> str | None:
@@ -164,11 +153,7 @@ class Machine:
         return marked[0] if marked else None
 
     def innermost(self, path: str) -> str:
-        """Returns the state that a machine is in after entering a state.
-
-        Args:
-            path: The state.
-        """
+        """Returns the state that a machine is in after entering a state."""
         inside = self.initial(path)
         while inside is not None:
             path, inside = inside, self.initial(inside)
@@ -179,10 +164,6 @@ class Machine:
 
         A target is a path from the outermost state, or from a state that the source encloses,
         stands beside, or lies in: the nearest is meant.
-
-        Args:
-            source: Path of the state with the transition.
-            target: Feature `target` of the transition.
         """
         full = canonical(target) if self.extends_core else target
         if self._has(full):
@@ -206,9 +187,6 @@ def machines_of(services: Iterable[jaus.Service]) -> list[Machine]:
     """Returns the machines of services, those of one name along inheritance put together.
 
     Two services extend the core each for itself, unless one inherits the other.
-
-    Args:
-        services: Services, each after those that it inherits.
     """
     found: list[Machine] = []
     by_service: dict[jaus.Service | None, dict[str, Machine]] = {}
@@ -226,9 +204,6 @@ def machines_of(services: Iterable[jaus.Service]) -> list[Machine]:
 
 def machine_with(element: jaus.StateMachine) -> Machine | None:
     """Returns a machine put together with those that it extends.
-
-    Args:
-        element: A machine of a service.
 
     Returns:
         None where it stands in no service.
@@ -264,9 +239,6 @@ def canonical(path: str) -> str:
     """Returns the path of a state of ReceiveFSM without the groups that only AS6009 has.
 
     Its StateA and StateB stand for all states of NotControlled and Controlled.
-
-    Args:
-        path: A path as a service set has it.
     """
     for group in _GROUPS:
         outer = group.rpartition(".")[0]
@@ -282,11 +254,7 @@ def canonical(path: str) -> str:
 
 
 def core_leaf(path: str) -> str | None:
-    """Returns the innermost core state that a state is or lies in, None when there is none.
-
-    Args:
-        path: A path in ReceiveFSM.
-    """
+    """Returns the innermost core state that a state is or lies in, None when there is none."""
     while path:
         if path in CORE_LEAVES:
             return path

@@ -37,13 +37,8 @@ class JausPlace:
     """A place in a JAUS message, from which paths go on.
 
     Attributes:
-        where: How messages name it.
         message: The `jaus.MessageDef` for its whole body, else None.
         field: What stands there, references resolved: a field, a sub-field or an alternative.
-        units: Unit of the field or of those around it.
-        frame: Frame of the field or of those around it.
-        label: Name of the innermost member that has a name of its own.
-        optional: Whether the field itself may be left out.
     """
 
     where: str
@@ -55,11 +50,7 @@ class JausPlace:
     optional: bool = False
 
     def follow(self, path: str) -> JausPlace | PathFault | None:
-        """Returns the place that a path leads to; None when a part of it was not read.
-
-        Args:
-            path: Names joined by dots, `.` for the place itself.
-        """
+        """Returns the place that a path leads to; None when a part of it was not read."""
         place: JausPlace | PathFault | None = self
         for step in [] if path == "." else path.split("."):
             if not isinstance(place, JausPlace):

@@ -29,13 +29,7 @@ ELEMENTS = {
 
 @dataclass(frozen=True)
 class DriverMessages:
-    """The messages of a list driver.
-
-    Attributes:
-        execute: Begins with a list.
-        query: Asks for the element that is executed.
-        report: Names it.
-    """
+    """The messages of a list driver."""
 
     execute: jaus.MessageDef
     query: jaus.MessageDef
@@ -43,11 +37,7 @@ class DriverMessages:
 
 
 def driver_messages(service: jaus.Service | None) -> DriverMessages | None:
-    """Returns the messages of a list driver; None when a service is none.
-
-    Args:
-        service: The service.
-    """
+    """Returns the messages of a list driver; None when a service is none."""
     services = lineage(service)
     if not any(each.name == LIST_MANAGER for each in services):
         return None
@@ -60,11 +50,7 @@ def driver_messages(service: jaus.Service | None) -> DriverMessages | None:
 
 
 def speed_answer(driver: jaus.Service) -> Answer | None:
-    """Returns how a driver tells its speed; None when it knows none, or is not asked.
-
-    Args:
-        driver: The list driver.
-    """
+    """Returns how a driver tells its speed; None when it knows none, or is not asked."""
     messages = driver_messages(driver)
     if messages is None or not knows_speed(messages):
         return None
@@ -73,11 +59,7 @@ def speed_answer(driver: jaus.Service) -> Answer | None:
 
 
 def answers(action: bridge.RosActionConnection) -> list[Answer]:
-    """Returns what a bridge that is a list driver answers besides QueryActiveElement.
-
-    Args:
-        action: Its connection, with driver and map.
-    """
+    """Returns what a bridge that is a list driver answers besides QueryActiveElement."""
     if action.direction.name != "jausToRos":
         return []
     found = (speed_answer(action.driver), answer_alike(action.driver, action.element.message))
@@ -85,20 +67,11 @@ def answers(action: bridge.RosActionConnection) -> list[Answer]:
 
 
 def knows_speed(messages: DriverMessages) -> bool:
-    """Tells whether ExecuteList of a driver has a speed; that of manipulators has none.
-
-    Args:
-        messages: Its messages.
-    """
+    """Tells whether ExecuteList of a driver has a speed; that of manipulators has none."""
     return isinstance(message_place(messages.execute).follow("Speed"), JausPlace)
 
 
 def takes(service: jaus.Service, message: jaus.MessageDef) -> bool:
-    """Tells whether the list of a driver may hold a message; of drivers of one's own any.
-
-    Args:
-        service: The driver.
-        message: What an element of the list holds.
-    """
+    """Tells whether the list of a driver may hold a message; of drivers of one's own any."""
     expected = ELEMENTS.get(str(service.urn))
     return expected is None or code(message) == expected

@@ -26,13 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Behaviour:
-    """A machine of a service.
-
-    Attributes:
-        service: The service.
-        element: The machine in the model.
-        machine: The machine with what it extends.
-    """
+    """A machine of a service."""
 
     service: jaus.Service
     element: jaus.StateMachine
@@ -56,12 +50,7 @@ class Behaviour:
                 yield from transition.actions
 
     def target(self, path: str, transition: jaus.Transition) -> str | None:
-        """Returns the state that a transition enters in the end, None without a known target.
-
-        Args:
-            path: Path of the state with the transition.
-            transition: The transition.
-        """
+        """Returns the state that a transition enters in the end, None without a known target."""
         if not transition.target:
             return None
         found = self.machine.resolve(path, transition.target)
@@ -109,9 +98,6 @@ def behaviours(subject: Subject) -> list[Behaviour]:
     """Returns the machines of services that could be read, those of the core services left out.
 
     Machines whose states lie too deep are left out too: JML506 names them.
-
-    Args:
-        subject: The model.
     """
     return subject.once(_behaviours)
 

@@ -18,17 +18,7 @@ class MapOverview:
     """An attribute map at a glance.
 
     Attributes:
-        name: Its name.
-        documentation: Text of the model.
-        message: Name of the JAUS message.
-        code: Its message code as the model says it.
-        service: Name of the service that defines the message, empty without one.
-        type: The ROS type.
         directions: `JAUS->ROS`, `ROS->JAUS`, or both.
-        quantities: Name, value and unit of each number of a vehicle.
-        joins: Name, ROS type, seconds of freshness, and what to do when stale, of joined topics.
-        report_joins: The same of joined reports, with the name of the JAUS message.
-        vectors: How many test vectors it has.
     """
 
     name: str
@@ -75,11 +65,7 @@ class MapOverview:
 
 
 def overview(attribute_map: bridge.AttributeMap) -> MapOverview:
-    """Returns a map at a glance.
-
-    Args:
-        attribute_map: A map whose message and type are there.
-    """
+    """Returns a map at a glance."""
     message = attribute_map.message
     owner = message.eContainer()
     ways = ((TO_ROS, attribute_map.toRos), (TO_JAUS, attribute_map.toJaus))

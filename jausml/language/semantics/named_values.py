@@ -17,12 +17,7 @@ _LEAST_COMMON = 2
 
 @dataclass(frozen=True)
 class NamedValue:
-    """A value that has a name.
-
-    Attributes:
-        name: Its name, as the model writes it.
-        number: Its number.
-    """
+    """A value that has a name."""
 
     name: str
     number: int
@@ -34,12 +29,7 @@ _Named: TypeAlias = "tuple[list[str], NamedValue]"
 
 @dataclass(frozen=True)
 class Comparison:
-    """Two enumerations.
-
-    Attributes:
-        source: That of the source, by the name without case, separators and prefix.
-        target: That of the target, likewise.
-    """
+    """Two enumerations."""
 
     source: dict[str, NamedValue]
     target: dict[str, NamedValue]
@@ -71,12 +61,7 @@ class Comparison:
 
 
 def compared(source: Attribute, target: Attribute) -> Comparison | None:
-    """Returns the enumerations of the ends of an assignment; None if not both have names.
-
-    Args:
-        source: What is read.
-        target: What is filled.
-    """
+    """Returns the enumerations of the ends of an assignment; None if not both have names."""
     found = Comparison(named_values(source), named_values(target))
     return found if found.source and found.target and found.common else None
 
@@ -133,12 +118,7 @@ def _common(names: list[list[str]]) -> int:
 
 
 def table_text(found: Comparison, *, to_ros: bool) -> str:
-    """Returns the entries of a table that maps common values by their names, as text.
-
-    Args:
-        found: The enumerations.
-        to_ros: The direction of the assignment.
-    """
+    """Returns the entries of a table that maps common values by their names, as text."""
     entries = table_entries(found, to_ros=to_ros)
     return "  ".join(f"{_written(jaus.name)} <-> {_written(ros.name)}" for jaus, ros in entries)
 
@@ -147,10 +127,6 @@ def table_entries(found: Comparison, *, to_ros: bool) -> list[tuple[NamedValue, 
     """Returns the entries of a table that maps common values by their names: of JAUS, and of ROS.
 
     They are in the order of the JAUS values, so that both directions have one table.
-
-    Args:
-        found: The enumerations.
-        to_ros: The direction of the assignment.
     """
     pairs = found.common if to_ros else [(other, one) for one, other in found.common]
     return sorted(pairs, key=lambda pair: pair[0].number)

@@ -61,12 +61,7 @@ class PathScope:
     """The start of the paths of some assignments.
 
     Attributes:
-        map: The `bridge.AttributeMap`.
-        to_ros: Whether the assignments fill the ROS type.
-        source: Where source paths start.
-        target: Where target paths start.
         is_nested: Whether the assignments fill elements of a list.
-        followed: The paths that were followed.
     """
 
     map: bridge.AttributeMap
@@ -120,12 +115,7 @@ AssignmentT_co = TypeVar("AssignmentT_co", bound="bridge.Assignment", covariant=
 
 @dataclass(frozen=True, eq=False)
 class Placed(Generic[AssignmentT_co]):
-    """An assignment with the places where its paths start.
-
-    Attributes:
-        assignment: The assignment.
-        scope: Where its paths start.
-    """
+    """An assignment with the places where its paths start."""
 
     assignment: AssignmentT_co
     scope: PathScope
@@ -169,8 +159,6 @@ def outer_scope(
     """Returns the scope of the assignments of a map.
 
     Args:
-        attribute_map: A map with its message and type.
-        to_ros: Which direction.
         indexed: Whether the elements of ROS sequences may be named by index.
         followed: The paths that were followed in other maps; None for none.
     """
@@ -186,11 +174,6 @@ def place(
 ) -> Placed[AssignmentT] | None:
     """Returns an assignment with the places where its paths start.
 
-    Args:
-        attribute_map: The map; that of the connection for a safe value.
-        assignment: An assignment of the map, nested ones included.
-        to_ros: Whether it fills the ROS type.
-
     Returns:
         None when the list that it belongs to is not there.
     """
@@ -201,12 +184,7 @@ def place(
 def flattened(
     assignments: Iterable[bridge.Assignment], scope: PathScope
 ) -> Iterator[Placed[bridge.Assignment]]:
-    """Yields assignments with those that they nest, each before what it nests.
-
-    Args:
-        assignments: The assignments of one owner.
-        scope: Where their paths start.
-    """
+    """Yields assignments with those that they nest, each before what it nests."""
     for each in assignments:
         yield Placed(each, scope)
         if isinstance(each, bridge.ListAssignment) and each.source and each.target:

@@ -16,7 +16,6 @@ def value_of(quantity: bridge.Quantity, overrides: Mapping[str, bridge.Quantity]
     """Returns the value of a quantity of a map, in the unit that the map states.
 
     Args:
-        quantity: The quantity of the map.
         overrides: The quantities of the bridge by name. One that has another unit of the same
             dimension is converted: 30 km/h is 8.333 m/s.
     """

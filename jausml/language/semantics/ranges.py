@@ -25,9 +25,6 @@ if TYPE_CHECKING:
 def result_ranges(placed: Placed[bridge.FieldAssignment]) -> list[Interval]:
     """Returns the range of each value that an assignment yields, in the unit of its targets.
 
-    Args:
-        placed: A FieldAssignment whose paths lead somewhere.
-
     Returns:
         One range for each target, `EMPTY` for a value that there never is; empty for what is no
         number.

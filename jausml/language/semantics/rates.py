@@ -33,10 +33,6 @@ def fills_rates_alone(used: bridge.AttributeMap, *, to_ros: bool) -> bool:
     """Tells whether each number that a map fills is a rate, so that zeros stop what it commands.
 
     A map that fills a number of unknown unit, or none, does not.
-
-    Args:
-        used: A map whose ends are known.
-        to_ros: The direction.
     """
     found = list(_units(used, to_ros=to_ros))
     return bool(found) and all(each is not None and is_rate(each) for each in found)

@@ -16,13 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class JoinedReport:
-    """A joined report of a connection.
-
-    Attributes:
-        connection: The connection, from JAUS to ROS.
-        join: The join of its map.
-        source: What the connection states of where it comes from; None when it states nothing.
-    """
+    """A joined report of a connection."""
 
     connection: bridge.Connection
     join: bridge.ReportJoin
@@ -71,11 +65,7 @@ class JoinedReport:
 
 
 def joined_reports(connection: bridge.Connection) -> list[JoinedReport]:
-    """Returns the joined reports of a connection; none from ROS to JAUS.
-
-    Args:
-        connection: The connection, with its map.
-    """
+    """Returns the joined reports of a connection; none from ROS to JAUS."""
     if connection.direction.name != "jausToRos":
         return []
     stated = {each.join: each for each in reversed(connection.sources)}
@@ -86,10 +76,6 @@ def report_join_of(
     path: str, joins: Iterable[bridge.ReportJoin]
 ) -> tuple[bridge.ReportJoin | None, str]:
     """Returns the join that a source path starts with, and the rest of the path.
-
-    Args:
-        path: The path.
-        joins: The joins of the map.
 
     Returns:
         None and the path when it starts with none; `.` is the whole report.

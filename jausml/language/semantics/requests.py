@@ -16,11 +16,7 @@ if TYPE_CHECKING:
 
 
 def requested_fields(owner: bridge.Bridge) -> Mapping[jaus.MessageDef, frozenset[str]]:
-    """Returns by report the fields that some connection of a bridge reads.
-
-    Args:
-        owner: The bridge.
-    """
+    """Returns by report the fields that some connection of a bridge reads."""
     incoming = (c.map for c in owner.bridgeConnections if c.direction.name == "jausToRos")
     fields: dict[jaus.MessageDef, set[str]] = defaultdict(set)
     for each in dict.fromkeys(incoming):

@@ -44,10 +44,7 @@ class RosPlace:
             for arrays as a whole.
         field: The `ros.Field`, None for the whole message.
         is_array: Whether it is an array as a whole.
-        units: Unit of the field or of those around it.
-        frame: Frame of the field or of those around it.
         label: Name of the innermost field.
-        constants: Constants of the type that has the field.
         indexed: Whether the elements of sequences may be named by index, as in test vectors.
     """
 
@@ -61,11 +58,7 @@ class RosPlace:
     indexed: bool = False
 
     def follow(self, path: str) -> RosPlace | PathFault | None:
-        """Returns the place that a path leads to; None when a part of it was not read.
-
-        Args:
-            path: Names joined by dots, `.` for the place itself.
-        """
+        """Returns the place that a path leads to; None when a part of it was not read."""
         place: RosPlace | PathFault | None = self
         for step in [] if path == "." else path.split("."):
             if not isinstance(place, RosPlace):

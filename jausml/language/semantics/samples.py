@@ -19,10 +19,6 @@ __all__ = ["NoValueError", "sent_through"]
 def sent_through(placed: Placed[bridge.FieldAssignment], value: float) -> float:
     """Returns what an assignment with one source and one target makes of a number.
 
-    Args:
-        placed: A FieldAssignment.
-        value: The number, in the unit of the source.
-
     Raises:
         NoValueError: A conversion is not one of numbers, or limits this number.
     """

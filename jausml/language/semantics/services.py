@@ -203,12 +203,7 @@ def query_name(message: jaus.MessageDef) -> str:
 def find_query(
     connection: jaus.ServiceConnection | bridge.Connection, provider: Provider
 ) -> jaus.MessageDef | None:
-    """Returns the query of a connection among the inputs of the provider, or None.
-
-    Args:
-        connection: A connection with its query, if any.
-        provider: Who answers.
-    """
+    """Returns the query of a connection among the inputs of the provider, or None."""
     if connection.query is not None:
         return find_input(connection.query, provider)
     if isinstance(connection, jaus.ServiceConnection):

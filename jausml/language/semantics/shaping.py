@@ -9,11 +9,6 @@ if TYPE_CHECKING:
 
 
 def passed_rate(connection: bridge.Connection, hertz: float) -> float:
-    """Returns how many messages pass each second at most.
-
-    Args:
-        connection: The connection.
-        hertz: How many come each second.
-    """
+    """Returns how many messages pass each second at most."""
     hertz /= max(connection.decimation, 1)
     return min(hertz, connection.maxRate) if connection.maxRate > 0 else hertz

@@ -28,9 +28,6 @@ def with_standard(component: jaus.Component) -> list[jaus.Service]:
     """Returns the services that a component provides itself: named ones, then standard ones.
 
     A service that the model names, or that a named one inherits, is not added in another version.
-
-    Args:
-        component: The component. Of an external one only what the model names is known.
     """
     named = list(component.provides)
     if component.external or component.coreServices.name == "none":
@@ -49,10 +46,6 @@ def answers_for_subsystem(component: jaus.Component, system: Iterable[jaus.Compo
 
     It is component 1 of node 1 by convention, else the one with the lowest address. In a subsystem
     with external components somebody else answers, unless the component is 1.1.
-
-    Args:
-        component: The component.
-        system: All components of its system.
     """
     subsystem, *rest = _numbers(component)
     if not is_discovered(component):

@@ -30,13 +30,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """A conversion on the way of an assignment.
-
-    Attributes:
-        conversion: What it means.
-        arguments: What it works with, in the order of its parameters; None when the model states
-            something else than it takes.
-    """
+    """A conversion on the way of an assignment."""
 
     conversion: Conversion
     arguments: tuple[Any, ...] | None
@@ -47,11 +41,7 @@ class Step:
         return self.conversion.name
 
     def forward(self, values: Sequence[Any]) -> list[Any]:
-        """Returns what it makes of some values.
-
-        Raises:
-            NoValueError: Nothing.
-        """
+        """Returns what it makes of some values."""
         if self.arguments is None or self.conversion.needs_clock:
             raise NoValueError(self.name)
         try:
@@ -107,9 +97,7 @@ def step_of(
     """Returns a conversion of a model with its arguments.
 
     Args:
-        element: The conversion.
         names: What the names of an expression stand for: positions of its inputs, or -1.
-        to_ros: Whether values go from JAUS to ROS.
         quantities: What stands in the place of quantities of the map, by name.
     """
     conversion = conversion_of(element)

@@ -105,13 +105,7 @@ def stop_assignments(connection: bridge.Connection) -> tuple[bridge.Assignment, 
 def with_constants(
     used: bridge.AttributeMap, values: Iterable[bridge.ConstantAssignment], *, to_ros: bool
 ) -> tuple[bridge.Assignment, ...]:
-    """Returns the values of a stop behind what the map fills without a source.
-
-    Args:
-        used: The map.
-        values: What the stop itself says.
-        to_ros: The direction.
-    """
+    """Returns the values of a stop behind what the map fills without a source."""
     said = {parse_path(path) for value in values for path in target_paths(value)}
     constants = (
         each

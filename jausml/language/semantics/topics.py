@@ -23,12 +23,6 @@ class Endpoint:
     """A publisher or a subscription, of a node or of a bridge.
 
     Attributes:
-        element: What the model has of it.
-        feature: Feature of the element that holds the topic name.
-        owner: The node or bridge.
-        topic: Full topic name, such as `/robot/odometry`.
-        type: Its type.
-        publishes: Whether it publishes.
         reliability: Its reliability policy, decided where the model leaves that open.
     """
 
@@ -66,13 +60,7 @@ def namespace_fault(namespace: str) -> str:
 
 
 def resolve_topic(name: str, namespace: str, node: str) -> str:
-    """Returns the full name of a topic.
-
-    Args:
-        name: Absolute (`/a`), private (`~/a`) or relative (`a`) name.
-        namespace: Namespace of the node, empty for the root.
-        node: Name of the node.
-    """
+    """Returns the full name of a topic."""
     if name.startswith("/"):
         return name
     base = "/" + namespace.strip("/") if namespace.strip("/") else ""
@@ -82,11 +70,7 @@ def resolve_topic(name: str, namespace: str, node: str) -> str:
 
 
 def endpoints(group: Iterable[EObject]) -> Iterator[Endpoint]:
-    """Yields the publishers and subscriptions of some nodes and bridges whose names are legal.
-
-    Args:
-        group: Components, bridges and nodes of one system.
-    """
+    """Yields the publishers and subscriptions of some nodes and bridges whose names are legal."""
     for owner in group:
         if isinstance(owner, ros.Node):
             yield from _node_endpoints(owner)
@@ -125,10 +109,6 @@ def reliability(connection: bridge.Connection, topic: bridge.Topic) -> str:
     best_effort hears publishers of both kinds. Two are reliable all the same: one of commands,
     since a command may be sent only once, and one that is transient_local, since what was published
     before it began is repeated to reliable subscriptions alone.
-
-    Args:
-        connection: The connection, whose map is known.
-        topic: One of its topics.
     """
     if policy := _stated(topic.qos):
         return policy

@@ -18,12 +18,7 @@ if TYPE_CHECKING:
 
 
 def unanswered(service: jaus.Service, sent: Container[int]) -> list[jaus.MessageDef]:
-    """Returns the queries of a service that get no report; those that it inherits are not asked.
-
-    Args:
-        service: A service that is provided.
-        sent: The codes of the reports that its provider sends.
-    """
+    """Returns the queries of a service that get no report; those that it inherits are not asked."""
     if str(service.urn) in SERVED_BY_RUNTIME:
         return []
     # A service may send a report for which one that it inherits has the query.
@@ -47,11 +42,7 @@ def sent_reports(owner: bridge.Bridge) -> set[int]:
 
 
 def told_command(connection: bridge.Connection) -> Answer | None:
-    """Returns how a connection of commands tells what it obeys, unless something else answers.
-
-    Args:
-        connection: The connection.
-    """
+    """Returns how a connection of commands tells what it obeys, unless something else answers."""
     answer, owner = command_answer(connection), connection.eContainer()
     if answer is None or owner is None:
         return None

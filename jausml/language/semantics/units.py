@@ -27,12 +27,7 @@ _OF_ONE_UNIT = (UnitEffect.SAME, UnitEffect.SQUARE, UnitEffect.ROOT)
 
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """A unit that is known.
-
-    Attributes:
-        text: As the model writes it, or a description of how it came about.
-        unit: The unit.
-    """
+    """A unit that is known."""
 
     text: str
     unit: Unit
@@ -40,13 +35,7 @@ class Measure:
 
 @dataclass(frozen=True, slots=True)
 class UnitFault:
-    """Units of an assignment that do not go together.
-
-    Attributes:
-        element: The conversion or assignment.
-        message: What is wrong.
-        hint: What to do about it.
-    """
+    """Units of an assignment that do not go together."""
 
     element: EObject
     message: str
@@ -64,11 +53,6 @@ def unit_step(
 ) -> tuple[float, float] | None:
     """Returns what turns the result of the conversions into the unit of the target.
 
-    Args:
-        attribute_map: The map.
-        assignment: An assignment of it, those nested in lists included.
-        to_ros: Whether the assignment fills the ROS type.
-
     Returns:
         Factor and offset; None when nothing is to be done, because the units are the same or one
         of them is not known.
@@ -78,11 +62,7 @@ def unit_step(
 
 
 def result_step(placed: Placed[bridge.FieldAssignment]) -> tuple[float, float] | None:
-    """Returns what `unit_step` does, of an assignment with its places.
-
-    Args:
-        placed: A FieldAssignment.
-    """
+    """Returns what `unit_step` does, of an assignment with its places."""
     result = result_measure(placed)
     if not isinstance(result, Measure):
         return None
@@ -98,9 +78,6 @@ def result_step(placed: Placed[bridge.FieldAssignment]) -> tuple[float, float] |
 @remembered
 def result_measure(placed: Placed[bridge.FieldAssignment]) -> Measure | UnitFault | None:
     """Returns the unit in which the last conversion of an assignment yields its result.
-
-    Args:
-        placed: A FieldAssignment.
 
     Returns:
         None when nothing is known, a fault when a conversion cannot take what it gets.
@@ -121,11 +98,7 @@ def result_measure(placed: Placed[bridge.FieldAssignment]) -> Measure | UnitFaul
 
 @remembered
 def units_clash(placed: Placed[bridge.FieldAssignment]) -> bool:
-    """Tells whether an assignment makes one thing of another: its axes and range mean nothing then.
-
-    Args:
-        placed: A FieldAssignment.
-    """
+    """Tells whether an assignment makes one thing of another, so that axes and ranges are lost."""
     result = result_measure(placed)
     if not isinstance(result, Measure):
         return result is not None

@@ -11,12 +11,7 @@ if TYPE_CHECKING:
 
 
 def used_maps(attribute_map: bridge.AttributeMap, *, to_ros: bool) -> Iterator[bridge.AttributeMap]:
-    """Yields a map and those that its messages inside messages use, each once.
-
-    Args:
-        attribute_map: The map.
-        to_ros: Which of its assignments.
-    """
+    """Yields a map and those that its messages inside messages use, each once."""
     seen: list[bridge.AttributeMap] = []
     waiting = [attribute_map]
     while waiting:

@@ -20,8 +20,6 @@ def constant_fault(text: str, attribute: Attribute, names: Mapping[str, str] | N
     """Says why a text is no value of an attribute, or returns an empty string.
 
     Args:
-        text: The constant as the model writes it.
-        attribute: The attribute that takes it.
         names: The constants of the attribute, from who asks for many texts.
     """
     if attribute.kind == NUMBER:

@@ -38,7 +38,6 @@ class Way:
     Attributes:
         direction: Literal of `bridge.Direction`.
         exchange: Literal of `bridge.Exchange`; an event stands for queries too.
-        meaning: What then happens, in words, such as `front reports it to whoever asks`.
     """
 
     direction: str
@@ -51,8 +50,6 @@ class Settled:
     """What the features of a connection are that nobody stated.
 
     Attributes:
-        direction: Literal of `bridge.Direction`.
-        exchange: Literal of `bridge.Exchange`.
         ways: The possible ways that agree with what is stated. With one of them the literals are
             certain; with none they are those that go best with the map and the message.
     """
@@ -78,7 +75,6 @@ def settle(
 
     Args:
         connection: The connection, whose own values of both do not count.
-        direction: The stated direction, None where it is open.
         exchange: The stated exchange, None where it is open.
         is_known: False where services or peers of the connection could not be read.
     """
@@ -110,11 +106,7 @@ def possible_ways(connection: bridge.Connection) -> tuple[Way, ...]:
 
 
 def unstated(connection: bridge.Connection) -> frozenset[str]:
-    """Returns which of `FEATURES` follow from all else, so that text need not state them.
-
-    Args:
-        connection: The connection.
-    """
+    """Returns which of `FEATURES` follow from all else, so that text need not state them."""
     actual = {name: getattr(getattr(connection, name), "name", None) for name in FEATURES}
     for open_features in (FEATURES, FEATURES[1:], FEATURES[:1]):
         stated = [None if name in open_features else actual[name] for name in FEATURES]

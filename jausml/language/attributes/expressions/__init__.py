@@ -62,10 +62,6 @@ class EvaluationError(ValueError):
 def evaluate(expression: Expression, values: Mapping[str, float]) -> float:
     """Returns the value of an expression.
 
-    Args:
-        expression: The expression.
-        values: Values of its variables by name.
-
     Raises:
         EvaluationError: It has none there: it divides by zero, or a function is outside of its
             domain.
@@ -99,7 +95,6 @@ def interval(expression: Expression, intervals: Mapping[str, Interval]) -> Inter
     places counts there as several.
 
     Args:
-        expression: The expression.
         intervals: Least and greatest value of each variable; they may be infinite.
 
     Raises:

@@ -19,9 +19,6 @@ class Function(NamedTuple):
 
     Attributes:
         compute: Its value; ValueError and OverflowError where it has none.
-        bound: Where its values lie.
-        fewest: Fewest arguments.
-        most: Most arguments.
     """
 
     compute: Callable[..., float]

@@ -61,14 +61,7 @@ _WORDS = {"and", "or", "not"}
 
 
 def parse_expression(text: str) -> Expression:
-    """Returns the expression that a text describes.
-
-    Args:
-        text: Feature `expression` of a conversion.
-
-    Raises:
-        ExpressionError: The text is no expression.
-    """
+    """Returns the expression that a text describes."""
     return _Parser(text).whole()
 
 

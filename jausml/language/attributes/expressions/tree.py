@@ -18,12 +18,7 @@ class Number:
 
 @dataclass(frozen=True)
 class Variable:
-    """A source by its name.
-
-    Attributes:
-        name: The name.
-        column: Where it stands, from 1.
-    """
+    """A source by its name."""
 
     name: str
     column: int = 0
@@ -35,7 +30,6 @@ class Operation:
 
     Attributes:
         sign: `+ - * / ^ < <= > >= == != and or not`; `-` has one operand or two.
-        operands: What it works on.
     """
 
     sign: str
@@ -44,12 +38,7 @@ class Operation:
 
 @dataclass(frozen=True)
 class Call:
-    """A function of `FUNCTIONS` with its arguments.
-
-    Attributes:
-        function: Its name.
-        arguments: What it works on.
-    """
+    """A function of `FUNCTIONS` with its arguments."""
 
     function: str
     arguments: tuple[Expression, ...]
@@ -97,9 +86,6 @@ def source_names(paths: Sequence[str]) -> dict[str, int]:
     A source is named by the last step of its path, by more of its last steps, or by its whole path;
     a name that fits several names none of them. A single source is also `value`, and several are
     `value1`, `value2` and so on.
-
-    Args:
-        paths: Paths of the sources, without surrounding blanks.
     """
     found: dict[str, list[int]] = {}
     for index, path in enumerate(paths):

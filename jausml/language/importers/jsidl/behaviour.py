@@ -32,14 +32,7 @@ _SENDER = "transportData"
 
 
 class BehaviourBuilder:
-    """Makes the state machines of one service.
-
-    Args:
-        names: What the service may name.
-        builder: Makes elements.
-        values: Reads attributes.
-        findings: Where findings go.
-    """
+    """Makes the state machines of one service."""
 
     def __init__(
         self, names: KnownNames, builder: Builder, values: Values, findings: Findings
@@ -51,11 +44,7 @@ class BehaviourBuilder:
         self._guards: dict[str, str] = {}
 
     def machines(self, place: Place) -> list[jaus.StateMachine]:
-        """Makes the machines.
-
-        Args:
-            place: The element protocol_behavior.
-        """
+        """Makes the machines."""
         made: dict[str, jaus.StateMachine] = {}
         starts = [child for child in place.node.children if child.tag == "start"]
         for child in place.node.children:
@@ -107,13 +96,7 @@ class BehaviourBuilder:
         )
 
     def _states(self, place: Place, start: list[str], outer: list[str]) -> list[jaus.State]:
-        """Makes the states inside a state or machine.
-
-        Args:
-            place: The state or machine.
-            start: Path of the state in which the machine starts, from here on.
-            outer: Names of the enclosing states.
-        """
+        """Makes the states inside a state or machine."""
         initial = folded(place.node.get("initial_state"))
         started = start[0] if start else ""
         if initial and started and initial != started:

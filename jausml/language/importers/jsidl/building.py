@@ -23,11 +23,7 @@ class TooMuchError(Exception):
 
 
 class Builder:
-    """Makes elements of the jaus metamodel.
-
-    Args:
-        model: The model that they belong to.
-    """
+    """Makes elements of the jaus metamodel."""
 
     def __init__(self, model: Model) -> None:
         self.model = model
@@ -37,13 +33,8 @@ class Builder:
         """Makes an element.
 
         Args:
-            kind: Its class.
-            place: Where it comes from.
             features: Its features: values, names of literals, elements, or lists of these. None
                 leaves a feature alone.
-
-        Raises:
-            TooMuchError: There are too many elements already.
         """
         self._made += 1
         if self._made > MOST_ELEMENTS:
@@ -61,8 +52,6 @@ class Builder:
 
         Args:
             obj: The element.
-            name: The feature.
-            value: Its value, or a list for a feature with many values.
         """
         feature = self.model.metamodels.class_of(obj).features[name]
         if feature.kind is not FeatureKind.ATTRIBUTE:

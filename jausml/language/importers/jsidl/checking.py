@@ -28,9 +28,7 @@ def check_document(document: Document, root: Node, findings: Findings) -> bool:
     """Checks all elements and attributes of a file, and drops what editors added.
 
     Args:
-        document: The file.
         root: Its root element; elements that were reported or belong to editors are taken out.
-        findings: Where findings go.
 
     Returns:
         Whether the file is a JSIDL file at all.

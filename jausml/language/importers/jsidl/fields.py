@@ -37,13 +37,7 @@ Made: TypeAlias = "tuple[type[jaus.Field], dict[str, Any]]"
 
 
 class FieldBuilder:
-    """Makes fields.
-
-    Args:
-        builder: Makes elements.
-        scopes: Knows declarations.
-        findings: Where findings go.
-    """
+    """Makes fields."""
 
     def __init__(self, builder: Builder, scopes: Scopes, findings: Findings) -> None:
         self._builder = builder
@@ -70,7 +64,6 @@ class FieldBuilder:
         """Makes a field or container.
 
         Args:
-            scope: Where its names are looked up.
             place: Its element, which may refer to a declared type.
 
         Returns:
@@ -104,12 +97,7 @@ class FieldBuilder:
         )
 
     def check(self, scope: Scope, place: Place) -> None:
-        """Looks at a declaration that nothing uses, for the sake of what is wrong with it.
-
-        Args:
-            scope: Where its names are looked up.
-            place: The declaration.
-        """
+        """Looks at a declaration that nothing uses, for the sake of what is wrong with it."""
         target = self.resolve(Declaration(scope, place))
         if target is not None and target.place.node.tag in self._kinds:
             self.field(scope, place)
@@ -118,7 +106,6 @@ class FieldBuilder:
         """Follows declared_... references to what they stand for.
 
         Args:
-            declaration: The reference, or what is none.
             missing: The rule of a reference that leads to nothing.
 
         Returns:

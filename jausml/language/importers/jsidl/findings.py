@@ -34,11 +34,7 @@ class Place:
 
 
 class Findings:
-    """The findings of one import.
-
-    Attributes:
-        has_errors: True when nothing should be written.
-    """
+    """The findings of one import."""
 
     def __init__(self) -> None:
         self._found: dict[Diagnostic, None] = {}

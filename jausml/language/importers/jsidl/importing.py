@@ -49,8 +49,6 @@ class ImportResult:
     Attributes:
         model: The elements, which know their places in the JSIDL files; with the documents of the
             library when a service inherits one of it.
-        sets: The service sets.
-        diagnostics: The findings, sorted by place.
     """
 
     model: Model
@@ -99,9 +97,6 @@ class Source:
     """A file that may be JSIDL.
 
     Attributes:
-        path: Its name in messages.
-        data: Its bytes; None when it cannot be read.
-        fault: Why it cannot be read.
         is_named: True when the user named it, so that it has to be JSIDL.
     """
 
@@ -126,14 +121,7 @@ def import_sources(
     version: str | None = None,
     behaviour: bool = True,
 ) -> ImportResult:
-    """Imports services of JSIDL documents in memory; for the rest see `import_jsidl`.
-
-    Args:
-        sources: The documents.
-        name: As for `import_jsidl`.
-        version: As for `import_jsidl`.
-        behaviour: As for `import_jsidl`.
-    """
+    """Imports services of JSIDL documents in memory; for the rest see `import_jsidl`."""
     return _Import(name, version, with_behaviour=behaviour).run(sources)
 
 

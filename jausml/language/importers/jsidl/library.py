@@ -22,11 +22,7 @@ def library_model() -> Model:
 
 
 def services_by_urn(model: Model) -> dict[str, dict[str, jaus.Service]]:
-    """Returns the services of a model by URN and version.
-
-    Args:
-        model: A model.
-    """
+    """Returns the services of a model by URN and version."""
     found: dict[str, dict[str, jaus.Service]] = {}
     for service in model.instances(jaus.Service):
         found.setdefault(service.urn, {})[service.version] = service

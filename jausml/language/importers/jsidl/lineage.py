@@ -30,14 +30,7 @@ def bases_first(services: Iterable[jaus.Service]) -> list[jaus.Service]:
 class KnownNames:
     """The names that the protocol behaviour of a service may use.
 
-    Args:
-        service: The service, with its messages and events and what it inherits.
-        declared: Names of all messages and events of the files.
-
     Attributes:
-        inputs: Messages that the service takes by name, inherited ones included.
-        outputs: Messages that the service sends by name, inherited ones included.
-        events: Names of its internal events, inherited ones and those of the core included.
         served: Inherited messages that the runtime takes, with the names of their services.
     """
 

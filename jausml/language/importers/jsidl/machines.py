@@ -18,13 +18,7 @@ if TYPE_CHECKING:
 
 
 def finish_machines(services: Iterable[ImportedService], model: Model, findings: Findings) -> None:
-    """Takes out transitions to states that do not exist, and marks missing initial states.
-
-    Args:
-        services: The imported services, with what they inherit.
-        model: Knows where elements come from.
-        findings: Where findings go.
-    """
+    """Takes out transitions to states that do not exist, and marks missing initial states."""
     for machine in machines_of(bases_first(each.service for each in services)):
         _check_targets(machine, model, findings)
         _check_initial(machine, model, findings)

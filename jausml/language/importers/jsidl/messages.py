@@ -22,14 +22,7 @@ _CONTAINERS = frozenset([*CONTAINERS, *(f"declared_{name}" for name in CONTAINER
 
 
 class MessageBuilder:
-    """Makes messages and internal events.
-
-    Args:
-        builder: Makes elements.
-        fields: Makes fields.
-        scopes: Knows declarations.
-        findings: Where findings go.
-    """
+    """Makes messages and internal events."""
 
     def __init__(
         self, builder: Builder, fields: FieldBuilder, scopes: Scopes, findings: Findings
@@ -41,10 +34,6 @@ class MessageBuilder:
 
     def message(self, scope: Scope, place: Place) -> jaus.MessageDef | None:
         """Makes a message.
-
-        Args:
-            scope: The service that takes or sends it.
-            place: Its definition, or the reference to a declared one.
 
         Returns:
             The message; None when what is wrong with it was reported.

@@ -29,9 +29,7 @@ class Scope:
     """A service, a set of types or a set of constants: what names mean inside it.
 
     Attributes:
-        place: Its element.
         outer: The service around a set of its own, else None.
-        declarations: Declared types, messages and constants by name.
         sets: Sets by the name with which a dotted path names them; None for a set that is missing,
             which was reported.
     """
@@ -59,7 +57,6 @@ class MissingError(LookupError):
     """A path leads to nothing.
 
     Attributes:
-        hint: What may have been meant.
         is_known: True when the cause was reported already.
     """
 
@@ -70,11 +67,7 @@ class MissingError(LookupError):
 
 
 class Scopes:
-    """The scopes of all files.
-
-    Args:
-        findings: Where findings go.
-    """
+    """The scopes of all files."""
 
     def __init__(self, findings: Findings) -> None:
         self._findings = findings
@@ -163,15 +156,7 @@ class Scopes:
         return versions[found]
 
     def find(self, scope: Scope, path: str) -> Declaration:
-        """Returns what a dotted path means in a scope.
-
-        Args:
-            scope: The set or service in which the path is written.
-            path: For example `core.commandClass.SetAuthority`.
-
-        Raises:
-            MissingError: It means nothing.
-        """
+        """Returns what a dotted path means in a scope."""
         *sets, name = path.split(".")
         at: Scope | None = scope
         for step in sets:
@@ -207,10 +192,6 @@ class Scopes:
     def constant(self, scope: Scope, path: str) -> Fraction:
         """Returns the value of a constant.
 
-        Args:
-            scope: The set in which the constant is used.
-            path: For example `basicConsts.PI`.
-
         Raises:
             NumberError: There is no such constant, or it has no value.
         """
@@ -237,16 +218,7 @@ class Scopes:
             self._evaluating.pop()
 
     def number(self, scope: Scope, text: str) -> Fraction:
-        """Returns the value of an expression.
-
-        Args:
-            scope: The set in which it is written.
-            text: The expression.
-
-        Raises:
-            NumberError: It has none.
-            MissingError: It needs a set whose absence was reported.
-        """
+        """Returns the value of an expression."""
         return evaluate(text, lambda path: self.constant(scope, path))
 
     def declared_names(self) -> frozenset[str]:
@@ -275,7 +247,6 @@ def pick_version(wanted: str, versions: Iterable[str]) -> str:
     """Returns the version of something that is there which fits best.
 
     Args:
-        wanted: The version asked for; `*` in it stands for anything.
         versions: The versions that are there, at least one.
     """
     known = sorted(versions, key=_version_key)

@@ -49,14 +49,7 @@ class ImportedService:
 
 
 class ServiceBuilder:
-    """Makes services without what they inherit and without their behaviour.
-
-    Args:
-        builder: Makes elements.
-        messages: Makes messages and events.
-        values: Reads attributes.
-        findings: Where findings go.
-    """
+    """Makes services without what they inherit and without their behaviour."""
 
     def __init__(
         self, builder: Builder, messages: MessageBuilder, values: Values, findings: Findings
@@ -67,11 +60,7 @@ class ServiceBuilder:
         self._findings = findings
 
     def service(self, scope: Scope) -> ImportedService:
-        """Makes a service.
-
-        Args:
-            scope: Its element, and where its names are looked up.
-        """
+        """Makes a service."""
         place = scope.place
         make = self._messages.message
         inputs = _made(scope, ("message_set", "input_set"), "message_def", make)
@@ -137,12 +126,6 @@ def find_inherited(
 
     A service of the very version is taken from the files, then from the library; then another
     version of the files, then of the library.
-
-    Args:
-        service: The heir.
-        imported: The services of the files.
-        library: Returns those of the library.
-        findings: Where findings go.
     """
     found = [
         place
@@ -194,14 +177,7 @@ def index(services: Iterable[ImportedService], findings: Findings) -> ByUrn:
 
 @dataclass(frozen=True, slots=True)
 class SetOfServices:
-    """Services that become one service set.
-
-    Attributes:
-        name: Name of the set.
-        version: Version of the set.
-        place: The element of JSIDL that stands for it: a service_set, or its first service.
-        services: The services.
-    """
+    """Services that become one service set."""
 
     name: str
     version: str
@@ -255,11 +231,7 @@ def _name_in(urn: str) -> str:
 
 
 def identifiers(sets: Iterable[tuple[jaus.ServiceSet, SetOfServices]]) -> Mapping[EObject, str]:
-    """Returns the ids of sets, services and messages, each unique within a document.
-
-    Args:
-        sets: The elements of the sets with what they were made of.
-    """
+    """Returns the ids of sets, services and messages, each unique within a document."""
     found: dict[EObject, str] = {}
     taken: set[str] = set()
 

@@ -58,12 +58,7 @@ def joined(*texts: str | None) -> str | None:
 
 
 class Values:
-    """Reads values and reports those that are none.
-
-    Args:
-        scopes: Knows the constants.
-        findings: Where findings go.
-    """
+    """Reads values and reports those that are none."""
 
     def __init__(self, scopes: Scopes, findings: Findings) -> None:
         self._scopes = scopes

@@ -33,9 +33,6 @@ class ElementRule:
     Attributes:
         required: Attributes without which it means nothing.
         assumed: Attributes that files leave out, with the value to assume.
-        optional: Attributes that may be missing.
-        children: Names of its child elements.
-        has_text: True when its text has a meaning.
     """
 
     required: frozenset[str] = frozenset()

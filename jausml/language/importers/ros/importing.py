@@ -35,14 +35,7 @@ _HEADER = "Header"
 
 @dataclass(frozen=True, slots=True)
 class ImportResult:
-    """The outcome of an import.
-
-    Attributes:
-        model: The elements, which know their places in the files; with the documents of the
-            library when a field is of a type of it.
-        packages: The packages (`ros.InterfacePackage`), those asked for first.
-        diagnostics: The findings, sorted by place.
-    """
+    """The outcome of an import."""
 
     model: Model
     packages: list[ros.InterfacePackage]
@@ -68,10 +61,7 @@ def import_packages(
     place; nothing that a file holds raises.
 
     Args:
-        sources: The packages.
         installation: Where packages are installed; None imports none along.
-        library: False leaves the shipped library out of sight.
-        comments: False drops all comments.
     """
     run = _Import(installation, with_library=library, comments=comments)
     return run.run(list(sources))
@@ -222,11 +212,7 @@ class _Import:
 
 
 def library_types(model: Model) -> dict[tuple[str, str], ros.MessageType]:
-    """Returns the message types of the shipped library by package and name.
-
-    Args:
-        model: The model that the documents of the library join.
-    """
+    """Returns the message types of the shipped library by package and name."""
     folder = library_root() / "ros"
     shipped = read_models(sorted(folder.glob("*.xmi")), project_root=folder).model
     for document in shipped.documents:

@@ -27,7 +27,6 @@ def placed(result: ImportResult, places: Mapping[Path, Sequence[ros.InterfacePac
 
     Args:
         result: What was imported.
-        places: The packages of each file that is to be written.
     """
     shipped = [document for document in result.model.documents if document.is_library]
     model = Model(shipped, result.model.metamodels)

@@ -58,11 +58,6 @@ class ClassFinder:
     def of_feature(self, node: Node, feature: FeatureTable, owner: str) -> ClassTable | None:
         """Returns the class of a child element: that of xsi:type, else that of the feature.
 
-        Args:
-            node: The child element, which contains or refers to an element.
-            feature: The feature that its tag names.
-            owner: Name of the class of the enclosing element, for messages.
-
         Returns:
             A class that fits the feature and is not abstract, or None after a report.
         """

@@ -40,11 +40,7 @@ class Reference:
     """A reference that is written in a document.
 
     Attributes:
-        place: Where.
-        owner: The element that refers.
-        feature: The reference.
         uri: URI of the document referred to, without fragment; empty for this document.
-        fragment: The fragment or id.
         name: The name, where the reference is one by name.
         direct: The contained element itself, which waits for its place among others.
     """
@@ -60,13 +56,7 @@ class Reference:
 
 @dataclass(slots=True)
 class Mention:
-    """A document that one refers to which was read before.
-
-    Attributes:
-        place: Somewhere in the document that refers.
-        uri: URI of the document referred to, without fragment.
-        name: Nothing: it is no reference by name.
-    """
+    """A document that one refers to which was read before."""
 
     place: NodePlace
     uri: str
@@ -74,15 +64,7 @@ class Mention:
 
 
 class ElementBuilder:
-    """Builds the elements of one document.
-
-    Args:
-        metamodels: The metamodels of the elements.
-        model: The model that adopts them.
-        problems: Where findings go.
-        references: Where the references of the document are added, in document order.
-        document: The document.
-    """
+    """Builds the elements of one document."""
 
     def __init__(
         self,

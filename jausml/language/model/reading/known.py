@@ -18,13 +18,7 @@ _HEXADECIMAL = 16
 
 
 class KnownNames:
-    """Names that a document can use, as `jausml.language.model.notation.Known` says.
-
-    Args:
-        model: The model, with all documents built.
-        names: Where names are looked for.
-        document: The document.
-    """
+    """Names that a document can use, as `jausml.language.model.notation.Known` says."""
 
     def __init__(self, model: Model, names: NameFinder, document: Document) -> None:
         self._model = model

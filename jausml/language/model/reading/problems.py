@@ -51,9 +51,6 @@ class Problems:
     """The findings of one run, and which features they concern.
 
     A feature with a finding is not checked further: one cause is one error.
-
-    Args:
-        rules: The rules of notations besides XMI, by id.
     """
 
     def __init__(self, rules: Mapping[str, RuleInfo] = MappingProxyType({})) -> None:
@@ -74,11 +71,6 @@ class Problems:
         """Reports a finding; its severity is that of the rule.
 
         Args:
-            rule: Id of the rule.
-            place: Where.
-            message: What is wrong.
-            hint: What to do about it, or empty.
-            related: Further places.
             hides: Whether any feature of the element may have another value than the one written;
                 else those do that are spoilt.
         """

@@ -44,8 +44,6 @@ class LostReference:
     """A reference that leads to no element.
 
     Attributes:
-        owner: The element that refers.
-        feature: The reference.
         path: The file that is referred to, whether it is there or not; None for no file.
         fragment: The fragment or id in it, or the name of a reference by name.
     """
@@ -62,9 +60,7 @@ class ReadResult:
 
     Attributes:
         model: The elements that could be built, which is all of them when there are no errors.
-        diagnostics: The findings, sorted by file, line, column and rule.
         project_root: The folder that hrefs could not leave.
-        lost: The references that lead to no element.
     """
 
     model: Model
@@ -94,7 +90,6 @@ def read_models(
     Every problem becomes a diagnostic with its place; nothing that a file holds raises.
 
     Args:
-        paths: The files.
         project_root: The folder that hrefs may not leave; see `find_project_root` for the default.
         allow_outside: True to let hrefs leave it.
         projects: Folders of Eclipse projects by name, for `platform:/resource/<name>/` hrefs.

@@ -45,14 +45,7 @@ class _Absent:
 
 
 class Resolution:
-    """Resolves the references of all documents.
-
-    Args:
-        model: The model whose documents are built.
-        problems: Where findings go.
-        open_document: How to get the document that a URI names.
-        names: How to find what is referred to by name.
-    """
+    """Resolves the references of all documents."""
 
     def __init__(
         self, model: Model, problems: Problems, open_document: Open, names: NameResolution
@@ -74,9 +67,6 @@ class Resolution:
         """Resolves references, in the order in which they are written.
 
         Single names wait for those of owners: they are looked for in what these mean.
-
-        Args:
-            references: They become more while names open documents of the library.
         """
         waiting: list[Reference] = []
         done = 0

@@ -25,13 +25,7 @@ _FEW_SUGGESTIONS = 50
 
 
 class NameResolution:
-    """Finds the elements that references by name mean.
-
-    Args:
-        names: Where they are looked for.
-        problems: Where findings go.
-        explain: What the notation of a document knows of names that mean nothing in it.
-    """
+    """Finds the elements that references by name mean."""
 
     def __init__(self, names: NameFinder, problems: Problems, explain: Explain) -> None:
         self._names = names

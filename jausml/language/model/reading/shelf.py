@@ -32,7 +32,6 @@ class Shelved:
     Attributes:
         document: The document, whose elements do not change any more.
         uris: The URIs that its references name, each once, in order.
-        origins: Its elements.
     """
 
     document: Document
@@ -52,11 +51,7 @@ class Shelf:
         self._stamps: dict[Path, tuple[int, int]] = {}
 
     def prepare(self, held: Collection[Path]) -> None:
-        """Forgets everything when a file has changed: what refers to it has its elements.
-
-        Args:
-            held: Files that are not read as they are stored.
-        """
+        """Forgets everything when a file has changed: what refers to it has its elements."""
         is_current = all(self._stamps[each] == _stamp(each) for each in self._shelved)
         if not is_current or not self._shelved.keys().isdisjoint(held):
             self._shelved.clear()
@@ -77,13 +72,7 @@ class Shelf:
         self._stamps[path] = _stamp(path)
 
     def put(self, model: Model, opened: Opened, faulty: Collection[str]) -> None:
-        """Puts the documents of a model there that may be shared, if all of them are sound.
-
-        Args:
-            model: The model.
-            opened: What its references led to.
-            faulty: How messages name the files with findings.
-        """
+        """Puts the documents of a model there that may be shared, if all of them are sound."""
         shared = [each for each in model.documents if each.is_shared]
         if all(_is_sound(each, opened, faulty) for each in shared):
             for each in shared:

@@ -23,17 +23,7 @@ class Node:
 
     Attributes:
         namespace: Namespace URI, empty when it has none.
-        tag: Local name.
-        attributes: Names and values in turn, as expat yields them; a name with a namespace is
-            `uri local`.
-        prefixes: Namespace URIs by the prefixes in scope.
-        line: Line of the start tag, counted from 1.
-        column: Column of the start tag, counted from 1.
-        offset: Byte offset of the start tag.
-        parent: The enclosing element.
         children: Child elements in order.
-        text: Character data directly inside the element.
-        obj: The model element that was built from it, if any.
     """
 
     __slots__ = (
@@ -108,9 +98,6 @@ class _Refused(Exception):  # noqa: N818 -- leaves the callbacks, never this mod
 
 def parse(data: bytes) -> ParseResult:
     """Parses a document.
-
-    Args:
-        data: The file's bytes; the encoding is found as XML says (BOM, then declaration).
 
     Returns:
         Its root element, or the one fault that ended the parse. Never raises for bad input.

@@ -19,11 +19,6 @@ def attribute_positions(
 ) -> dict[tuple[str, str], tuple[int, int]]:
     """Returns line and column of the names of the attributes of an element.
 
-    Args:
-        data: The document.
-        encoding: Its encoding.
-        node: The element.
-
     Returns:
         The places by namespace URI, empty for an attribute that has none, and local name.
     """

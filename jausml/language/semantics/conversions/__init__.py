@@ -53,12 +53,7 @@ def conversion_of(element: bridge.Conversion) -> Conversion:
 
 
 def conversions_between(inputs: Sequence[str], output: str) -> list[str]:
-    """Returns the names of the conversions that lead from some kinds to another.
-
-    Args:
-        inputs: Kinds of the values at hand.
-        output: The kind that is wanted.
-    """
+    """Returns the names of the conversions that lead from some kinds to another."""
     return [
         each.name
         for each in CONVERSIONS.values()

@@ -40,7 +40,6 @@ class Formula:
     """An expression of the model.
 
     Attributes:
-        expression: The expression.
         names: What its names stand for: positions of inputs, -1 for a counter of list elements.
     """
 

@@ -49,12 +49,7 @@ _REFERRED = {ArgumentKind.NUMBER: "bridge.Quantity", ArgumentKind.TABLE: "bridge
 
 @dataclass(frozen=True, slots=True)
 class Argument:
-    """A parameter of a conversion; each is required.
-
-    Attributes:
-        name: How documentation and messages call it.
-        kind: What it is. A number may be a quantity of the map too.
-    """
+    """A parameter of a conversion; each is required."""
 
     name: str
     kind: ArgumentKind = ArgumentKind.NUMBER
@@ -97,14 +92,10 @@ class Conversion(ABC):
     of the runtime compare two computations.
 
     Attributes:
-        name: Name of the literal.
         inputs: Kinds of the values that it takes; a `+` behind one stands for one or more.
-        outputs: Kinds of the values that it yields.
-        arguments: Its parameters, in the order in which they are written.
         units: What becomes of the unit, or the units that it takes and yields.
         frames: Frames that it takes and yields, empty when it has nothing to do with frames.
         takes_axes: Axes of what a conversion between frames takes; empty text for an orientation.
-        gives_axes: Axes of what a conversion between frames yields.
         inverse: Name of the conversion that leads back, with the same arguments; may be empty.
         limits: Ranges of the results when they do not depend on the inputs, else empty.
         is_of_turns: Whether whole turns of its result do not count.
@@ -151,22 +142,13 @@ class Conversion(ABC):
 
     @abstractmethod
     def forward(self, *given: Any, **named: Any) -> Any:
-        """Returns the result: a tuple of parts for messages and for several outputs.
-
-        Args:
-            given: The inputs, then the arguments.
-            named: The present time, where the conversion needs it.
-
-        Raises:
-            NoValueError: There is none.
-        """
+        """Returns the result: a tuple of parts for messages and for several outputs."""
 
     def interval(self, *_given: Any, **_named: Any) -> Interval:
         """Returns the range of the result, never narrower than the truth.
 
         Args:
             _given: Ranges of the inputs, none of which is empty, then the arguments.
-            _named: Nothing.
         """
         return EVERYTHING
 
@@ -175,7 +157,6 @@ class Conversion(ABC):
 
         Args:
             _given: The result, then the arguments.
-            _named: Nothing.
         """
         raise NoValueError(self.name)
 
@@ -189,7 +170,6 @@ class Conversion(ABC):
 
         Args:
             _given: The inputs, then the arguments.
-            _named: Nothing.
         """
         return False
 
@@ -235,7 +215,6 @@ class Conversion(ABC):
 
         Args:
             known: Ranges of the inputs; those of what is no number are infinite.
-            arguments: The arguments.
         """
         if self.limits:
             return list(self.limits)

@@ -57,14 +57,6 @@ def add_bridge(
 
     The bridge provides the services whose messages it reports or takes, and finds components that
     provide those of which it needs the other end.
-
-    Args:
-        options: What the bridge is.
-        ends: The ends of the maps of the text.
-        declarer: Knows which messages the text declares.
-        known: Knows the other messages.
-        nodes: Makes the nodes.
-        metamodels: The metamodels of the elements.
     """
     maps = list(_maps(ends, declarer, known))
     if not maps:

@@ -34,19 +34,7 @@ SERVICE = "service"
 
 
 class TextDocument:
-    """The nodes of a text, and what is declared and checked once its surroundings are known.
-
-    Attributes:
-        tree: The syntax tree.
-        imports: The documents that it imports.
-
-    Args:
-        document: The syntax tree.
-        faults: What the parser found.
-        path: The file.
-        metamodels: The metamodels of the elements.
-        bridge: What a bridge of all its maps is, None for none.
-    """
+    """The nodes of a text, and what is declared and checked once its surroundings are known."""
 
     def __init__(
         self,

@@ -17,13 +17,7 @@ if TYPE_CHECKING:
 
 
 def explain(qualified_class: str, name: str, service: OwnService) -> Explanation:
-    """Returns what to write where a name means nothing.
-
-    Args:
-        qualified_class: The class of the element that is meant.
-        name: The name as it is written.
-        service: The service of the messages that the text declares.
-    """
+    """Returns what to write where a name means nothing."""
     if qualified_class == "bridge.AttributeMap":
         wanted = name.rpartition(".")[2]
         modules = [each.module for each in library_maps() if each.name == wanted]

@@ -19,11 +19,7 @@ _SUFFIXES = (".xmi", ".ros2jaus")
 
 
 def resolve(item: Import) -> ImportedDocument | Fault:
-    """Returns the document that an import names.
-
-    Args:
-        item: `import "robot.xmi"`, or `import mappings.global_pose` for the library.
-    """
+    """Returns the document that an import names."""
     target = item.target
     line, column = target.span.line, target.span.column
     if isinstance(target, Text):

@@ -18,14 +18,7 @@ _TEXT = ".ros2jaus"
 
 @dataclass(frozen=True, slots=True)
 class LibraryMap:
-    """A map of the shipped library.
-
-    Attributes:
-        name: Its name.
-        module: What to import for it, such as `mappings.velocity_state_sensor`.
-        message: Its JAUS message.
-        type: Its ROS type.
-    """
+    """A map of the shipped library."""
 
     name: str
     module: str

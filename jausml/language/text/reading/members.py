@@ -38,14 +38,7 @@ _SIZES = {"fixedArray": True, "boundedSequence": False, "unboundedSequence": Fal
 
 @dataclass(frozen=True, slots=True)
 class MemberKind:
-    """The kind of a member of a known message.
-
-    Attributes:
-        word: Its type word.
-        also: Further words that may stand for it.
-        size: How many elements it has, None for one.
-        inner: Its members, None when it has none.
-    """
+    """The kind of a member of a known message."""
 
     word: str
     also: frozenset[str] = frozenset()
@@ -60,22 +53,14 @@ class MemberKind:
 
 
 class MemberCheck:
-    """Checks listed members.
-
-    Args:
-        types: The named types of the text; those of members are added to the used ones.
-    """
+    """Checks listed members."""
 
     def __init__(self, types: Types) -> None:
         self._types = types
         self._faults: list[Fault] = []
 
     def run(self, ends: Sequence[WrittenEnd]) -> list[Fault]:
-        """Returns what ends say wrongly about messages that are known.
-
-        Args:
-            ends: Ends that declare nothing, with the nodes of their maps, built.
-        """
+        """Returns what ends say wrongly about messages that are known."""
         for written in ends:
             if written.node.obj is None:
                 continue

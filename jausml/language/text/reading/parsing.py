@@ -37,8 +37,6 @@ class Parsed:
     """The outcome of parsing a text.
 
     Attributes:
-        document: The tree of what could be understood.
-        faults: The syntax errors, in the order of the text.
         tokens: The tokens of the text, without comments.
     """
 

@@ -26,9 +26,6 @@ _EMPTY_LINE = re.compile(r"[ \t]*\n")
 def pieces_of(text: str) -> list[tuple[int, str]]:
     """Cuts a text into pieces.
 
-    Args:
-        text: The text.
-
     Returns:
         The line on which each begins, from 1, and its text.
     """
@@ -54,12 +51,7 @@ def pieces_of(text: str) -> list[tuple[int, str]]:
 
 
 def parse_piece(line: int, text: str) -> Parsed:
-    """Reads a piece; positions are those in the whole text.
-
-    Args:
-        line: The line on which it begins.
-        text: The piece.
-    """
+    """Reads a piece; positions are those in the whole text."""
     parsed = parse("\n" * (line - 1) + text)
     if line > 1 and parsed.document.items:
         # An empty line before it tells it from the piece before.
@@ -68,11 +60,7 @@ def parse_piece(line: int, text: str) -> Parsed:
 
 
 def joined(pieces: list[Parsed]) -> Parsed:
-    """Returns what parsing the whole text gives, if there is no error in it.
-
-    Args:
-        pieces: Its pieces, parsed.
-    """
+    """Returns what parsing the whole text gives, if there is no error in it."""
     document = SyntaxTree(
         [item for each in pieces for item in each.document.items],
         [comment for each in pieces for comment in each.document.closing],

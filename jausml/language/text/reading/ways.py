@@ -21,11 +21,7 @@ _SERVICES, _PEERS = ("provides", "uses"), ("map", "peers", "query")
 
 
 def settle_connections(classes: Iterable[tuple[Node, ClassTable]]) -> list[Fault]:
-    """Gives connections what follows from all else; returns what several ways would be.
-
-    Args:
-        classes: The nodes of a document, whose references are resolved, with their classes.
-    """
+    """Gives connections what follows from all else; returns what several ways would be."""
     wanted = [
         (node, table)
         for node, table in classes

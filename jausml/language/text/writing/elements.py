@@ -34,12 +34,7 @@ _STANDING = frozenset(
 
 
 class ElementWriter:
-    """Makes the blocks of one document.
-
-    Args:
-        metamodels: The metamodels of the elements.
-        names: How the document refers to elements.
-    """
+    """Makes the blocks of one document."""
 
     def __init__(self, metamodels: Metamodels, names: DocumentNames) -> None:
         self._metamodels = metamodels
@@ -64,13 +59,7 @@ class ElementWriter:
         return documented(block, obj)
 
     def values(self, obj: EObject, *, without: frozenset[str]) -> Iterator[Feature]:
-        """Yields the attributes and references of an element as features.
-
-        Args:
-            obj: The element.
-            without: Features that are said elsewhere, unless they are a name or documentation that
-                only a feature can hold.
-        """
+        """Yields the attributes and references of an element as features."""
         following = unstated(obj) if isinstance(obj, bridge.Connection) else None
         for feature in self._metamodels.class_of(obj).features.values():
             said_here = feature.name not in without or needs_feature(obj, feature.name)

@@ -48,33 +48,18 @@ _BOUNDED = re.compile(r"(.+)<=(\d+)")
 
 
 def lay_out(document: SyntaxTree) -> str:
-    """Returns a document as text.
-
-    Args:
-        document: The document.
-    """
+    """Returns a document as text."""
     lines = _list(document.items, document.closing, WIDTH)
     return "".join(f"{line}\n" for line in lines)
 
 
 def lines_of(item: Item, room: int) -> list[str]:
-    """Returns the lines of one item with its comments.
-
-    Args:
-        item: The item.
-        room: Columns that there are.
-    """
+    """Returns the lines of one item with its comments."""
     return _list([item], (), room)
 
 
 def _list(items: Sequence[Item], closing: Sequence[str], room: int) -> list[str]:
-    """Returns the lines of a list of items.
-
-    Args:
-        items: The items.
-        closing: Comments behind them.
-        room: Columns that there are.
-    """
+    """Returns the lines of a list of items."""
     return _stacked(items, [_lines(item, room) for item in items], closing, room)
 
 

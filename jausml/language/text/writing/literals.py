@@ -27,11 +27,7 @@ def is_number(text: str) -> bool:
 
 
 def number(value: float) -> Number | Text:
-    """Returns a real number: without a fraction where it has none, as text where it is no number.
-
-    Args:
-        value: Any number; minus zero, infinities and NaN are kept.
-    """
+    """Returns a real number without a needless fraction; as text where it is no number."""
     if not math.isfinite(value):
         return Text("NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity")
     return Number(repr(float(value)).removesuffix(".0"))
@@ -50,12 +46,7 @@ def word_or_constant(text: str) -> Name | Number | Text:
 
 
 def attribute_value(value: Any, feature: FeatureTable) -> Name | Number | Text | Href:
-    """Returns one value of an attribute.
-
-    Args:
-        value: The value as the model has it.
-        feature: The attribute.
-    """
+    """Returns one value of an attribute."""
     if value is None:
         return NO_VALUE
     kind = cast("DataTypeTable", feature.data_type).kind

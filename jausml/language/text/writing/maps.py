@@ -48,13 +48,7 @@ _BY_ARROW = frozenset({"target", "source", "value", "conversions", "assignments"
 
 
 class MapWriter:
-    """Writes the maps of one document.
-
-    Args:
-        elements: Writes uniform blocks.
-        names: How the document refers to elements.
-        metamodels: The metamodels of the elements.
-    """
+    """Writes the maps of one document."""
 
     def __init__(
         self, elements: ElementWriter, names: DocumentNames, metamodels: Metamodels

@@ -15,11 +15,7 @@ _MUCH = 5
 
 
 def space(items: Sequence[Item]) -> None:
-    """Sets apart what says much, and the elements that follow values.
-
-    Args:
-        items: What stands in a block. Those that say little follow each other line by line.
-    """
+    """Sets apart what says much, and the elements that follow values."""
     for before, item in pairwise(items):
         follows_values = isinstance(before, Feature) and _values(before) == 1
         if follows_values and (isinstance(item, Feature) or not _says_much(item)):
@@ -29,11 +25,7 @@ def space(items: Sequence[Item]) -> None:
 
 
 def space_document(items: Sequence[Item]) -> None:
-    """Sets all that stands on top level apart, but not imports from each other.
-
-    Args:
-        items: The items of a document.
-    """
+    """Sets all that stands on top level apart, but not imports from each other."""
     for before, item in pairwise(items):
         item.spaced = not (isinstance(before, Import) and isinstance(item, Import))
 

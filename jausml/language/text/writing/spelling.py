@@ -16,48 +16,28 @@ _SHORT = {"\n": "\\n", "\t": "\\t", "\r": "\\r", "\\": "\\\\"}
 
 
 def word(text: str) -> str:
-    """Returns a name as it is written: in back quotes where it is no plain word.
-
-    Args:
-        text: Any text.
-    """
+    """Returns a name as it is written: in back quotes where it is no plain word."""
     plain = _PATH.fullmatch(text) and not text.endswith("]") and text not in KEYWORDS
     return text if plain else f"`{_escaped(text, '`')}`"
 
 
 def path(text: str) -> str:
-    """Returns a path as it is written; unlike a name it may end with an index.
-
-    Args:
-        text: Any text.
-    """
+    """Returns a path as it is written; unlike a name it may end with an index."""
     return text if text.endswith("]") and _PATH.fullmatch(text) else word(text)
 
 
 def feature_name(text: str) -> str:
-    """Returns the name of a feature, which may be a keyword.
-
-    Args:
-        text: Any text.
-    """
+    """Returns the name of a feature, which may be a keyword."""
     return text if text in KEYWORDS else word(text)
 
 
 def quoted(text: str) -> str:
-    """Returns a text in quotation marks.
-
-    Args:
-        text: Any text.
-    """
+    """Returns a text in quotation marks."""
     return f'"{_escaped(text, chr(34))}"'
 
 
 def can_document(text: str) -> bool:
-    """Tells whether a documentation comment can hold a text to the letter.
-
-    Args:
-        text: Any text.
-    """
+    """Tells whether a documentation comment can hold a text to the letter."""
     comment = "\n".join(documentation(text, _ANY_WIDTH))
     return is_documentation(comment) and documentation_text(comment) == text
 

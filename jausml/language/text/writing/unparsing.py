@@ -36,8 +36,6 @@ def to_text(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]
     """Returns root elements with all that they own as ros2jaus text in its canonical layout.
 
     Args:
-        roots: The root elements of the document.
-        model: Knows where elements of other documents stand.
         path: The file that the text is meant for. Imports are relative to it, and a system or map
             library of its name is left to be implied.
 
@@ -56,16 +54,7 @@ def to_text(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]
 
 
 def to_tree(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]) -> SyntaxTree:
-    """Returns root elements with all that they own as a syntax tree.
-
-    Args:
-        roots: The root elements of the document.
-        model: Knows where elements of other documents stand.
-        path: The file that the text is meant for.
-
-    Raises:
-        UnwritableError: A reference leads nowhere, as `to_text` says.
-    """
+    """Returns root elements with all that they own as a syntax tree."""
     names = ReferenceNames(roots, model, Path(path))
     elements = ElementWriter(model.metamodels, names)
     elements.special[MAP] = MapWriter(elements, names, model.metamodels).items

@@ -22,9 +22,6 @@ def render(report: Report) -> str:
 
     A test case is one rule that has findings in the file; it fails when one of them is an error.
     A file without findings has one test case that passes: an empty suite would read as no test.
-
-    Args:
-        report: The report.
     """
     by_file: dict[str, list[Diagnostic]] = {path: [] for path in report.files}
     for each in report.diagnostics:

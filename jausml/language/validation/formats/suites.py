@@ -15,12 +15,8 @@ class Case:
     """A test case. Texts may hold anything; what XML cannot hold is escaped.
 
     Attributes:
-        group: What it belongs to, which build servers show before its name.
-        name: Its name.
         failure: Why it failed, on one line; None where it did not.
-        kind: The kind of failure.
         details: More about the failure, on several lines.
-        skipped: Why it was skipped; None where it was not.
         output: What else is to be known of it, on several lines.
         seconds: How long it took; None where nothing was measured.
     """
@@ -44,12 +40,7 @@ class Suite:
 
 
 def junit_document(name: str, suites: Iterable[Suite]) -> str:
-    """Returns suites as an XML document.
-
-    Args:
-        name: What was tested.
-        suites: The suites, in order.
-    """
+    """Returns suites as an XML document."""
     suites = list(suites)
     root = _totalled("testsuites", name, [case for suite in suites for case in suite.cases])
     for suite in suites:

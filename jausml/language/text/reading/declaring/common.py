@@ -26,14 +26,7 @@ MOST_MEMBERS = 10_000
 
 @dataclass(slots=True)
 class Types:
-    """The named types of a text, and how much was made of them.
-
-    Attributes:
-        named: Declared types by name.
-        used: Names of those that a member has.
-        open: Names of the types inside which members are being built.
-        members: How many members there are so far.
-    """
+    """The named types of a text, and how much was made of them."""
 
     named: Mapping[str, Member]
     used: set[str] = field(default_factory=set)
@@ -42,14 +35,7 @@ class Types:
 
 
 class MemberBuilder:
-    """Builds members of messages.
-
-    Args:
-        metamodels: The metamodels of the elements.
-        nodes: Makes the nodes.
-        elements: Reads features.
-        types: The named types of the text.
-    """
+    """Builds members of messages."""
 
     def __init__(
         self, metamodels: Metamodels, nodes: NodeMaker, elements: ElementReader, types: Types

@@ -27,15 +27,7 @@ _NAME = re.compile("[A-Za-z][A-Za-z0-9_]*")
 
 
 class Declarer:
-    """Declares the new messages of one document.
-
-    Args:
-        metamodels: The metamodels of the elements.
-        nodes: Makes the nodes.
-        elements: Reads features.
-        path: The file, which gives names to the roots.
-        types: The named types of the text.
-    """
+    """Declares the new messages of one document."""
 
     def __init__(
         self,
@@ -58,12 +50,7 @@ class Declarer:
         self._fresh: dict[tuple[bool, str], WrittenEnd] = {}
 
     def run(self, ends: Sequence[WrittenEnd], known: Known) -> None:
-        """Declares what ends with members name in vain, each once.
-
-        Args:
-            ends: The ends of all maps, in the order of the text.
-            known: What is known already.
-        """
+        """Declares what ends with members name in vain, each once."""
         fresh: dict[tuple[bool, str], WrittenEnd] = {}
         for written in ends:
             end = written.end

@@ -57,14 +57,7 @@ class JausFields(MemberBuilder):
         self.nodes.value(record, "presenceVector", _PRESENCE[width], optional[0].span)
 
     def _field(self, owner: Node, feature: str, member: Member, definition: Member) -> None:
-        """Builds the field of a member.
-
-        Args:
-            owner: The element that has it.
-            feature: The feature of the owner.
-            member: Gives the name, the documentation and the facts.
-            definition: Gives type and size: the member itself, or a named type.
-        """
+        """Builds the field of a member."""
         if self.is_too_much(member) or self.is_wrong_size(definition):
             return
         size = size_of(definition)

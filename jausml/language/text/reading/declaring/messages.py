@@ -37,11 +37,7 @@ class OwnService:
     """Makes the service that has the new messages of a text.
 
     Args:
-        metamodels: The metamodels of the elements.
-        nodes: Makes the nodes.
-        elements: Reads features.
         path: The file, which names the service where the text does not.
-        types: The named types of the text.
     """
 
     def __init__(
@@ -73,12 +69,7 @@ class OwnService:
         return service_name(self._path)
 
     def declare(self, ends: Sequence[WrittenEnd], known: Known) -> list[Node]:
-        """Returns the service set of the service, which is there if the text needs or writes it.
-
-        Args:
-            ends: The ends of maps that declare messages, each message once.
-            known: What is known already.
-        """
+        """Returns the service set of the service, which is there if the text needs or writes it."""
         if self.written is None and not ends:
             return []
         span = self.written.span if self.written is not None else ends[0].end.type.span

@@ -41,7 +41,6 @@ class Size:
 
     Attributes:
         count: The number, or the greatest one; 0 for any number.
-        is_fixed: Whether it has exactly this number.
     """
 
     count: int
@@ -57,7 +56,6 @@ class TypeWord:
     """The type word of a member.
 
     Attributes:
-        word: The word in the vocabulary of the metamodels, `uint16` for `unsigned short integer`.
         bound: Greatest length of a string, 0 for none.
     """
 
@@ -69,11 +67,7 @@ class TypeWord:
 
 
 def type_word(text: str) -> TypeWord:
-    """Returns the type that a word means.
-
-    Args:
-        text: The word with its bound, as `Member.type` has it.
-    """
+    """Returns the type that a word means."""
     word, _, bound = text.partition("<=")
     plain = " ".join(word.split())
     return TypeWord(_WORDS.get(plain, plain), _number(bound) or 0)

@@ -40,14 +40,7 @@ _NEGLIGIBLE = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class _End:
-    """A numeric target of an assignment.
-
-    Attributes:
-        path: Its path.
-        attribute: What it is.
-        carried: The numbers that it carries.
-        given: The numbers that the assignment may yield.
-    """
+    """A numeric target of an assignment."""
 
     path: str
     attribute: Attribute
@@ -228,8 +221,6 @@ def _silent_loss(placed: Placed[bridge.FieldAssignment], end: _End, error: float
     """What rounding loses of a position on the earth or of a quantity, empty where it is harmless.
 
     Args:
-        placed: The assignment.
-        end: A target of it, without a stated precision.
         error: What rounding loses, in the unit of the target.
     """
     given = attribute_measure(end.attribute) or result_measure(placed)

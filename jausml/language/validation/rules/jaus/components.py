@@ -283,13 +283,7 @@ def provider_name(provider: Provider) -> str:
 def missing_query(
     connection: AnyConnection, message: jaus.MessageDef, provider: Provider
 ) -> Finding:
-    """Returns the finding about a connection whose provider takes no query for the report.
-
-    Args:
-        connection: The connection.
-        message: The report.
-        provider: Who should take the query.
-    """
+    """Returns the finding about a connection whose provider takes no query for the report."""
     query = connection.query
     wanted = query.name if query is not None else query_name(message)
     note = (Note(provider, provider_name(provider)),)
