@@ -20,7 +20,12 @@ from jausml.language.semantics.conversions.authored import Formula
 from jausml.runtime import conversions as runtime
 
 LITERALS = load_metamodels().package_named("bridge").enumerations["ConversionKind"].literals
-CALLED = [each for each in CONVERSIONS.values() if not each.is_in_place]
+WRITTEN = (ArgumentKind.TEXT, ArgumentKind.FORMULA, ArgumentKind.METHOD)
+CALLED = [
+    each
+    for each in CONVERSIONS.values()
+    if each.own_argument is None or each.own_argument.kind not in WRITTEN
+]
 BY_NAME = [pytest.param(each, id=each.name) for each in CONVERSIONS.values()]
 
 # ------------------------------------------------------------ one of each, wherever it is told

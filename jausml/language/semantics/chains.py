@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.semantics.attributes import BOOL, LIST, NUMBER, NUMBERS, TEXT, Attribute
 from jausml.language.semantics.conversions import ANY, VALUE, conversion_of
+from jausml.language.semantics.conversions.authored import Expression
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -55,5 +56,6 @@ def yields(conversion: bridge.Conversion, kind: str, target: Attribute) -> bool:
         return True
     if kind == VALUE:
         return target.kind in _VALUES
-    is_truth = conversion_of(conversion).may_be_truth and target.kind == BOOL
+    # The truth of an expression is 1 or 0, which a bool takes.
+    is_truth = isinstance(conversion_of(conversion), Expression) and target.kind == BOOL
     return kind == target.kind or is_truth

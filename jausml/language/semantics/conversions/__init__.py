@@ -18,6 +18,7 @@ from jausml.language.semantics.conversions.conversion import (
     Argument,
     ArgumentKind,
     Conversion,
+    Effect,
     NoValueError,
     UnitEffect,
 )
@@ -34,6 +35,7 @@ __all__ = [
     "Argument",
     "ArgumentKind",
     "Conversion",
+    "Effect",
     "NoValueError",
     "UnitEffect",
     "conversion_of",

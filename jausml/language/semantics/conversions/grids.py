@@ -64,7 +64,6 @@ class ReverseRows(Conversion):
     """
 
     name = "reverse_rows"
-    is_of_need = True
     inputs = (NUMBERS, NUMBER)
     outputs = (NUMBERS,)
     units = UnitEffect.SAME

@@ -27,7 +27,6 @@ class TimestampToTime(Conversion):
     inputs = (TIME_STAMP,)
     outputs = (TIME,)
     inverse = "time_to_timestamp"
-    needs_clock = True
 
     def forward(self, stamp: Stamp, *, near: Instant) -> Instant:
         """The nearest of all instants around with this day and time; any day for day 0."""
