@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
-from jausml.language.semantics.paths import target_paths
-from jausml.language.semantics.stops import stop_assignments
+from jausml.language.semantics.connections.stops import stop_assignments
+from jausml.language.semantics.paths.scopes import target_paths
 from jausml_generators.bridge.checks.check import Check, equals, store
 from jausml_generators.bridge.checks.filling import Code, ValueTextError
 

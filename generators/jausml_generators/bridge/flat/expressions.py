@@ -7,10 +7,10 @@ import copy
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
-from jausml.language.semantics.attributes import TIME_STAMP
 from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.semantics.conversions.conversion import QUATERNION
 from jausml.language.semantics.conversions.numbers import Clamp
+from jausml.language.semantics.paths.attributes import TIME_STAMP
 from jausml_generators.bridge.flat.errors import NotFlatError
 from jausml_generators.bridge.flat.limits import limit_call
 from jausml_generators.bridge.flat.texts import limit_variable, text_of

@@ -6,8 +6,8 @@ import ast
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from jausml.language.semantics.attributes import TIME_STAMP
 from jausml.language.semantics.conversions import CONVERSIONS
+from jausml.language.semantics.paths.attributes import TIME_STAMP
 from jausml_generators.bridge.flat.errors import NotFlatError
 from jausml_generators.bridge.flat.expressions import (
     Names,

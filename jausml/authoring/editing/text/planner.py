@@ -20,7 +20,7 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.metamodel.filling import contents, hang, set_value
 from jausml.language.model.names import name_of
 from jausml.language.model.xmi.writer import UnwritableError
-from jausml.language.semantics.ways import FEATURES, settle
+from jausml.language.semantics.connections.ways import FEATURES, settle
 from jausml.language.text.tree import Assignment, Element, Entry, Ignored, Table, Vector
 from jausml.language.text.writing.heads import is_comment
 from jausml.language.text.writing.literals import is_name

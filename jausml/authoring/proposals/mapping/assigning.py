@@ -25,17 +25,17 @@ from jausml.authoring.proposals.mapping.statements import (
 from jausml.authoring.proposals.mapping.tabling import tabled
 from jausml.authoring.proposals.mapping.trial import Judged, judge
 from jausml.authoring.proposals.options import Option, Options
-from jausml.language.semantics.attributes import LIST, NUMBER, NUMBERS
+from jausml.language.semantics.assignments.frames import axis_of
+from jausml.language.semantics.assignments.units import attribute_measure
 from jausml.language.semantics.conversions import (
     CONVERSIONS,
     Effect,
     UnitEffect,
     conversions_between,
 )
-from jausml.language.semantics.frames import axis_of
-from jausml.language.semantics.named_values import compared
-from jausml.language.semantics.paths import is_many, outer_scope
-from jausml.language.semantics.units import attribute_measure
+from jausml.language.semantics.paths.attributes import LIST, NUMBER, NUMBERS
+from jausml.language.semantics.paths.named_values import compared
+from jausml.language.semantics.paths.scopes import is_many, outer_scope
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.language.semantics.core_services import SERVED_BY_RUNTIME
-from jausml.language.semantics.inherited_machines import CORE_EVENTS
+from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
+from jausml.language.semantics.jaus.inherited_machines import CORE_EVENTS
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterable

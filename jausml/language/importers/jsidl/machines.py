@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, cast
 
 from jausml.language.importers.jsidl.lineage import bases_first
 from jausml.language.model.values import show, suggest
-from jausml.language.semantics.inherited_machines import CORE_STATES, Machine, machines_of
+from jausml.language.semantics.jaus.inherited_machines import CORE_STATES, Machine, machines_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 
 from jausml.language.semantics.conversions.conversion import (
     DEGREE,
+    ENU,
+    NED,
     RADIAN,
     TURN,
     Conversion,
     Effect,
     linear_interval,
 )
-from jausml.language.semantics.frame_names import ENU, NED
 
 if TYPE_CHECKING:
     from jausml.language.attributes.intervals import Interval

@@ -1,4 +1,4 @@
-"""Base of all conversions: what the toolchain knows of one."""
+"""Names of the `Frame` literals whose axes have directions."""
 
 from __future__ import annotations
 
@@ -16,10 +16,16 @@ from jausml.language.attributes.intervals import (
     product,
     total,
 )
-from jausml.language.semantics.attributes import BOOL, LIST, NUMBER, NUMBERS, TEXT, TIME_STAMP
+from jausml.language.semantics.paths.attributes import BOOL, LIST, NUMBER, NUMBERS, TEXT, TIME_STAMP
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+
+FLU, FRD = "forwardLeftUp", "forwardRightDown"
+ENU, NED = "eastNorthUp", "northEastDown"
+UP, DOWN = "localUp", "localDown"
+
 
 ANY = "any"
 VALUE = "value"

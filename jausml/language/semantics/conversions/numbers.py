@@ -6,7 +6,6 @@ import math
 
 from jausml.language.attributes import intervals
 from jausml.language.attributes.intervals import EVERYTHING, Interval
-from jausml.language.semantics.attributes import NUMBER
 from jausml.language.semantics.conversions.conversion import (
     MAXIMUM,
     OWN,
@@ -18,6 +17,7 @@ from jausml.language.semantics.conversions.conversion import (
     UnitEffect,
     linear_interval,
 )
+from jausml.language.semantics.paths.attributes import NUMBER
 
 
 class Negate(Conversion):

@@ -9,8 +9,11 @@ from __future__ import annotations
 
 import math
 
-from jausml.language.semantics.attributes import NUMBER
 from jausml.language.semantics.conversions.conversion import (
+    ENU,
+    FLU,
+    FRD,
+    NED,
     ONE,
     QUATERNION,
     RADIAN,
@@ -18,7 +21,7 @@ from jausml.language.semantics.conversions.conversion import (
     Conversion,
     Effect,
 )
-from jausml.language.semantics.frame_names import ENU, FLU, FRD, NED
+from jausml.language.semantics.paths.attributes import NUMBER
 
 QUARTER = (-math.pi / 2, math.pi / 2)
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from datetime import datetime, timedelta, timezone
 
-from jausml.language.semantics.attributes import TIME, TIME_STAMP
 from jausml.language.semantics.conversions.conversion import Conversion, NoValueError
+from jausml.language.semantics.paths.attributes import TIME, TIME_STAMP
 
 Instant = tuple[int, int]
 Stamp = tuple[int, int, int, int, int]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.model.names import qualified_name
 from jausml.language.model.uris import LIBRARY_URI
-from jausml.language.semantics.ways import EVENT, MESSAGE, TO_JAUS, TO_ROS
+from jausml.language.semantics.connections.ways import EVENT, MESSAGE, TO_JAUS, TO_ROS
 from jausml.language.text.reading.declaring.messages import message_feature
 from jausml.language.text.root_names import system_name
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.notation import Fault
 from jausml.language.model.values import nearest, show
-from jausml.language.semantics.layouts import attributes, class_name
+from jausml.language.semantics.jaus.layouts import attributes, class_name
 from jausml.language.text.keywords import snake_case
 from jausml.language.text.reading.declaring.common import DEEPEST
 from jausml.language.text.reading.declaring.jaus import VALUE
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from jausml.language.model.xmi.parsing import Node
-    from jausml.language.semantics.attributes import JausPart, Part
+    from jausml.language.semantics.paths.attributes import JausPart, Part
     from jausml.language.text.reading.declaring.common import Types
     from jausml.language.text.reading.maps import WrittenEnd
     from jausml.language.text.tree import End, Member, Span

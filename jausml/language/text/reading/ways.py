@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, cast
 
 from jausml.language.metamodel.filling import set_value
 from jausml.language.model.notation import Fault
+from jausml.language.semantics.connections.ways import CONNECTION, FEATURES, settle
 from jausml.language.semantics.memory import remembering
-from jausml.language.semantics.ways import CONNECTION, FEATURES, settle
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel import ClassTable, DataTypeTable
     from jausml.language.model.xmi.parsing import Node
-    from jausml.language.semantics.ways import Settled
+    from jausml.language.semantics.connections.ways import Settled
 
 _SERVICES, _PEERS = ("provides", "uses"), ("map", "peers", "query")
 

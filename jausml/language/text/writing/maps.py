@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.xmi.writer import is_written
 from jausml.language.semantics.conversions import conversion_of
-from jausml.language.semantics.paths import has_source
+from jausml.language.semantics.paths.scopes import has_source
 from jausml.language.text.tree import (
     Assignment,
     BlockItem,

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.answers import told_by_command
-from jausml.language.semantics.services import code, is_known
-from jausml.language.semantics.unanswered import sent_reports, unanswered
+from jausml.language.semantics.connections.unanswered import sent_reports, unanswered
+from jausml.language.semantics.jaus.answers import told_by_command
+from jausml.language.semantics.jaus.services import code, is_known
 from jausml.language.validation.rule import Finding, rule
 
 if TYPE_CHECKING:

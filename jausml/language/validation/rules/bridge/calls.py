@@ -8,20 +8,20 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics import calls
-from jausml.language.semantics.attributes import PathFault
-from jausml.language.semantics.commands import is_command
-from jausml.language.semantics.core_services import CORE_MESSAGES
-from jausml.language.semantics.layouts import attributes
-from jausml.language.semantics.ros_paths import RosPlace, ros_name
-from jausml.language.semantics.services import (
+from jausml.language.semantics.connections import calls
+from jausml.language.semantics.connections.topics import resolve_topic, topic_fault
+from jausml.language.semantics.jaus.commands import is_command
+from jausml.language.semantics.jaus.core_services import CORE_MESSAGES
+from jausml.language.semantics.jaus.layouts import attributes
+from jausml.language.semantics.jaus.services import (
     code,
     find_input,
     find_output,
     is_known,
     provides_access_control,
 )
-from jausml.language.semantics.topics import resolve_topic, topic_fault
+from jausml.language.semantics.paths.attributes import PathFault
+from jausml.language.semantics.paths.ros_paths import RosPlace, ros_name
 from jausml.language.validation.rule import Finding, Note, rule
 from jausml.language.validation.rules.jaus.components import provider_name
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.language.metamodel.classes import jaus
-    from jausml.language.semantics.services import Provider
+    from jausml.language.semantics.jaus.services import Provider
     from jausml.language.semantics.subject import Subject
 
 _ENDS = (

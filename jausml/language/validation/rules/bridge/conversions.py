@@ -16,12 +16,11 @@ from jausml.language.attributes.expressions import (
 )
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.attributes import LIST, NUMBERS
-from jausml.language.semantics.chains import ChainFault, chain_kinds
+from jausml.language.semantics.assignments.steps import ChainFault, chain_kinds, expression_names
 from jausml.language.semantics.conversions import CONVERSIONS, ArgumentKind, conversion_of
 from jausml.language.semantics.conversions.authored import Expression, User
-from jausml.language.semantics.directions import directions
-from jausml.language.semantics.expressions import expression_names
+from jausml.language.semantics.paths.attributes import LIST, NUMBERS
+from jausml.language.semantics.paths.directions import directions
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.semantics.conversions import Conversion
-    from jausml.language.semantics.paths import Placed
+    from jausml.language.semantics.paths.scopes import Placed
     from jausml.language.semantics.subject import Subject
 
     WithChain = bridge.FieldAssignment | bridge.ListAssignment

@@ -6,18 +6,18 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics import frames
-from jausml.language.semantics.attributes import Attribute
+from jausml.language.semantics.assignments import frames
+from jausml.language.semantics.assignments.frames import IS_DOWN
+from jausml.language.semantics.assignments.steps import steps_of
 from jausml.language.semantics.conversions.numbers import Negate
-from jausml.language.semantics.directions import directions
-from jausml.language.semantics.frames import IS_DOWN
-from jausml.language.semantics.steps import steps_of
+from jausml.language.semantics.paths.attributes import Attribute
+from jausml.language.semantics.paths.directions import directions
 from jausml.language.validation.rule import Finding, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.language.semantics.paths import Placed
+    from jausml.language.semantics.paths.scopes import Placed
     from jausml.language.semantics.subject import Subject
 
 _GEODETIC = "geodetic"

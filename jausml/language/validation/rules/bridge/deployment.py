@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.topics import endpoints
+from jausml.language.semantics.connections.topics import endpoints
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.language.semantics.connections.topics import Endpoint
     from jausml.language.semantics.subject import Subject
-    from jausml.language.semantics.topics import Endpoint
 
 PARAMETERS = frozenset(
     {

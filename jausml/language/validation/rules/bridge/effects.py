@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.flows import flow_of
-from jausml.language.semantics.stops import has_stop, is_command
-from jausml.language.semantics.topics import resolve_topic, topic_fault
+from jausml.language.semantics.connections.flows import flow_of
+from jausml.language.semantics.connections.stops import has_stop, is_command
+from jausml.language.semantics.connections.topics import resolve_topic, topic_fault
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.language.semantics.flows import Flow
+    from jausml.language.semantics.connections.flows import Flow
     from jausml.language.semantics.subject import Subject
 
 _TIMED = ("periodicEvent", "query")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.freshness import freshness_of, holds_state, is_report
+from jausml.language.semantics.connections.freshness import freshness_of, holds_state, is_report
 from jausml.language.validation.rule import Finding, rule
 
 if TYPE_CHECKING:

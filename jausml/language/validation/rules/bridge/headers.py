@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.directions import directions
-from jausml.language.semantics.paths import parse_path, target_paths
-from jausml.language.semantics.ros_paths import ros_name
+from jausml.language.semantics.paths.directions import directions
+from jausml.language.semantics.paths.ros_paths import ros_name
+from jausml.language.semantics.paths.scopes import parse_path, target_paths
 from jausml.language.validation.rule import Finding, rule
 
 if TYPE_CHECKING:

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.attributes import Attribute
-from jausml.language.semantics.directions import directions
-from jausml.language.semantics.paths import source_paths
+from jausml.language.semantics.paths.attributes import Attribute
+from jausml.language.semantics.paths.directions import directions
+from jausml.language.semantics.paths.scopes import source_paths
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from jausml.language.semantics.paths import Placed
+    from jausml.language.semantics.paths.scopes import Placed
     from jausml.language.semantics.subject import Subject
 
 

@@ -6,25 +6,25 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.attributes import (
+from jausml.language.semantics.assignments.steps import ChainFault, chain_kinds, fits, yields
+from jausml.language.semantics.conversions import conversions_between
+from jausml.language.semantics.paths.attributes import (
     LIST,
     NUMBERS,
     TIME,
     TIME_STAMP,
     Attribute,
     PathFault,
+    constant_fault,
 )
-from jausml.language.semantics.chains import ChainFault, chain_kinds, fits, yields
-from jausml.language.semantics.conversions import conversions_between
-from jausml.language.semantics.directions import directions
-from jausml.language.semantics.values import constant_fault
+from jausml.language.semantics.paths.directions import directions
 from jausml.language.validation.rule import Finding, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.language.semantics.attributes import Found
-    from jausml.language.semantics.paths import Placed
+    from jausml.language.semantics.paths.attributes import Found
+    from jausml.language.semantics.paths.scopes import Placed
     from jausml.language.semantics.subject import Subject
 
 _MANY = (LIST, NUMBERS)

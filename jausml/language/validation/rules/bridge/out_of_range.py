@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.attributes import NUMBER, OCTETS, TEXT, Attribute, Found
-from jausml.language.semantics.directions import direction_of, directions
+from jausml.language.semantics.paths.attributes import NUMBER, OCTETS, TEXT, Attribute, Found
+from jausml.language.semantics.paths.directions import direction_of, directions
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.language.semantics.paths import Placed
+    from jausml.language.semantics.paths.scopes import Placed
     from jausml.language.semantics.subject import Subject
 
 _DROP_FIELD = "dropField"

@@ -9,24 +9,24 @@ from typing import TYPE_CHECKING
 from jausml.language.attributes import intervals
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.attributes import LARGEST_SINGLE, NUMBER, Attribute
-from jausml.language.semantics.directions import directions
-from jausml.language.semantics.ranges import result_ranges, source_range
-from jausml.language.semantics.units import (
+from jausml.language.semantics.assignments.ranges import result_ranges, source_range
+from jausml.language.semantics.assignments.units import (
     Measure,
     attribute_measure,
     measure,
     result_measure,
     units_clash,
 )
+from jausml.language.semantics.paths.attributes import LARGEST_SINGLE, NUMBER, Attribute
+from jausml.language.semantics.paths.directions import directions
 from jausml.language.validation.rule import Finding, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.language.attributes.intervals import Interval
-    from jausml.language.semantics.attributes import Found
-    from jausml.language.semantics.paths import Placed
+    from jausml.language.semantics.paths.attributes import Found
+    from jausml.language.semantics.paths.scopes import Placed
     from jausml.language.semantics.subject import Subject
 
 # The runtime takes as much for the last bits of a conversion.

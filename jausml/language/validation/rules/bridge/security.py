@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, system
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.commands import is_command
 from jausml.language.semantics.hosts import host_of
+from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics import stops
-from jausml.language.semantics.flows import flow_of
+from jausml.language.semantics.connections import stops
+from jausml.language.semantics.connections.flows import flow_of
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:

@@ -7,24 +7,24 @@ from typing import TYPE_CHECKING
 from jausml.language.attributes.units import UnitError, nearest_units, parse_unit
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.attributes import Attribute
-from jausml.language.semantics.conversions import conversion_of
-from jausml.language.semantics.conversions.conversion import MAXIMUM
-from jausml.language.semantics.conversions.numbers import Square, SquareRoot
-from jausml.language.semantics.directions import directions
-from jausml.language.semantics.units import (
+from jausml.language.semantics.assignments.units import (
     Measure,
     UnitFault,
     attribute_measure,
     measure,
     result_measure,
 )
+from jausml.language.semantics.conversions import conversion_of
+from jausml.language.semantics.conversions.conversion import MAXIMUM
+from jausml.language.semantics.conversions.numbers import Square, SquareRoot
+from jausml.language.semantics.paths.attributes import Attribute
+from jausml.language.semantics.paths.directions import directions
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.language.semantics.paths import Placed
+    from jausml.language.semantics.paths.scopes import Placed
     from jausml.language.semantics.subject import Subject
 
     WithUnits = jaus.FixedField | jaus.Alternative | ros.Field | bridge.Quantity | bridge.Conversion

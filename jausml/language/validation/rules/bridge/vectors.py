@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.attributes import Attribute, PathFault
-from jausml.language.semantics.paths import PathScope, outer_scope
-from jausml.language.semantics.values import constant_fault
+from jausml.language.semantics.paths.attributes import Attribute, PathFault, constant_fault
+from jausml.language.semantics.paths.scopes import PathScope, outer_scope
 from jausml.language.validation.rule import Finding, rule
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.commands import needs_control
-from jausml.language.semantics.services import (
+from jausml.language.semantics.jaus.commands import needs_control
+from jausml.language.semantics.jaus.services import (
     find_output,
     find_query,
     is_known,
@@ -22,7 +22,7 @@ from jausml.language.validation.rule import Finding, Note, rule
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.language.semantics.services import Provider
+    from jausml.language.semantics.jaus.services import Provider
     from jausml.language.semantics.subject import Subject
 
     AnyConnection = jaus.ServiceConnection | bridge.Connection

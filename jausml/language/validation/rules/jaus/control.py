@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.metamodel.filling import is_set
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics import calls
-from jausml.language.semantics.commands import is_command
+from jausml.language.semantics.connections import calls
+from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:

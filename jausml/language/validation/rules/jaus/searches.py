@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics import calls
-from jausml.language.semantics.commands import is_command
-from jausml.language.semantics.standard_services import is_discovered
+from jausml.language.semantics.connections import calls
+from jausml.language.semantics.jaus.commands import is_command
+from jausml.language.semantics.jaus.core_services import is_discovered
 from jausml.language.validation.rule import Finding, rule
 
 if TYPE_CHECKING:

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.diagnostics import Severity
 from jausml.language.model.values import show
-from jausml.language.semantics import calls
-from jausml.language.semantics.layouts import signature
-from jausml.language.semantics.list_drivers import driver_messages
+from jausml.language.semantics.connections import calls
+from jausml.language.semantics.connections.list_drivers import driver_messages
+from jausml.language.semantics.jaus.core_services import with_standard
+from jausml.language.semantics.jaus.layouts import signature
+from jausml.language.semantics.jaus.services import along_inheritance, code, lineage, with_inherited
 from jausml.language.semantics.names import urn_fault
-from jausml.language.semantics.services import along_inheritance, code, lineage, with_inherited
-from jausml.language.semantics.standard_services import with_standard
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
