@@ -68,7 +68,7 @@ def topics_of(words: Sequence[str]) -> list[TopicEnd]:
         UsageError: A word names none, or two name one topic.
     """
     from jausml.authoring.proposals.topics import TopicEnd
-    from jausml.language.interfaces.types import is_package_name, is_type_name
+    from jausml.language.interfaces.definitions import is_package_name, is_type_name
     from jausml.language.semantics.connections.topics import topic_fault
 
     found: dict[str, TopicEnd] = {}

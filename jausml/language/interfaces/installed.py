@@ -7,8 +7,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from jausml.language.interfaces.definitions import is_package_name
 from jausml.language.interfaces.parsing import PARTS
-from jausml.language.interfaces.types import is_package_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

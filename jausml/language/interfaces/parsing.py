@@ -19,8 +19,9 @@ from jausml.language.interfaces.definitions import (
     FieldDefinition,
     FieldType,
     Section,
+    TypeTextError,
+    parse_type,
 )
-from jausml.language.interfaces.types import TypeTextError, parse_type
 from jausml.language.interfaces.values import ValueTextError, parse_value
 from jausml.language.model.values import nearest
 

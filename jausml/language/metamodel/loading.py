@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 from pyecore.ecore import EAttribute, EClass, EDataType, EEnum, EProxy
 from pyecore.resources import URI, ResourceSet
 
-from jausml.language.metamodel.access import hasten
+from jausml.language.metamodel.filling import hasten
 from jausml.language.metamodel.tables import (
     ClassTable,
     DataTypeTable,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.language.model.diagnostics import Location
-from jausml.language.model.xmi.scanning import attribute_positions
+from jausml.language.model.xmi.parsing import attribute_positions
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -73,6 +73,12 @@ class Model:
         origin = self._origin.get(obj)
         return None if origin is None else origin[1]
 
+    def join(self, other: Model) -> None:
+        """Makes the documents of another model documents of this one, which may refer to them."""
+        for document in other.documents:
+            self.documents.append(document)
+            self.share(other.origins_of(document))
+
     def name_by_id(self, obj: EObject, identifier: str) -> None:
         """Remembers the id of an element; for the reader."""
         self._ids.setdefault(obj, identifier)

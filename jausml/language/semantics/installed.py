@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.language.interfaces import Installation, parse_definition
-from jausml.language.interfaces.definitions import FieldType
-from jausml.language.interfaces.types import is_type_name
+from jausml.language.interfaces.definitions import FieldType, is_type_name
 from jausml.language.metamodel.classes import ros
 from jausml.language.model.inputs import read_text
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, TypeAlias
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+
 UNBOUNDED = "*"
 """The size of a member that is a sequence of any length."""
 
@@ -273,3 +274,9 @@ def is_bare(element: Element) -> bool:
 def is_map(items: Iterable[Item]) -> bool:
     """Tells whether a block is that of an attribute map by what stands in it."""
     return any(isinstance(each, End | Direction) for each in items)
+
+
+LONGEST = 4 * 1024 * 1024
+"""Characters that a text may have."""
+DEEPEST = 64
+"""How deep brackets may be nested."""

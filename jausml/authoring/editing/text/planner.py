@@ -22,9 +22,8 @@ from jausml.language.model.names import name_of
 from jausml.language.model.xmi.writer import UnwritableError
 from jausml.language.semantics.connections.ways import FEATURES, settle
 from jausml.language.text.tree import Assignment, Element, Entry, Ignored, Table, Vector
-from jausml.language.text.writing.heads import is_comment
-from jausml.language.text.writing.literals import is_name
 from jausml.language.text.writing.maps import MAP
+from jausml.language.text.writing.spelling import is_comment, is_name
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -9,12 +9,14 @@ import math
 from typing import TYPE_CHECKING
 
 from .. import intervals as spans
-from .functions import FUNCTIONS, OPERATORS, Function
 from .parsing import COMPARISONS, CONSTANTS, DEEPEST, LONGEST, ExpressionError, parse_expression
 from .tree import (
+    FUNCTIONS,
+    OPERATORS,
     Call,
     Conditional,
     Expression,
+    Function,
     Number,
     Operation,
     Variable,

@@ -24,8 +24,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.attributes.cursor import Language, LanguageError, Token, TokenCursor
 
-from .functions import FUNCTIONS
-from .tree import Call, Conditional, Expression, Number, Operation, Variable, operands_of
+from .tree import FUNCTIONS, Call, Conditional, Expression, Number, Operation, Variable, operands_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable

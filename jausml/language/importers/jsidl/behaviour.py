@@ -12,8 +12,7 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from jausml.language.attributes.guards import GuardError, parse_guard
-from jausml.language.importers.jsidl.building import DEEPEST
-from jausml.language.importers.jsidl.findings import Findings, Place
+from jausml.language.importers.jsidl.building import DEEPEST, Findings, Place
 from jausml.language.importers.jsidl.values import Values, documentation, folded, joined
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.values import show, suggest
@@ -21,7 +20,7 @@ from jausml.language.model.words import parts, snake_case
 
 if TYPE_CHECKING:
     from jausml.language.importers.jsidl.building import Builder
-    from jausml.language.importers.jsidl.lineage import KnownNames
+    from jausml.language.importers.jsidl.inheritance import KnownNames
     from jausml.language.model.xmi.parsing import Node
 
 _KINDS = ("simple", "internal", "push", "pop")

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from jausml.language.importers.jsidl.building import DEEPEST, Builder
-from jausml.language.importers.jsidl.findings import Findings, Place
+from jausml.language.importers.jsidl.building import DEEPEST, Builder, Findings, Place
 from jausml.language.importers.jsidl.scopes import Declaration, MissingError, Scope, Scopes
 from jausml.language.importers.jsidl.values import (
     INT,

@@ -9,13 +9,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jausml.language.importers.jsidl.behaviour import BehaviourBuilder
-from jausml.language.importers.jsidl.building import MOST_ELEMENTS, Builder, TooMuchError
-from jausml.language.importers.jsidl.checking import check_document, is_jsidl
+from jausml.language.importers.jsidl.building import (
+    MOST_ELEMENTS,
+    Builder,
+    Findings,
+    Place,
+    TooMuchError,
+)
 from jausml.language.importers.jsidl.fields import FieldBuilder
-from jausml.language.importers.jsidl.findings import Findings, Place
-from jausml.language.importers.jsidl.library import join_library, library_model, services_by_urn
-from jausml.language.importers.jsidl.lineage import KnownNames
-from jausml.language.importers.jsidl.machines import finish_machines
+from jausml.language.importers.jsidl.inheritance import (
+    KnownNames,
+    finish_machines,
+    library_model,
+    services_by_urn,
+)
 from jausml.language.importers.jsidl.messages import MessageBuilder
 from jausml.language.importers.jsidl.scopes import Scopes
 from jausml.language.importers.jsidl.services import (
@@ -29,6 +36,7 @@ from jausml.language.importers.jsidl.services import (
     index,
 )
 from jausml.language.importers.jsidl.values import Values
+from jausml.language.importers.jsidl.vocabulary import check_document, is_jsidl
 from jausml.language.metamodel import load_metamodels
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity
@@ -219,7 +227,7 @@ class _Import:
     def _library_services(self) -> ByUrn:
         """The services of the library, which is read when a service needs it."""
         library = library_model()
-        join_library(self._model, library)
+        self._model.join(library)
         return services_by_urn(library)
 
     def _report_unused(self, fields: FieldBuilder) -> None:

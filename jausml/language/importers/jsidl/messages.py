@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from jausml.language.importers.jsidl.findings import Findings, Place
+from jausml.language.importers.jsidl.building import Findings, Place
 from jausml.language.importers.jsidl.scopes import Declaration, Scope, Scopes
 from jausml.language.importers.jsidl.values import Values, documentation, folded, joined
 from jausml.language.importers.jsidl.vocabulary import CONTAINERS

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from jausml.language.importers.jsidl.findings import Findings, Place
+from jausml.language.importers.jsidl.building import Findings, Place
 from jausml.language.importers.jsidl.numbers import NumberError, evaluate
 from jausml.language.model.diagnostics import Related
 from jausml.language.model.values import show, suggest

@@ -7,7 +7,7 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
-from jausml.language.importers.jsidl.findings import Findings, Place
+from jausml.language.importers.jsidl.building import Findings, Place
 from jausml.language.importers.jsidl.scopes import matches, pick_version
 from jausml.language.importers.jsidl.values import Values, documentation, folded, joined
 from jausml.language.metamodel.classes import jaus

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from fractions import Fraction
 
-    from jausml.language.importers.jsidl.findings import Findings, Place
+    from jausml.language.importers.jsidl.building import Findings, Place
     from jausml.language.importers.jsidl.scopes import Scope, Scopes
     from jausml.language.model.xmi.parsing import Node
 

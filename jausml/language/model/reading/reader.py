@@ -16,12 +16,15 @@ from jausml.language.model.inputs import bounded, read_input
 from jausml.language.model.model import Model
 from jausml.language.model.names import NameFinder
 from jausml.language.model.notation import Explanation
-from jausml.language.model.reading.conformance import check_bounds
+from jausml.language.model.reading.classes import check_bounds
 from jausml.language.model.reading.elements import ElementBuilder, Mention
-from jausml.language.model.reading.known import KnownNames, in_order_of_import
 from jausml.language.model.reading.problems import NodePlace, Problems
 from jausml.language.model.reading.references import Resolution
-from jausml.language.model.reading.references_by_name import NameResolution
+from jausml.language.model.reading.references_by_name import (
+    KnownNames,
+    NameResolution,
+    in_order_of_import,
+)
 from jausml.language.model.reading.shelf import NotShareableError
 from jausml.language.model.uris import FileTarget, UriFault, UriResolver, find_project_root
 from jausml.language.model.xmi.parsing import Node, parse

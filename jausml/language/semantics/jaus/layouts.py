@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language import wire
 from jausml.language.metamodel.classes import jaus
+from jausml.language.semantics.memory import remembered
 
 if TYPE_CHECKING:
     from typing import TypeAlias
@@ -52,6 +53,7 @@ def attributes(message: jaus.MessageDef) -> list[jaus.Field]:
     return members(body) if is_group(body) else [message.body]
 
 
+@remembered
 def signature(message: jaus.MessageDef) -> object:
     """Returns a comparable description of what a message body puts on the wire.
 

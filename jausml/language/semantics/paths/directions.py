@@ -24,6 +24,15 @@ FirstT = TypeVar("FirstT", bound="bridge.Assignment")
 SecondT = TypeVar("SecondT", bound="bridge.Assignment")
 
 
+def sound_connections(subject: Subject) -> list[bridge.Connection]:
+    """Returns the connections that were read well, with message and type of their maps."""
+    return [
+        each
+        for each in subject.instances(bridge.Connection)
+        if each.map is not None and subject.is_intact(each.map.message, each.map.type)
+    ]
+
+
 @dataclass(frozen=True)
 class Direction:
     """One direction of a map, a stop or a safe value: what is filled from what.

@@ -10,7 +10,7 @@ from jausml.language.text.reading import imports
 from jausml.language.text.reading.bridge_of_maps import add_bridge
 from jausml.language.text.reading.declaring.declaring import Declarer
 from jausml.language.text.reading.elements import ElementReader
-from jausml.language.text.reading.explaining import explain
+from jausml.language.text.reading.imports import explain
 from jausml.language.text.reading.maps import MapReader
 from jausml.language.text.reading.members import MemberCheck
 from jausml.language.text.reading.nodes import NodeMaker

@@ -13,12 +13,11 @@ from typing import Any
 
 from lark import Token, UnexpectedToken
 
-from jausml.language.text.bounds import DEEPEST, LONGEST
 from jausml.language.text.reading.comments import attach
 from jausml.language.text.reading.expectations import describe, shown, suggestion
 from jausml.language.text.reading.scanning import SyntaxFault, language, scan
 from jausml.language.text.reading.shaping import Items, span_of
-from jausml.language.text.tree import Span, SyntaxTree
+from jausml.language.text.tree import DEEPEST, LONGEST, Span, SyntaxTree
 
 __all__ = ["MOST_FAULTS", "Parsed", "SyntaxFault", "parse"]
 

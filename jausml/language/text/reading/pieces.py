@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import re
 
-from jausml.language.text.bounds import LONGEST
 from jausml.language.text.reading.parsing import Parsed, parse
-from jausml.language.text.tree import SyntaxTree
+from jausml.language.text.tree import LONGEST, SyntaxTree
 
 _CUT = re.compile(
     r"""

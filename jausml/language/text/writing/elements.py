@@ -10,9 +10,14 @@ from jausml.language.model.xmi.writer import is_written
 from jausml.language.semantics.connections.ways import FEATURES, unstated
 from jausml.language.text.keywords import owning_features, snake_case
 from jausml.language.text.tree import BlockItem, Element, Feature, Name, Text, Value, is_map
-from jausml.language.text.writing.heads import IN_THE_HEAD, documented, head_name, needs_feature
-from jausml.language.text.writing.literals import attribute_value
-from jausml.language.text.writing.spacing import space
+from jausml.language.text.writing.layout import space
+from jausml.language.text.writing.spelling import (
+    IN_THE_HEAD,
+    attribute_value,
+    documented,
+    head_name,
+    needs_feature,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

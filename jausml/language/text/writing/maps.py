@@ -29,8 +29,15 @@ from jausml.language.text.tree import (
     Vector,
     VectorEntry,
 )
-from jausml.language.text.writing.heads import IN_THE_HEAD, documented, is_comment
-from jausml.language.text.writing.literals import constant, is_name, number, word_or_constant
+from jausml.language.text.writing.spelling import (
+    IN_THE_HEAD,
+    constant,
+    documented,
+    is_comment,
+    is_name,
+    number,
+    word_or_constant,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -21,7 +21,7 @@ from jausml.language.model.uris import LIBRARY_URI, UriFault, library_root
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.model.xmi.writer import external_href
 from jausml.language.text.tree import Href, Name, Text
-from jausml.language.text.writing.literals import is_name
+from jausml.language.text.writing.spelling import is_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

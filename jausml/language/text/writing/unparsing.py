@@ -8,14 +8,22 @@ from typing import TYPE_CHECKING
 from jausml.language.model.names import name_of
 from jausml.language.model.xmi.writer import UnwritableError, is_written
 from jausml.language.semantics.memory import remembering
-from jausml.language.text.bounds import DEEPEST, LONGEST
 from jausml.language.text.root_names import system_name
-from jausml.language.text.tree import BlockItem, Element, Import, Item, SyntaxTree, lists_of
+from jausml.language.text.tree import (
+    DEEPEST,
+    LONGEST,
+    BlockItem,
+    Element,
+    Import,
+    Item,
+    SyntaxTree,
+    lists_of,
+)
 from jausml.language.text.writing import layout
 from jausml.language.text.writing.elements import ElementWriter
+from jausml.language.text.writing.layout import space_document
 from jausml.language.text.writing.maps import MAP, MapWriter
 from jausml.language.text.writing.references import ReferenceNames
-from jausml.language.text.writing.spacing import space_document
 
 if TYPE_CHECKING:
     import os

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.language.text.reading.declaring.common import MemberBuilder
 from jausml.language.text.reading.declaring.types import (
     BOOL,
     NUMBERS,
     STRING,
+    MemberBuilder,
     Size,
     size_of,
     type_word,

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from jausml.language.metamodel import Metamodels
     from jausml.language.model.notation import Known
     from jausml.language.model.xmi.parsing import Node
-    from jausml.language.text.reading.declaring.common import Types
+    from jausml.language.text.reading.declaring.types import Types
     from jausml.language.text.reading.elements import ElementReader
     from jausml.language.text.reading.maps import WrittenEnd
     from jausml.language.text.reading.nodes import NodeMaker

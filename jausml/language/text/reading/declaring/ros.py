@@ -6,11 +6,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.language.model.words import words
-from jausml.language.text.reading.declaring.common import DEEPEST, MemberBuilder
 from jausml.language.text.reading.declaring.types import (
     BOOL,
+    DEEPEST,
     NUMBERS,
     STRING,
+    MemberBuilder,
     Size,
     TypeWord,
     size_of,

@@ -1,20 +1,78 @@
-"""Inherited machines: how the machines of all services extend one another."""
+"""What services inherit: services of the library, known names, and the states of machines."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, cast
 
-from jausml.language.importers.jsidl.lineage import bases_first
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model.reading.reader import read_models
+from jausml.language.model.uris import library_root
 from jausml.language.model.values import show, suggest
-from jausml.language.semantics.jaus.inherited_machines import CORE_STATES, Machine, machines_of
+from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
+from jausml.language.semantics.jaus.inherited_machines import (
+    CORE_EVENTS,
+    CORE_STATES,
+    Machine,
+    machines_of,
+)
+from jausml.language.semantics.jaus.services import lineage
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Container, Iterable
 
-    from jausml.language.importers.jsidl.findings import Findings
+    from jausml.language.importers.jsidl.building import Findings
     from jausml.language.importers.jsidl.services import ImportedService
-    from jausml.language.metamodel.classes import jaus
     from jausml.language.model.model import Model
+
+
+def library_model() -> Model:
+    """Reads the JAUS service sets of the library, as documents that nobody named."""
+    folder = library_root() / "jaus"
+    model = read_models(sorted(folder.glob("*.xmi")), project_root=folder).model
+    for document in model.documents:
+        document.given = False
+    return model
+
+
+def services_by_urn(model: Model) -> dict[str, dict[str, jaus.Service]]:
+    """Returns the services of a model by URN and version."""
+    found: dict[str, dict[str, jaus.Service]] = {}
+    for service in model.instances(jaus.Service):
+        found.setdefault(service.urn, {})[service.version] = service
+    return found
+
+
+def bases_first(services: Iterable[jaus.Service]) -> list[jaus.Service]:
+    """Returns services in an order in which each follows those that it inherits."""
+    return sorted(services, key=lambda service: len(lineage(service)))
+
+
+class KnownNames:
+    """The names that the protocol behaviour of a service may use.
+
+    Attributes:
+        served: Inherited messages that the runtime takes, with the names of their services.
+    """
+
+    def __init__(self, service: jaus.Service, declared: Container[str]) -> None:
+        self.inputs: dict[str, jaus.MessageDef] = {}
+        self.outputs: dict[str, jaus.MessageDef] = {}
+        self.events: set[str] = set(CORE_EVENTS)
+        self.served: dict[jaus.MessageDef, str] = {}
+        self._declared = declared
+        is_core = service.urn in SERVED_BY_RUNTIME
+        for each in lineage(service):
+            if each.urn in SERVED_BY_RUNTIME and not is_core:
+                self.served |= dict.fromkeys(each.inputs, each.name)
+            for message in each.inputs:
+                self.inputs.setdefault(message.name, message)
+            for message in each.outputs:
+                self.outputs.setdefault(message.name, message)
+            self.events |= {event.name for event in each.events}
+
+    def is_declared(self, name: str) -> bool:
+        """Tells whether the files declare a message or event, if only with errors."""
+        return name in self._declared
 
 
 def finish_machines(services: Iterable[ImportedService], model: Model, findings: Findings) -> None:
