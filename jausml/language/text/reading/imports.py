@@ -8,6 +8,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
+from jausml.language.model.inputs import read_text
 from jausml.language.model.notation import Explanation, Fault, ImportedDocument
 from jausml.language.model.uris import LIBRARY_URI, library_root
 from jausml.language.model.values import show, suggest
@@ -74,7 +75,7 @@ def library_maps() -> tuple[LibraryMap, ...]:
     found = []
     for module, path in library_files().items():
         if path.endswith(_TEXT):
-            text = (library_root() / path).read_text(encoding="utf-8")
+            text = read_text(library_root() / path)
             found += [LibraryMap(name, module, *ends) for name, *ends in _MAP.findall(text)]
     return tuple(found)
 
