@@ -11,7 +11,7 @@ from jausml.authoring.proposals.literals import literal, values_of
 from jausml.language.metamodel.classes import bridge, jaus, system
 from jausml.language.model.names import name_of
 from jausml.language.model.words import snake_case
-from jausml.language.semantics.connections.ways import EVENT, MESSAGE, TO_JAUS, TO_ROS
+from jausml.language.semantics.connections.exchanges import EVENT, MESSAGE, TO_JAUS, TO_ROS
 from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.services import (

@@ -9,8 +9,8 @@ from jausml.authoring.proposals.bridging import is_served, lacks_stop, offer_of
 from jausml.language.metamodel.classes import ros
 from jausml.language.model.names import name_of
 from jausml.language.model.words import words
+from jausml.language.semantics.connections.exchanges import EVENT
 from jausml.language.semantics.connections.unanswered import unanswered
-from jausml.language.semantics.connections.ways import EVENT
 from jausml.language.semantics.jaus.answers import told_by_command
 from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.semantics.jaus.services import code

@@ -22,7 +22,7 @@ from jausml.language.interfaces.definitions import (
     TypeTextError,
     parse_type,
 )
-from jausml.language.interfaces.values import ValueTextError, parse_value
+from jausml.language.interfaces.literals import ValueTextError, parse_value
 from jausml.language.model.values import nearest
 
 if TYPE_CHECKING:

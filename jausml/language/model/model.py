@@ -5,18 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import chain
 from operator import itemgetter
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.language.metamodel.filling import contents
 from jausml.language.model.diagnostics import Location
+from jausml.language.model.documents import Document
+from jausml.language.model.xmi.parsing import Node
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from jausml.language.metamodel import FeatureTable, Metamodels
     from jausml.language.metamodel.classes.ecore import EClass, EObject
-    from jausml.language.model.documents import Document
-    from jausml.language.model.xmi.parsing import Node
+
 
 ElementT = TypeVar("ElementT", bound="EObject")
 MadeT = TypeVar("MadeT")
@@ -244,3 +246,26 @@ def _built(node: Node) -> Iterator[EObject]:
         if current.obj is not None:
             yield current.obj
             pending.extend(reversed(current.children))
+
+
+_PATH = "trial.xmi"
+
+
+def made_model(metamodels: Metamodels, root: EObject, *inner: EObject) -> Model:
+    """Returns a model of one document that nobody wrote."""
+    document = Document(Path(_PATH), _PATH, is_library=False, given=True)
+    model = Model([document], metamodels)
+    top = _node(root, None)
+    document.root_nodes.append(top)
+    model.adopt(document, top)
+    for each in inner:
+        node = _node(each, top)
+        top.children.append(node)
+        model.adopt(document, node)
+    return model
+
+
+def _node(element: EObject, parent: Node | None) -> Node:
+    node = Node("", [], {}, parent, (1, 1, 0))
+    node.obj = element
+    return node

@@ -19,7 +19,7 @@ from jausml.authoring.proposals.mapping.trial import judge, judge_together
 from jausml.authoring.proposals.mapping.variances import variances
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
-from jausml.language.semantics.connections.ways import TO_ROS
+from jausml.language.semantics.connections.exchanges import TO_ROS
 from jausml.language.semantics.paths.attributes import LIST
 from jausml.language.semantics.paths.scopes import parse_path, target_paths
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.language.importers.jsidl.rules import JSIDL_RULES
@@ -13,28 +12,8 @@ from jausml.language.model.rules import READER_RULES
 
 if TYPE_CHECKING:
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.documents import Document
     from jausml.language.model.model import Model
-    from jausml.language.model.xmi.parsing import Node
-
-
-@dataclass(frozen=True, slots=True)
-class Place:
-    """An element of a JSIDL file, and perhaps one of its attributes."""
-
-    document: Document
-    node: Node
-    attribute: str = ""
-
-    def at(self, attribute: str) -> Place:
-        """Returns the place of an attribute of the same element."""
-        return Place(self.document, self.node, attribute)
-
-    @property
-    def location(self) -> Location:
-        """The place as path, line and column."""
-        attribute = ("", self.attribute) if self.attribute else None
-        return self.document.location(self.node, attribute)
+    from jausml.language.model.reading.problems import NodePlace
 
 
 class Findings:
@@ -47,7 +26,7 @@ class Findings:
     def report(
         self,
         rule: str,
-        place: Place | Location,
+        place: NodePlace | Location,
         message: str,
         hint: str = "",
         related: tuple[Related, ...] = (),
@@ -84,7 +63,7 @@ class Builder:
         self.model = model
         self._made = 0
 
-    def new(self, kind: type[ElementT], place: Place, /, **features: Any) -> ElementT:
+    def new(self, kind: type[ElementT], place: NodePlace, /, **features: Any) -> ElementT:
         """Makes an element.
 
         Args:

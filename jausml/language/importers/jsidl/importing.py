@@ -8,12 +8,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from jausml.language.importers.jsidl.attributes import Values
 from jausml.language.importers.jsidl.behaviour import BehaviourBuilder
 from jausml.language.importers.jsidl.building import (
     MOST_ELEMENTS,
     Builder,
     Findings,
-    Place,
     TooMuchError,
 )
 from jausml.language.importers.jsidl.fields import FieldBuilder
@@ -35,7 +35,6 @@ from jausml.language.importers.jsidl.services import (
     identifiers,
     index,
 )
-from jausml.language.importers.jsidl.values import Values
 from jausml.language.importers.jsidl.vocabulary import check_document, is_jsidl
 from jausml.language.metamodel import load_metamodels
 from jausml.language.metamodel.classes import jaus
@@ -43,6 +42,7 @@ from jausml.language.model.diagnostics import Diagnostic, Location, Severity
 from jausml.language.model.documents import Document
 from jausml.language.model.inputs import read_input
 from jausml.language.model.model import Model
+from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import show
 from jausml.language.model.xmi.parsing import Node, parse
 
@@ -212,7 +212,7 @@ class _Import:
             behaviour = BehaviourBuilder(names, self._builder, self._values, self._findings)
             for child in each.place.node.children:
                 if child.tag == "protocol_behavior":
-                    made = behaviour.machines(Place(each.place.document, child))
+                    made = behaviour.machines(NodePlace(each.place.document, child))
                     self._builder.set(each.service, "machines", made)
         finish_machines(services, self._model, self._findings)
 
@@ -265,10 +265,10 @@ def _is_meant(data: bytes, root: Node | None) -> bool:
     return is_jsidl(root) if root is not None else b"urn:jaus:jsidl" in data
 
 
-def _stand_in(place: Place) -> Place:
+def _stand_in(place: NodePlace) -> NodePlace:
     """Returns the place of a set, which has no element of its own, as a root of its document."""
     node = place.node
     position = (node.line, node.column, node.offset)
     stand_in = Node("service_set", [], node.prefixes, None, position)
     place.document.root_nodes.append(stand_in)
-    return Place(place.document, stand_in)
+    return NodePlace(place.document, stand_in)

@@ -6,12 +6,13 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from jausml.language.importers.jsidl.building import Findings, Place
+from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import nearest, show, suggest
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from jausml.language.importers.jsidl.building import Findings
     from jausml.language.model.documents import Document
     from jausml.language.model.xmi.parsing import Node
 
@@ -185,7 +186,7 @@ def check_document(document: Document, root: Node, findings: Findings) -> bool:
     Returns:
         Whether the file is a JSIDL file at all.
     """
-    place = Place(document, root)
+    place = NodePlace(document, root)
     if not is_jsidl(root):
         message = f"<{root.tag}> is of namespace {show(root.namespace)}, not of JSIDL"
         if not root.namespace:
@@ -201,18 +202,20 @@ def check_document(document: Document, root: Node, findings: Findings) -> bool:
     while pending:
         node = pending.pop()
         rule = VOCABULARY[node.tag]
-        _check_attributes(Place(document, node), rule, findings)
+        _check_attributes(NodePlace(document, node), rule, findings)
         node.children = [
-            child for child in node.children if _is_known(Place(document, child), rule, findings)
+            child
+            for child in node.children
+            if _is_known(NodePlace(document, child), rule, findings)
         ]
         pending += node.children
         if not rule.has_text and node.text.strip():
             message = f"text {show(node.text.strip())} has no meaning in <{node.tag}>"
-            findings.report("JML602", Place(document, node), message)
+            findings.report("JML602", NodePlace(document, node), message)
     return True
 
 
-def _is_known(place: Place, rule: ElementRule, findings: Findings) -> bool:
+def _is_known(place: NodePlace, rule: ElementRule, findings: Findings) -> bool:
     node = place.node
     if node.namespace in NAMESPACES or (node.namespace == PLUS and node.tag in rule.children):
         if node.tag in rule.children:
@@ -226,7 +229,7 @@ def _is_known(place: Place, rule: ElementRule, findings: Findings) -> bool:
     return False
 
 
-def _check_attributes(place: Place, rule: ElementRule, findings: Findings) -> None:
+def _check_attributes(place: NodePlace, rule: ElementRule, findings: Findings) -> None:
     node = place.node
     names = [name for name in node.attributes[::2] if " " not in name]
     missing = sorted(name for name in rule.required if name not in names)

@@ -31,6 +31,10 @@ class NodePlace:
     node: Node
     attribute: XmlAttribute | None = None
 
+    def at(self, attribute: str) -> NodePlace:
+        """Returns the place of an attribute of the same element, which has no namespace."""
+        return NodePlace(self.document, self.node, ("", attribute))
+
     @property
     def location(self) -> Location:
         """The place as path, line and column."""

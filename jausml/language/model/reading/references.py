@@ -14,7 +14,7 @@ from jausml.language.model.diagnostics import Related
 from jausml.language.model.documents import Document
 from jausml.language.model.names import depth
 from jausml.language.model.reading.elements import Mention
-from jausml.language.model.reading.shelf import NotShareableError
+from jausml.language.model.reading.library_cache import NotShareableError
 from jausml.language.model.uris import UriFault
 from jausml.language.model.values import show
 from jausml.language.model.xmi.fragments import Found, FragmentFinder

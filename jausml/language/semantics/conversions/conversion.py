@@ -193,11 +193,6 @@ class Conversion(ABC):
         return self.limits == (TURN,)
 
     @property
-    def keeps_quantity(self) -> bool:
-        """Whether the result measures the same: of a standard deviation it makes no variance."""
-        return self.effect is not Effect.OTHER
-
-    @property
     def keeps_integers(self) -> bool:
         """Whether it makes integers of integers."""
         is_exact = self.effect in (Effect.SAME, Effect.NEGATED)

@@ -17,7 +17,7 @@ from jausml.language.text.tree import Text
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from jausml.language.text.reading.declaring.messages import OwnService
+    from jausml.language.text.reading.declarations.messages import OwnService
     from jausml.language.text.tree import Import
 
 

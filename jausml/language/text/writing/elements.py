@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel import FeatureKind
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.xmi.writer import is_written
-from jausml.language.semantics.connections.ways import FEATURES, unstated
+from jausml.language.semantics.connections.exchanges import FEATURES, unstated
 from jausml.language.text.keywords import owning_features, snake_case
 from jausml.language.text.tree import BlockItem, Element, Feature, Name, Text, Value, is_map
 from jausml.language.text.writing.layout import space

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.diagnostics import Severity
+from jausml.language.semantics.connections.exchanges import FEATURES, possible_exchanges
 from jausml.language.semantics.connections.flows import find_loops, flow_of
-from jausml.language.semantics.connections.ways import FEATURES, possible_ways
 from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.semantics.jaus.layouts import attributes
 from jausml.language.semantics.jaus.services import (
@@ -247,7 +247,7 @@ def _other_ways(subject: Subject, connection: bridge.Connection) -> str:
     """Returns how to state what the connection can be instead, with what it then does."""
     present = {name: str(getattr(connection, name).name) for name in FEATURES}
     hints = []
-    for way in possible_ways(connection):
+    for way in possible_exchanges(connection):
         wanted = {"direction": way.direction, "exchange": way.exchange}
         other = {name: text for name, text in wanted.items() if text != present[name]}
         if other:

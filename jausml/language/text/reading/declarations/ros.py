@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.language.model.words import words
-from jausml.language.text.reading.declaring.types import (
+from jausml.language.text.reading.declarations.types import (
     BOOL,
     DEEPEST,
     NUMBERS,

@@ -14,8 +14,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from fractions import Fraction
 
-    from jausml.language.importers.jsidl.building import Findings, Place
+    from jausml.language.importers.jsidl.building import Findings
     from jausml.language.importers.jsidl.scopes import Scope, Scopes
+    from jausml.language.model.reading.problems import NodePlace
     from jausml.language.model.xmi.parsing import Node
 
 NUMERIC_TYPES: Mapping[str, str] = MappingProxyType(
@@ -64,21 +65,21 @@ class Values:
         self._scopes = scopes
         self._findings = findings
 
-    def text(self, place: Place, name: str) -> str:
+    def text(self, place: NodePlace, name: str) -> str:
         """Returns an attribute with folded white space, or what is assumed without it."""
         value = place.node.get(name)
         if value is None:
             return VOCABULARY[place.node.tag].assumed.get(name, "")
         return folded(value)
 
-    def flag(self, place: Place, name: str) -> bool:
+    def flag(self, place: NodePlace, name: str) -> bool:
         """Returns an attribute that is true or false; false without it."""
         text = self.text(place, name).lower()
         if text not in ("", "true", "false", "1", "0"):
             self._wrong(place, name, "is not true or false", suggest(text, ("true", "false")))
         return text in ("true", "1")
 
-    def choice(self, place: Place, name: str, choices: Mapping[str, str]) -> str | None:
+    def choice(self, place: NodePlace, name: str, choices: Mapping[str, str]) -> str | None:
         """Returns what an attribute stands for, None when it stands for nothing."""
         text = self.text(place, name)
         value = choices.get(text) or choices.get(text.lower())
@@ -89,17 +90,17 @@ class Values:
             self._wrong(place, name, "is empty")
         return value
 
-    def numeric_type(self, place: Place, name: str) -> str | None:
+    def numeric_type(self, place: NodePlace, name: str) -> str | None:
         """Returns the numeric type that an attribute names."""
         return self.choice(place, name, NUMERIC_TYPES)
 
-    def unsigned_type(self, place: Place, name: str = "field_type_unsigned") -> str | None:
+    def unsigned_type(self, place: NodePlace, name: str = "field_type_unsigned") -> str | None:
         """Returns the unsigned integer type that an attribute names."""
         unsigned = {key: each for key, each in NUMERIC_TYPES.items() if each.startswith("u")}
         return self.choice(place, name, unsigned)
 
     def integer(
-        self, scope: Scope, place: Place, name: str, bounds: tuple[int, int] = INT
+        self, scope: Scope, place: NodePlace, name: str, bounds: tuple[int, int] = INT
     ) -> int | None:
         """Returns an integer, None when there is none."""
         value = self._number(scope, place, name)
@@ -113,7 +114,7 @@ class Values:
             return int(value)
         return None
 
-    def real(self, scope: Scope, place: Place, name: str) -> float | None:
+    def real(self, scope: Scope, place: NodePlace, name: str) -> float | None:
         """Returns a number, None when there is none."""
         value = self._number(scope, place, name)
         if value is None:
@@ -124,7 +125,7 @@ class Values:
             self._wrong(place, name, "is out of all bounds")
             return None
 
-    def _number(self, scope: Scope, place: Place, name: str) -> Fraction | None:
+    def _number(self, scope: Scope, place: NodePlace, name: str) -> Fraction | None:
         text = place.node.get(name)
         if text is None:
             return None
@@ -136,7 +137,7 @@ class Values:
             pass  # the missing set was reported
         return None
 
-    def _wrong(self, place: Place, name: str, reason: str, hint: str = "") -> None:
+    def _wrong(self, place: NodePlace, name: str, reason: str, hint: str = "") -> None:
         text = show(place.node.get(name) or "")
         self._findings.report("JML605", place.at(name), f"'{name}' {text} {reason}", hint)
 

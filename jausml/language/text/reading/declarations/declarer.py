@@ -6,9 +6,9 @@ import re
 from typing import TYPE_CHECKING
 
 from jausml.language.model.uris import library_root
-from jausml.language.text.reading.declaring.messages import OwnService
-from jausml.language.text.reading.declaring.ros import RosFields
-from jausml.language.text.reading.declaring.types import Types
+from jausml.language.text.reading.declarations.messages import OwnService
+from jausml.language.text.reading.declarations.ros import RosFields
+from jausml.language.text.reading.declarations.types import Types
 from jausml.language.text.root_names import package_name
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import pytest
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import library_root, read_models, uris
 from jausml.language.model.comparison import compare
-from jausml.language.model.reading.shelf import Shelf
+from jausml.language.model.reading.library_cache import LibraryCache
 from jausml.language.model.uris import LIBRARY_URI
 from jausml.language.text.notation import Ros2Jaus
 
@@ -39,8 +39,8 @@ OWNER = """<?xml version="1.0" encoding="UTF-8"?>
 MOBILITY = f"{LIBRARY_URI}jaus/mobility.xmi"
 
 
-def read(path, shelf=None, **options):
-    return read_models([path], notations=NOTATIONS, shelf=shelf, **options)
+def read(path, cache=None, **options):
+    return read_models([path], notations=NOTATIONS, cache=cache, **options)
 
 
 def outline(result):
@@ -59,13 +59,13 @@ def library_of(result):
 
 
 @pytest.fixture(scope="module")
-def shelf():
-    return Shelf()
+def cache():
+    return LibraryCache()
 
 
 @pytest.mark.parametrize("path", MODELS, ids=lambda each: each.name)
-def test_a_model_is_the_same_whoever_has_read_the_library(path, shelf):
-    alone, first, again = read(path), read(path, shelf), read(path, shelf)
+def test_a_model_is_the_same_whoever_has_read_the_library(path, cache):
+    alone, first, again = read(path), read(path, cache), read(path, cache)
     assert outline(first) == outline(alone)
     assert outline(again) == outline(alone)
     for ours, theirs in zip(alone.model.roots, again.model.roots, strict=True):
@@ -79,8 +79,8 @@ def write(folder, text, uri=MOBILITY, name="model.xmi"):
 
 
 def test_elements_of_the_library_are_those_of_all_and_know_none(tmp_path):
-    shelf, path = Shelf(), write(tmp_path, COMPONENT)
-    first, again = read(path, shelf), read(path, shelf)
+    cache, path = LibraryCache(), write(tmp_path, COMPONENT)
+    first, again = read(path, cache), read(path, cache)
     assert library_of(first) == library_of(again) != []
     assert first.model.root is not again.model.root
     [service] = again.model.root.provides
@@ -91,57 +91,57 @@ def test_elements_of_the_library_are_those_of_all_and_know_none(tmp_path):
 
 
 def test_what_owns_an_element_of_the_library_has_it_for_itself(tmp_path):
-    shelf = Shelf()
-    shared = read(write(tmp_path, COMPONENT), shelf)
+    cache = LibraryCache()
+    shared = read(write(tmp_path, COMPONENT), cache)
     path = write(tmp_path, OWNER, name="owner.xmi")
     for _ in range(2):
-        result = read(path, shelf)
+        result = read(path, cache)
         assert outline(result) == outline(read(path))
         assert library_of(result) != library_of(shared)
-    assert library_of(read(tmp_path / "model.xmi", shelf)) == library_of(shared)
+    assert library_of(read(tmp_path / "model.xmi", cache)) == library_of(shared)
 
 
 def test_a_library_that_is_checked_itself_is_read_itself(tmp_path):
-    shelf = Shelf()
-    read(write(tmp_path, COMPONENT), shelf)
+    cache = LibraryCache()
+    read(write(tmp_path, COMPONENT), cache)
     path = library_root() / "jaus" / "mobility.xmi"
-    result = read(path, shelf)
+    result = read(path, cache)
     assert result.model.documents[0].given
     assert outline(result) == outline(read(path))
 
 
 def test_the_same_library_by_another_name_is_called_by_that(tmp_path):
-    shelf = Shelf()
-    read(write(tmp_path, COMPONENT), shelf)
+    cache = LibraryCache()
+    read(write(tmp_path, COMPONENT), cache)
     path = write(
         tmp_path,
         COMPONENT,
         os.path.relpath(library_root() / MOBILITY.removeprefix(LIBRARY_URI), tmp_path),
     )
     options = {"allow_outside": True, "project_root": tmp_path}
-    assert outline(read(path, shelf, **options)) == outline(read(path, **options))
+    assert outline(read(path, cache, **options)) == outline(read(path, **options))
 
 
 def test_a_library_with_a_finding_is_not_kept(tmp_path, monkeypatch):
-    shelf, path = Shelf(), write(tmp_path, COMPONENT)
+    cache, path = LibraryCache(), write(tmp_path, COMPONENT)
     library = other_library(tmp_path, monkeypatch)
     core = library / "jaus" / "core-1.0.xmi"
     core.write_text(
         core.read_text(encoding="utf-8").replace("<services ", "<servicez ", 1), encoding="utf-8"
     )
-    first, again = read(path, shelf), read(path, shelf)
+    first, again = read(path, cache), read(path, cache)
     assert outline(first) == outline(again) == outline(read(path))
     assert again.has_errors
     assert library_of(first) != library_of(again)
 
 
 def test_a_library_that_has_changed_is_read_again(tmp_path, monkeypatch):
-    shelf, path = Shelf(), write(tmp_path, COMPONENT)
+    cache, path = LibraryCache(), write(tmp_path, COMPONENT)
     mobility = other_library(tmp_path, monkeypatch) / "jaus" / "mobility.xmi"
-    before = read(path, shelf)
+    before = read(path, cache)
     text = mobility.read_text(encoding="utf-8")
     mobility.write_text(text.replace("VelocityStateSensor", "OtherSensor"), encoding="utf-8")
-    after = read(path, shelf)
+    after = read(path, cache)
     assert not before.has_errors
     assert after.has_errors
     assert outline(after) == outline(read(path))

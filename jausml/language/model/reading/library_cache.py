@@ -26,8 +26,8 @@ class NotShareableError(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Shelved:
-    """A document on a shelf.
+class CachedDocument:
+    """A document that is kept.
 
     Attributes:
         document: The document, whose elements do not change any more.
@@ -39,30 +39,30 @@ class Shelved:
     origins: Origins
 
 
-class Shelf:
+class LibraryCache:
     """Documents of the library in XMI that were read without findings, with all they refer to.
 
     Elements of the library do not know who of another document refers to them, and nobody may
-    change them. One reading uses a shelf at a time.
+    change them. One reading uses a cache at a time.
     """
 
     def __init__(self) -> None:
-        self._shelved: dict[Path, Shelved] = {}
+        self._documents: dict[Path, CachedDocument] = {}
         self._stamps: dict[Path, tuple[int, int]] = {}
 
     def prepare(self, held: Collection[Path]) -> None:
         """Forgets everything when a file has changed: what refers to it has its elements."""
-        is_current = all(self._stamps[each] == _stamp(each) for each in self._shelved)
-        if not is_current or not self._shelved.keys().isdisjoint(held):
-            self._shelved.clear()
+        is_current = all(self._stamps[each] == _stamp(each) for each in self._documents)
+        if not is_current or not self._documents.keys().isdisjoint(held):
+            self._documents.clear()
 
-    def find(self, target: FileTarget) -> Shelved | None:
+    def find(self, target: FileTarget) -> CachedDocument | None:
         """Returns the document of a file, None when it is not there.
 
         Raises:
             NotShareableError: It is there under another name, by which messages call it.
         """
-        found = self._shelved.get(target.path)
+        found = self._documents.get(target.path)
         if found is not None and found.document.display != target.display:
             raise NotShareableError
         return found
@@ -76,9 +76,9 @@ class Shelf:
         shared = [each for each in model.documents if each.is_shared]
         if all(_is_sound(each, opened, faulty) for each in shared):
             for each in shared:
-                if each.path not in self._shelved:
+                if each.path not in self._documents:
                     uris = tuple(opened.get(each, ()))
-                    self._shelved[each.path] = Shelved(each, uris, model.origins_of(each))
+                    self._documents[each.path] = CachedDocument(each, uris, model.origins_of(each))
 
 
 def _is_sound(document: Document, opened: Opened, faulty: Collection[str]) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.language.text.reading.declaring.types import (
+from jausml.language.text.reading.declarations.types import (
     BOOL,
     NUMBERS,
     STRING,

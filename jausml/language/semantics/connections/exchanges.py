@@ -1,7 +1,7 @@
-"""Ways in which a connection of a bridge can carry its message: direction and exchange.
+"""How a connection of a bridge can carry its message: inference of direction and exchange.
 
-What a bridge and its peers provide, and what the map assigns, mostly leave one way. A notation in
-which nobody states it, ros2jaus text, has it from here, and rules name the ways that there are.
+What a bridge and its peers provide, and what the map assigns, mostly leave one option. A notation
+in which nobody states it, ros2jaus text, has it from here, and rules name the options.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ MESSAGE, EVENT = "message", "periodicEvent"
 
 CONNECTION = "bridge.Connection"
 FEATURES = ("direction", "exchange")
-"""The features of a connection that say its way."""
+"""The features of a connection that are inferred."""
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class ExchangeOption:
     """A direction and an exchange that are possible for a connection.
 
     Attributes:
@@ -46,31 +46,31 @@ class Way:
 
 
 @dataclass(frozen=True, slots=True)
-class Settled:
+class Inferred:
     """What the features of a connection are that nobody stated.
 
     Attributes:
-        ways: The possible ways that agree with what is stated. With one of them the literals are
+        options: Those that agree with what is stated. With one of them the literals are
             certain; with none they are those that go best with the map and the message.
     """
 
     direction: str
     exchange: str
-    ways: tuple[Way, ...] = ()
+    options: tuple[ExchangeOption, ...] = ()
 
     @property
     def is_certain(self) -> bool:
-        """Whether there is exactly one way."""
-        return len(self.ways) == 1
+        """Whether there is exactly one option."""
+        return len(self.options) == 1
 
 
-def settle(
+def infer(
     connection: bridge.Connection,
     direction: str | None = None,
     exchange: str | None = None,
     *,
     is_known: bool = True,
-) -> Settled:
+) -> Inferred:
     """Returns direction and exchange of a connection of which one or both are not stated.
 
     Args:
@@ -78,21 +78,21 @@ def settle(
         exchange: The stated exchange, None where it is open.
         is_known: False where services or peers of the connection could not be read.
     """
-    ways = possible_ways(connection) if is_known else ()
+    options = possible_exchanges(connection) if is_known else ()
     agreeing = tuple(
         each
-        for each in ways
+        for each in options
         if direction in (None, each.direction) and _agrees(each, exchange, connection)
     )
     if len(agreeing) == 1:
-        [way] = agreeing
-        return Settled(way.direction, exchange or way.exchange, agreeing)
+        [option] = agreeing
+        return Inferred(option.direction, exchange or option.exchange, agreeing)
     likely = direction or (TO_JAUS if _directions(connection) == [TO_JAUS] else TO_ROS)
-    return Settled(likely, exchange or _usual_exchange(connection), agreeing)
+    return Inferred(likely, exchange or _usual_exchange(connection), agreeing)
 
 
-def possible_ways(connection: bridge.Connection) -> tuple[Way, ...]:
-    """Returns the ways that the map, the services of the bridge and those of the peers allow.
+def possible_exchanges(connection: bridge.Connection) -> tuple[ExchangeOption, ...]:
+    """Returns the options that the map, the services of the bridge and those of the peers allow.
 
     Args:
         connection: The connection. Peers that it does not name may have the services that the
@@ -102,7 +102,7 @@ def possible_ways(connection: bridge.Connection) -> tuple[Way, ...]:
     if owner is None or used is None or used.message is None or used.type is None:
         return ()
     directions = _directions(connection)
-    return tuple(way for way in _ways(connection, owner) if way.direction in directions)
+    return tuple(option for option in _options(connection, owner) if option.direction in directions)
 
 
 def unstated(connection: bridge.Connection) -> frozenset[str]:
@@ -110,39 +110,41 @@ def unstated(connection: bridge.Connection) -> frozenset[str]:
     actual = {name: getattr(getattr(connection, name), "name", None) for name in FEATURES}
     for open_features in (FEATURES, FEATURES[1:], FEATURES[:1]):
         stated = [None if name in open_features else actual[name] for name in FEATURES]
-        settled = settle(connection, *stated)
-        found = {"direction": settled.direction, "exchange": settled.exchange}
-        if settled.is_certain and found == actual:
+        inferred = infer(connection, *stated)
+        found = {"direction": inferred.direction, "exchange": inferred.exchange}
+        if inferred.is_certain and found == actual:
             return frozenset(open_features)
     return frozenset()
 
 
-def _ways(connection: bridge.Connection, owner: bridge.Bridge) -> Iterator[Way]:
+def _options(connection: bridge.Connection, owner: bridge.Bridge) -> Iterator[ExchangeOption]:
     message, own = connection.map.message, provided_services(owner)
     partners = _partners(connection, owner)
     named = " and ".join(str(each.name) for each in connection.peers)
     partner = named or "a component that provides the service"
     if _takes(own, message):
-        yield Way(TO_ROS, MESSAGE, f"{owner.name} takes it from {named or 'whoever sends it'}")
+        yield ExchangeOption(
+            TO_ROS, MESSAGE, f"{owner.name} takes it from {named or 'whoever sends it'}"
+        )
     if partners and all(_sends(services, message) for services in partners):
         if all(_has_query(connection, services) for services in partners):
-            yield Way(TO_ROS, EVENT, f"{owner.name} asks {partner} for it")
+            yield ExchangeOption(TO_ROS, EVENT, f"{owner.name} asks {partner} for it")
         else:
-            yield Way(TO_ROS, MESSAGE, f"{owner.name} takes it from {partner}")
+            yield ExchangeOption(TO_ROS, MESSAGE, f"{owner.name} takes it from {partner}")
     if partners and all(_takes(services, message) for services in partners):
-        yield Way(TO_JAUS, MESSAGE, f"{owner.name} sends it to {partner}")
+        yield ExchangeOption(TO_JAUS, MESSAGE, f"{owner.name} sends it to {partner}")
     if _sends(own, message):
-        yield Way(TO_JAUS, EVENT, f"{owner.name} reports it to whoever asks")
+        yield ExchangeOption(TO_JAUS, EVENT, f"{owner.name} reports it to whoever asks")
 
 
-def _agrees(way: Way, exchange: str | None, connection: bridge.Connection) -> bool:
-    """Tells whether a way is of the stated exchange: events and queries are asked for alike."""
+def _agrees(option: ExchangeOption, exchange: str | None, connection: bridge.Connection) -> bool:
+    """Tells whether an option is of the stated exchange: events and queries are asked for alike."""
     if exchange is None:
         return True
-    if (way.exchange == MESSAGE) == (exchange == MESSAGE):
+    if (option.exchange == MESSAGE) == (exchange == MESSAGE):
         return True
     # A peer may send its reports unasked.
-    return exchange == MESSAGE and way.direction == TO_ROS and _has_peers(connection)
+    return exchange == MESSAGE and option.direction == TO_ROS and _has_peers(connection)
 
 
 def _has_peers(connection: bridge.Connection) -> bool:

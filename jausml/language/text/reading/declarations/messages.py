@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.model.uris import LIBRARY_URI
 from jausml.language.model.words import snake_case
-from jausml.language.text.reading.declaring.jaus import JausFields
+from jausml.language.text.reading.declarations.jaus import JausFields
 from jausml.language.text.root_names import service_name, system_name
 from jausml.language.text.tree import Element, Feature
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from jausml.language.metamodel import Metamodels
     from jausml.language.model.notation import Known
     from jausml.language.model.xmi.parsing import Node
-    from jausml.language.text.reading.declaring.types import Types
+    from jausml.language.text.reading.declarations.types import Types
     from jausml.language.text.reading.elements import ElementReader
     from jausml.language.text.reading.maps import WrittenEnd
     from jausml.language.text.reading.nodes import NodeMaker

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, cast
 
 from jausml.language.metamodel.filling import set_value
 from jausml.language.model.notation import Fault
-from jausml.language.semantics.connections.ways import CONNECTION, FEATURES, settle
+from jausml.language.semantics.connections.exchanges import CONNECTION, FEATURES, infer
 from jausml.language.semantics.memory import remembering
 
 if TYPE_CHECKING:
@@ -15,19 +15,19 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel import ClassTable, DataTypeTable
     from jausml.language.model.xmi.parsing import Node
-    from jausml.language.semantics.connections.ways import Settled
+    from jausml.language.semantics.connections.exchanges import Inferred
 
 _SERVICES, _PEERS = ("provides", "uses"), ("map", "peers", "query")
 
 
-def settle_connections(classes: Iterable[tuple[Node, ClassTable]]) -> list[Fault]:
-    """Gives connections what follows from all else; returns what several ways would be."""
+def infer_exchanges(classes: Iterable[tuple[Node, ClassTable]]) -> list[Fault]:
+    """Gives connections what follows from all else; returns what would have several options."""
     wanted = [
         (node, table)
         for node, table in classes
         if table.qualified_name == CONNECTION and node.obj is not None
     ]
-    # What services have does not change while ways are settled.
+    # What services have does not change while exchanges are inferred.
     with remembering():
         return [fault for node, table in wanted for fault in _settle(node, table)]
 
@@ -44,13 +44,13 @@ def _settle(node: Node, table: ClassTable) -> Iterator[Fault]:
         if name in written
     }
     is_known = _is_read(node, _PEERS) and (node.parent is None or _is_read(node.parent, _SERVICES))
-    settled = settle(connection, **stated, is_known=is_known)
+    inferred = infer(connection, **stated, is_known=is_known)
     for name in unstated:
         feature = table.features[name]
         literals = cast("DataTypeTable", feature.data_type).literals
-        set_value(connection, feature, literals[getattr(settled, name)])
-    if len(settled.ways) > 1:
-        yield _ambiguous(node, settled)
+        set_value(connection, feature, literals[getattr(inferred, name)])
+    if len(inferred.options) > 1:
+        yield _ambiguous(node, inferred)
 
 
 def _is_read(node: Node, features: Iterable[str]) -> bool:
@@ -64,13 +64,15 @@ def _is_read(node: Node, features: Iterable[str]) -> bool:
     return True
 
 
-def _ambiguous(node: Node, settled: Settled) -> Fault:
+def _ambiguous(node: Node, inferred: Inferred) -> Fault:
     connection: Any = node.obj
     message = f"'{connection.name}' may carry {connection.map.message.name} in several ways"
-    telling = [name for name in FEATURES if len({getattr(each, name) for each in settled.ways}) > 1]
+    telling = [
+        name for name in FEATURES if len({getattr(each, name) for each in inferred.options}) > 1
+    ]
     ways = [
         f"{'  '.join(f'{name}: {getattr(each, name)}' for name in telling)} ({each.meaning})"
-        for each in settled.ways
+        for each in inferred.options
     ]
     hint = f"write {', or '.join(ways)}"
     return Fault("JML715", message, hint, node.line, node.column, node)
