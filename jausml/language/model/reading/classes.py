@@ -170,7 +170,7 @@ def check_bounds(documents: Iterable[Document], model: Model, problems: Problems
                     feature.upper < 0 or number <= feature.upper
                 ):
                     continue
-                if not problems.is_spoilt(node.obj, feature.name):
+                if not problems.is_unread(node.obj, feature.name):
                     _report(document, node, table, feature, number, problems)
 
 
@@ -182,7 +182,7 @@ def _report(
     number: int,
     problems: Problems,
 ) -> None:
-    problems.spoil(node.obj, feature.name)
+    problems.mark_unread(node.obj, feature.name)
     what = f"feature '{feature.name}' of {_label(table, node.obj)}"
     written = node.get(feature.name) is not None
     place = NodePlace(document, node, ("", feature.name) if written else None)

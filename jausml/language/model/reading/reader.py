@@ -317,9 +317,9 @@ class _Reading:
             hides = not fault.feature and fault.rule != _BESIDE
             self._problems.report(fault.rule, place, fault.message, fault.hint, hides=hides)
             if fault.owner is not None and fault.feature:
-                self._problems.spoil(fault.owner.obj, fault.feature)
+                self._problems.mark_unread(fault.owner.obj, fault.feature)
             if fault.owner is not None and fault.hides and fault.owner.obj is not None:
-                self._problems.spoil(fault.owner.obj)
+                self._problems.mark_unread(fault.owner.obj)
 
     def _import(self, document: Document) -> None:
         written = self._written.get(document)

@@ -90,7 +90,7 @@ class Resolution:
     def _resolve(self, reference: Reference) -> None:
         target = reference.direct or self._target(reference)
         if target is None:
-            self._problems.spoil(reference.owner, reference.feature.name)
+            self._problems.mark_unread(reference.owner, reference.feature.name)
             self.lost.append(reference)
         elif reference.feature.kind is FeatureKind.CONTAINMENT:
             self._contain(reference, target)
@@ -130,7 +130,7 @@ class Resolution:
         target: EObject | None = found.node.obj
         if found.node in self._circular:
             what = f"{show(reference.fragment)} of {_where(reference)}"
-            self._problems.spoil(reference.owner, reference.feature.name)
+            self._problems.mark_unread(reference.owner, reference.feature.name)
             self._report("JML202", reference, f"reference {what} {_ENDLESS}")
         if target is not None and not self._fits(reference, target):
             return None
@@ -177,7 +177,7 @@ class Resolution:
         owner: Any = reference.owner
         container = target.eContainer()
         if container is not None and reference.direct is None:
-            self._problems.spoil(reference.owner, reference.feature.name)
+            self._problems.mark_unread(reference.owner, reference.feature.name)
             self._report(
                 "JML207", reference, f"{_label(target)} is already contained in {_label(container)}"
             )
@@ -186,7 +186,7 @@ class Resolution:
             if owner is target:
                 message = f"{_where(reference)} makes {_label(target)} contain itself"
                 self._report("JML206", reference, message)
-                self._problems.spoil(reference.owner, reference.feature.name)
+                self._problems.mark_unread(reference.owner, reference.feature.name)
                 return
             owner = owner.eContainer()
         link(reference.owner, reference.feature, target)

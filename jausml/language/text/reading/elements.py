@@ -177,8 +177,8 @@ class ElementReader:
         if feature is None:
             near = suggest(item.name.text, table.features)
             what = f"unknown feature {show(item.name.text)} of {table.name}"
-            spoilt = nearest(item.name.text, table.features)
-            self._nodes.fault("JML103", item.name.span, what, near, owner=node, feature=spoilt)
+            meant = nearest(item.name.text, table.features)
+            self._nodes.fault("JML103", item.name.span, what, near, owner=node, feature=meant)
             return
         blocks = [each for each in item.values if isinstance(each, Element)]
         if item.documentation and not (len(item.values) == len(blocks) == 1):

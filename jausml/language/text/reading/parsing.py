@@ -44,17 +44,13 @@ class Parsed:
     tokens: list[Token] = field(default_factory=list)
 
 
-def parse(text: str) -> Parsed:
-    """Reads a text; never raises.
-
-    Args:
-        text: The text, perhaps with a byte order mark.
-    """
+def parse(text: str, first_line: int = 1) -> Parsed:
+    """Reads a text, perhaps with a byte order mark, that begins on some line; never raises."""
     text = text.removeprefix("\ufeff")
     if len(text) > LONGEST:
         fault = SyntaxFault(Span(), f"the text is longer than {LONGEST:,} characters")
         return Parsed(SyntaxTree(), [fault])
-    scanned = scan(text)
+    scanned = scan(text, first_line)
     run = _Run(scanned.tokens)
     document = run.document()
     attach(document, scanned.comments)

@@ -85,12 +85,13 @@ def with_line_feeds(text: str) -> str:
     return _LONE_RETURN.sub("\n", text)
 
 
-def scan(text: str) -> Scan:
+def scan(text: str, first_line: int = 1) -> Scan:
     """Returns the tokens, comments and wrong characters of a text.
 
     Lines end with LF, CR and LF, or CR alone: else a comment could swallow the file.
     """
     parser = language().parse_interactive(with_line_feeds(text))
+    parser.lexer_thread.state.line_ctr.line = first_line
     result = Scan()
     before: Token | None = None
     for token in parser.lexer_thread.lex(parser.parser_state):

@@ -1,6 +1,6 @@
-"""Texts in pieces that can be parsed one by one: what was not changed need not be parsed again.
+"""Texts in segments that can be parsed one by one: what was not changed need not be parsed again.
 
-A piece ends with the line on which a bracket ends an element of the text.
+A segment ends with the line on which a bracket ends an element of the text.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ _NOTHING = re.compile(r"(?: \s | //[^\n]* | /\*.*?(?:\*/|\Z) )*\Z", re.VERBOSE |
 _EMPTY_LINE = re.compile(r"[ \t]*\n")
 
 
-def pieces_of(text: str) -> list[tuple[int, str]]:
-    """Cuts a text into pieces.
+def segments_of(text: str) -> list[tuple[int, str]]:
+    """Cuts a text into segments.
 
     Returns:
         The line on which each begins, from 1, and its text.
@@ -49,20 +49,20 @@ def pieces_of(text: str) -> list[tuple[int, str]]:
     return [*found, (line, text[start:])]
 
 
-def parse_piece(line: int, text: str) -> Parsed:
-    """Reads a piece; positions are those in the whole text."""
-    parsed = parse("\n" * (line - 1) + text)
+def parse_segment(line: int, text: str) -> Parsed:
+    """Reads a segment; positions are those in the whole text."""
+    parsed = parse(text, line)
     if line > 1 and parsed.document.items:
-        # An empty line before it tells it from the piece before.
+        # An empty line before it tells it from the segment before.
         parsed.document.items[0].spaced = bool(_EMPTY_LINE.match(text))
     return parsed
 
 
-def joined(pieces: list[Parsed]) -> Parsed:
+def joined(segments: list[Parsed]) -> Parsed:
     """Returns what parsing the whole text gives, if there is no error in it."""
     document = SyntaxTree(
-        [item for each in pieces for item in each.document.items],
-        [comment for each in pieces for comment in each.document.closing],
+        [item for each in segments for item in each.document.items],
+        [comment for each in segments for comment in each.document.closing],
     )
-    faults = [fault for each in pieces for fault in each.faults]
-    return Parsed(document, faults, [token for each in pieces for token in each.tokens])
+    faults = [fault for each in segments for fault in each.faults]
+    return Parsed(document, faults, [token for each in segments for token in each.tokens])

@@ -1,4 +1,4 @@
-"""Texts in pieces: parsed one by one they give the tree of the whole."""
+"""Texts in segments: parsed one by one they give the tree of the whole."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jausml.language.text.reading.parsing import parse
-from jausml.language.text.reading.pieces import joined, parse_piece, pieces_of
+from jausml.language.text.reading.segments import joined, parse_segment, segments_of
 
 MODELS = Path(__file__).parents[2] / "models"
 TEXTS = [each.read_text(encoding="utf-8") for each in sorted(MODELS.rglob("*.ros2jaus"))]
@@ -37,7 +37,7 @@ PUT_IN = (
 
 
 def in_pieces(text):
-    return joined([parse_piece(line, piece) for line, piece in pieces_of(text)])
+    return joined([parse_segment(line, segment) for line, segment in segments_of(text)])
 
 
 def told(parsed):
@@ -47,7 +47,7 @@ def told(parsed):
 
 
 @pytest.mark.parametrize("text", TEXTS)
-def test_pieces_give_the_tree_of_the_whole(text):
+def test_segments_give_the_tree_of_the_whole(text):
     assert told(in_pieces(text)) == told(parse(text))
 
 
@@ -65,14 +65,14 @@ def texts(draw):
 
 
 @given(texts())
-def test_pieces_without_errors_give_the_tree_of_the_whole(text):
+def test_segments_without_errors_give_the_tree_of_the_whole(text):
     found = in_pieces(text)
     whole = parse(text)
 
     assert bool(found.faults) >= bool(whole.faults)
     if not found.faults:
         assert told(found) == told(whole)
-    assert "".join(piece for _, piece in pieces_of(text)) == text
+    assert "".join(segment for _, segment in segments_of(text)) == text
 
 
 def test_each_element_is_a_piece_with_what_stands_before_it():
@@ -80,7 +80,7 @@ def test_each_element_is_a_piece_with_what_stands_before_it():
         "import a\n\nfirst { }\n// Of the second.\nsecond {\n  x: 1 // }\n}\n\nthird { }\n// end\n"
     )
 
-    assert pieces_of(text) == [
+    assert segments_of(text) == [
         (1, "import a\n\nfirst { }\n"),
         (4, "// Of the second.\nsecond {\n  x: 1 // }\n}\n"),
         (8, "\nthird { }\n// end\n"),
