@@ -18,16 +18,16 @@ from ends import message_class
 
 from jausml.language.attributes.expressions import evaluate
 from jausml.language.metamodel.classes import bridge
-from jausml.language.semantics.attributes import NUMBER, TEXT, Attribute
-from jausml.language.semantics.paths import Placed, outer_scope, parse_path
-from jausml.language.semantics.steps import steps_of
+from jausml.language.semantics.assignments.steps import steps_of
+from jausml.language.semantics.paths.attributes import NUMBER, TEXT, Attribute
+from jausml.language.semantics.paths.scopes import Placed, outer_scope, parse_path
 from jausml.runtime import conversions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from jausml.language.semantics.paths import PathScope
-    from jausml.language.semantics.steps import Step
+    from jausml.language.semantics.assignments.steps import Step
+    from jausml.language.semantics.paths.scopes import PathScope
     from jausml.live.messages import MessageEntry
 
 _ELEMENT = "."

@@ -119,7 +119,7 @@ def findings_of(result: ImportResult) -> Report:
 
 def _differences(result: ImportResult) -> Iterator[str]:
     """Yields the differences from the services of the library, each with its place."""
-    from jausml.language.importers.jsidl.library import library_model, services_by_urn
+    from jausml.language.importers.jsidl.inheritance import library_model, services_by_urn
     from jausml.language.importers.jsidl.scopes import pick_version
     from jausml.language.model.comparison import ON_THE_WIRE, compare
 

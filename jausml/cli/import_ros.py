@@ -80,7 +80,7 @@ def ros(
 def _sources(words: tuple[str, ...], installation: Installation) -> list[PackageSource]:
     """Returns the packages that are meant: by their names, or by paths."""
     from jausml.language.importers.ros import PackageSource, installed_source
-    from jausml.language.interfaces.types import is_package_name
+    from jausml.language.interfaces.definitions import is_package_name
 
     sources: dict[str, PackageSource] = {}
     for word in words:

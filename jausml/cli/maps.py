@@ -10,7 +10,7 @@ from jausml.cli.common import find_models
 from jausml.cli.messages import ModelFault
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model import Severity, library_root, read_models
-from jausml.language.semantics.map_overview import MapOverview, overview
+from jausml.language.semantics.connections.map_overview import MapOverview, overview
 from jausml.language.text.notation import NOTATIONS
 
 if TYPE_CHECKING:

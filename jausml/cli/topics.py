@@ -45,7 +45,7 @@ def holds_of(words: Sequence[str], topics: Sequence[TopicEnd]) -> dict[str, str]
     Raises:
         UsageError: A word has no topic of these, or no reason that only a person can state.
     """
-    from jausml.language.semantics.stops import is_reason
+    from jausml.language.semantics.connections.stops import is_reason
 
     known = {each.name for each in topics}
     found: dict[str, str] = {}
@@ -68,8 +68,8 @@ def topics_of(words: Sequence[str]) -> list[TopicEnd]:
         UsageError: A word names none, or two name one topic.
     """
     from jausml.authoring.proposals.topics import TopicEnd
-    from jausml.language.interfaces.types import is_package_name, is_type_name
-    from jausml.language.semantics.topics import topic_fault
+    from jausml.language.interfaces.definitions import is_package_name, is_type_name
+    from jausml.language.semantics.connections.topics import topic_fault
 
     found: dict[str, TopicEnd] = {}
     for word in words:
@@ -93,7 +93,7 @@ def _full(message: str) -> str:
     """Returns the type with its package of which ready maps have a message name; empty for none."""
     from jausml.authoring.proposals.elements import library
     from jausml.language.metamodel.classes import bridge
-    from jausml.language.semantics.ros_paths import ros_name
+    from jausml.language.semantics.paths.ros_paths import ros_name
 
     maps = library().instances(bridge.AttributeMap)
     known = {ros_name(each.type) for each in maps if each.type is not None}
@@ -153,7 +153,7 @@ def _decided(crossing: Crossing, reasons: Mapping[str, str], *, yes: bool) -> Cr
 
 def _asked(crossing: Crossing) -> str:
     from jausml.language.model.names import name_of
-    from jausml.language.semantics.stops import is_reason
+    from jausml.language.semantics.connections.stops import is_reason
 
     click.echo(
         f"Nothing stops what {name_of(crossing.offer.message)} of {crossing.topic.name} sets in "
@@ -167,7 +167,7 @@ def _asked(crossing: Crossing) -> str:
 
 def _feeding(offered: dict[str, list[Crossing]]) -> set[str]:
     """Returns the types that joins of maps take which other topics may have."""
-    from jausml.language.semantics.ros_paths import ros_name
+    from jausml.language.semantics.paths.ros_paths import ros_name
 
     ways = [way for each in offered.values() for way in each if not way.offer.to_ros]
     return {ros_name(join.type) for way in ways for join in way.map.joins}
@@ -177,7 +177,7 @@ def _without(
     topic: TopicEnd, maps: Sequence[bridge.AttributeMap], side: str, *, is_error: bool
 ) -> None:
     from jausml.language.model.values import suggest
-    from jausml.language.semantics.ros_paths import ros_name
+    from jausml.language.semantics.paths.ros_paths import ros_name
 
     known = {ros_name(each.type) for each in maps if each.type is not None}
     hint = suggest(topic.type, known - {topic.type}) if topic.type not in known else ""

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model import library_root, read_models
-from jausml.language.semantics.commands import is_command
+from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.text.notation import NOTATIONS
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import yaml
 from jausml.generation import render
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model import read_models
-from jausml.language.semantics import stops
+from jausml.language.semantics.connections import stops
 from jausml.language.text.notation import NOTATIONS
 from jausml.runtime.base.settings import TransportSettings
 from jausml_generators.bringup.target import TARGET as BRINGUP

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from codec_support import ROOT, library
 
-from jausml.language.semantics.core_services import CORE, CORE_MESSAGES, SERVED_BY_RUNTIME
+from jausml.language.semantics.jaus.core_services import CORE, CORE_MESSAGES, SERVED_BY_RUNTIME
 from jausml.runtime import messages as core_messages
 from jausml.runtime.services import core
 from jausml.runtime.services.liveness import UNSOLICITED

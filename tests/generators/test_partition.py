@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from jausml.generation import load_targets, render
 from jausml.generation.system import system_of
-from jausml.language.semantics.topics import resolve_topic
+from jausml.language.semantics.connections.topics import resolve_topic
 from jausml.language.text.notation import NOTATIONS
 from jausml.language.text.writing.unparsing import to_text
 from jausml.language.validation.engine import validate

@@ -11,7 +11,7 @@ from jsidl_support import ROOT, SHARED
 from needs import EMF
 
 from jausml.language.importers.jsidl import import_jsidl
-from jausml.language.importers.jsidl.library import library_model, services_by_urn
+from jausml.language.importers.jsidl.inheritance import library_model, services_by_urn
 from jausml.language.importers.jsidl.scopes import pick_version
 from jausml.language.model import read_models
 from jausml.language.model.comparison import ON_THE_WIRE, compare

@@ -12,7 +12,7 @@ import pytest
 pytest.importorskip("rclpy")
 
 from jausml.language.model import read_models
-from jausml.language.semantics.topics import endpoints
+from jausml.language.semantics.connections.topics import endpoints
 from jausml.language.text.notation import NOTATIONS
 from jausml.runtime.bridge.ends.parameter import Parameter
 from jausml.runtime.bridge.ends.parameters import ParameterError

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from jausml.language.model.xmi import parsing, scanning
+from jausml.language.model.xmi import parsing
 from jausml.language.text.notation import NOTATIONS
 from jausml.language.validation.engine import validate
 
@@ -47,7 +47,7 @@ def test_of_two_maps_of_one_name_one_is_renamed(tmp_path):
 
 def test_the_places_of_many_unknown_attributes_are_found_in_one_walk(tmp_path, monkeypatch):
     walks = []
-    whole = scanning.attribute_positions
+    whole = parsing.attribute_positions
 
     def counted(data, encoding, node):
         walks.append(node)

@@ -23,7 +23,6 @@ OWN_DATA = {
     "authoring/projects/creating.py",
     "authoring/projects/first_model.py",
     "authoring/studio/asking/reading.py",
-    "language/text/reading/library_maps.py",
     "language/text/reading/scanning.py",
 }
 """Modules that read what is shipped with them."""

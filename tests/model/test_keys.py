@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from jausml.language.model import read_models
-from jausml.language.model.keys import Keys
-from jausml.language.model.refs import LIBRARY, find, ref_of
+from jausml.language.model.refs import LIBRARY, Keys, find, ref_of
 from jausml.language.model.uris import LIBRARY_URI
 from jausml.language.text.notation import NOTATIONS
 

@@ -13,7 +13,7 @@ from reader_support import EMF, ZOO_METAMODELS, Files, zoo
 from jausml.language.metamodel import FeatureKind, ValueKind, load_metamodels
 from jausml.language.model import READER_RULES
 from jausml.language.model.values import convert
-from jausml.language.model.xmi import scanning
+from jausml.language.model.xmi import parsing
 from jausml.language.model.xmi.parsing import parse
 
 SHIPPED = load_metamodels()
@@ -231,4 +231,4 @@ def test_attributes_are_found_where_they_are(attributes):
     data = (text + "/>").encode()
     node = parse(data).root
     expected = {("", name): place for name, place in places.items()}
-    assert scanning.attribute_positions(data, "utf-8", node) == expected
+    assert parsing.attribute_positions(data, "utf-8", node) == expected

@@ -13,7 +13,7 @@ from jausml.authoring.proposals.message_words import KINDS, message_of_words
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml.language.model.names import name_of
-from jausml.language.semantics.services import code, lineage
+from jausml.language.semantics.jaus.services import code, lineage
 from jausml.language.text.notation import NOTATIONS
 
 NOTATION = pytest.mark.parametrize("notation", ["xmi", "text"])

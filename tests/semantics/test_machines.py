@@ -9,7 +9,7 @@ import pytest
 
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
-from jausml.language.semantics.inherited_machines import (
+from jausml.language.semantics.jaus.inherited_machines import (
     CORE_LEAVES,
     CORE_STATES,
     DEEPEST,

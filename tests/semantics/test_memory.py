@@ -6,6 +6,9 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
+from jausml.language import wire
+from jausml.language.metamodel.classes import jaus
+from jausml.language.semantics.jaus.layouts import signature
 from jausml.language.semantics.memory import remembered, remembering
 
 
@@ -57,3 +60,14 @@ def test_other_threads_do_not_notice():
         assert threads.submit(asked.double, 1).result() == 2
         assert threads.submit(asked.double, 1).result() == 2
     assert asked.count == 3
+
+
+def test_the_layouts_of_two_messages_are_compared_without_resolving_them_again(monkeypatch):
+    message = jaus.MessageDef()
+    message.name, message.code = "ReportThing", "4D00"
+    resolved = []
+    resolve = wire.resolve
+    monkeypatch.setattr(wire, "resolve", lambda each: (resolved.append(each), resolve(each))[1])
+    with remembering():
+        assert signature(message) == signature(message)
+    assert resolved == [message]

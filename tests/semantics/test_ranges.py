@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 from jausml.language.attributes import intervals
 from jausml.language.attributes.expressions import evaluate, parse_expression
 from jausml.language.model import read_models
-from jausml.language.semantics.paths import place
-from jausml.language.semantics.samples import NoValueError, sent_through
-from jausml.language.semantics.steps import steps_of
+from jausml.language.semantics.assignments.ranges import sent_through
+from jausml.language.semantics.assignments.steps import steps_of
+from jausml.language.semantics.conversions import NoValueError
+from jausml.language.semantics.paths.scopes import place
 from jausml.runtime import conversions as runtime
 
 NUMBERS = st.floats(-1e6, 1e6, allow_nan=False)

@@ -8,7 +8,7 @@ import pytest
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model import read_models
-from jausml.language.semantics.rates import fills_rates_alone
+from jausml.language.semantics.assignments.units import fills_rates_alone
 from jausml.language.text.notation import NOTATIONS
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ import pytest
 
 from jausml.language.metamodel.classes import system
 from jausml.language.model import read_models
-from jausml.language.semantics.topics import endpoints
+from jausml.language.semantics.connections.topics import endpoints
 from jausml.language.text.notation import NOTATIONS
 from jausml.language.validation.engine import check
 

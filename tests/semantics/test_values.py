@@ -8,9 +8,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.language.semantics.attributes import BOOL, NUMBER, TEXT, Attribute
-from jausml.language.semantics.paths import parse_path
-from jausml.language.semantics.values import constant_fault, is_integer, is_real
+from jausml.language.semantics.paths.attributes import (
+    BOOL,
+    NUMBER,
+    TEXT,
+    Attribute,
+    constant_fault,
+    is_integer,
+    is_real,
+)
+from jausml.language.semantics.paths.scopes import parse_path
 
 BYTE = Attribute(NUMBER, "a number", integral=True, lower=0, upper=255)
 LEVEL = Attribute(NUMBER, "a number", integral=True, lower=0, upper=255, values=((1, 1), (5, 9)))

@@ -8,7 +8,7 @@ import pytest
 
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.uris import library_root
-from jausml.language.text.reading.library_maps import library_maps
+from jausml.language.text.reading.imports import library_maps
 
 LIBRARY = "http://www.jausml.org/library/jaus/"
 

@@ -12,10 +12,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jausml.language.text.bounds import DEEPEST, LONGEST
 from jausml.language.text.keywords import KEYWORDS
 from jausml.language.text.reading.parsing import MOST_FAULTS, parse
 from jausml.language.text.tree import (
+    DEEPEST,
+    LONGEST,
     Assignment,
     Clock,
     Direction,

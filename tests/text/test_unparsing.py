@@ -9,7 +9,7 @@ from jausml.language.model import read_models
 from jausml.language.model.values import convert
 from jausml.language.model.xmi.writer import UnwritableError
 from jausml.language.text.notation import NOTATIONS
-from jausml.language.text.writing import literals
+from jausml.language.text.writing import spelling
 from jausml.language.text.writing.unparsing import to_text
 
 REAL = load_metamodels().classes["ros.Node"].features["frequency"].data_type
@@ -313,7 +313,7 @@ def test_values_that_defaults_hide(text_of):
     ],
 )
 def test_numbers_are_short_and_exact(value, number):
-    written = literals.number(value).text
+    written = spelling.number(value).text
     assert written == number
     read, fault = convert(written, REAL)
     assert fault is None

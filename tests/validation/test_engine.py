@@ -9,7 +9,7 @@ import pytest
 
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import Severity, library_root, read_models
-from jausml.language.semantics.machines import behaviours
+from jausml.language.semantics.jaus.machines import behaviours
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.engine import RuleError, check, validate
 from jausml.language.validation.rule import Finding, rule

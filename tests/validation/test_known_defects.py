@@ -8,7 +8,7 @@ from __future__ import annotations
 import pytest
 
 from jausml.language.model import read_models
-from jausml.language.semantics.units import unit_step
+from jausml.language.semantics.assignments.units import unit_step
 from jausml.language.validation.engine import validate
 
 JAUS = "http://www.jausml.org/library/jaus/"

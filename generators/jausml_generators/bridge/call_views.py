@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal, python_string
-from jausml.language.semantics import calls
-from jausml.language.semantics.commands import is_command
-from jausml.language.semantics.requests import requested_in
+from jausml.language.semantics.connections import calls
+from jausml.language.semantics.connections.report_joins import requested_in
+from jausml.language.semantics.jaus.commands import is_command
 from jausml_generators.bridge.connections import ConnectionView
 from jausml_generators.bridge.jaus_ends import guard_of, peers_of, priority_of, query_call
 from jausml_generators.common.ros import ros_type

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
-from jausml.language.semantics.commands import needs_control, needs_ready
-from jausml.language.semantics.services import provided_services, searched_services
-from jausml.language.semantics.standard_services import standard_services
+from jausml.language.semantics.jaus.commands import needs_control, needs_ready
+from jausml.language.semantics.jaus.core_services import standard_services
+from jausml.language.semantics.jaus.services import provided_services, searched_services
 from jausml_generators.bridge.topics import list_of
 from jausml_generators.common.components import (
     address_call,
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes import bridge, jaus
     from jausml_generators.python.codec.messages import MessageView
-from jausml.language.semantics.answers import PRESENCE_VECTOR
+from jausml.language.semantics.jaus.answers import PRESENCE_VECTOR
 
 
 def query_call(query: MessageView, report: MessageView | None, fields: Container[str]) -> str:

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import printable
-from jausml.language.semantics.freshness import freshness_of
-from jausml.language.semantics.topics import reliability, resolve_topic
+from jausml.language.semantics.connections.freshness import freshness_of
+from jausml.language.semantics.connections.topics import reliability, resolve_topic
 from jausml_generators.bridge.actions import ActionView
 from jausml_generators.bridge.topics import JoinView
 from jausml_generators.bridge.translation import AssignmentError

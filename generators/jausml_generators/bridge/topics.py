@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal, python_string
-from jausml.language.semantics.topics import reliability
+from jausml.language.semantics.connections.topics import reliability
 from jausml_generators.python.names import snake_case
 from jausml_generators.python.statements import call
 

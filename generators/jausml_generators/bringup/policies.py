@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import ros
-from jausml.language.semantics.topics import endpoints, resolve_topic
+from jausml.language.semantics.connections.topics import endpoints, resolve_topic
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_string
 from jausml.language.metamodel.classes import bridge, jaus
-from jausml.language.semantics.core_services import CORE
 from jausml.language.semantics.hosts import endpoint_of, host_of
-from jausml.language.semantics.services import inputs_by_name, outputs_by_name, query_name
-from jausml.language.semantics.standard_services import answers_for_subsystem, with_standard
+from jausml.language.semantics.jaus.core_services import CORE, answers_for_subsystem, with_standard
+from jausml.language.semantics.jaus.services import inputs_by_name, outputs_by_name, query_name
 from jausml_generators.python.statements import call
 
 if TYPE_CHECKING:

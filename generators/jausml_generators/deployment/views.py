@@ -6,7 +6,7 @@ import ipaddress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.language.semantics.topics import resolve_topic
+from jausml.language.semantics.connections.topics import resolve_topic
 from jausml_generators.deployment.ports import dds_ports
 from jausml_generators.python.names import package_name
 

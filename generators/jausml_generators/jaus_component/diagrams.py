@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.language.attributes.guards import AllOf, AnyOf, Condition, Guard, Negation, parse_guard
-from jausml.language.semantics.inherited_machines import CORE_STATES, Machine, event_name
+from jausml.language.semantics.jaus.inherited_machines import CORE_STATES, Machine, event_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -12,7 +12,7 @@ from jausml_generators.jaus_component.handlers import Method
 from jausml_generators.python.statements import call, tuple_of
 
 if TYPE_CHECKING:
-    from jausml.language.semantics.inherited_machines import Machine
+    from jausml.language.semantics.jaus.inherited_machines import Machine
 
 _BODY = 8
 

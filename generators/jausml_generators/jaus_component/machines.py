@@ -16,9 +16,9 @@ from jausml.language.attributes.guards import (
     conditions,
     parse_guard,
 )
-from jausml.language.semantics.commands import guard_of
-from jausml.language.semantics.core_services import SERVED_BY_RUNTIME
-from jausml.language.semantics.inherited_machines import (
+from jausml.language.semantics.jaus.commands import guard_of
+from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
+from jausml.language.semantics.jaus.inherited_machines import (
     CORE_STATES,
     Machine,
     Node,

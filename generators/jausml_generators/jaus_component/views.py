@@ -12,9 +12,9 @@ from jausml.generation.docstrings import clean, docstring, sentence
 from jausml.generation.errors import GenerationError
 from jausml.generation.languages.python import Imports, Origin, offered
 from jausml.generation.literals import LINE_WIDTH, python_string
-from jausml.language.semantics.commands import guard_of
-from jausml.language.semantics.core_services import SERVED_BY_RUNTIME, is_core_message
-from jausml.language.semantics.services import provided_services
+from jausml.language.semantics.jaus.commands import guard_of
+from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME, is_core_message
+from jausml.language.semantics.jaus.services import provided_services
 from jausml_generators.common import components, runtime
 from jausml_generators.jaus_component import machines
 from jausml_generators.jaus_component.handlers import (

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.language.attributes.guards import parse_guard
-from jausml.language.semantics.inherited_machines import (
+from jausml.language.semantics.jaus.inherited_machines import (
     CORE_LEAVES,
     CORE_STATES,
     Machine,

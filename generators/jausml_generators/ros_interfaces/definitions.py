@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import printable
 from jausml.language.interfaces.definitions import FieldType
-from jausml.language.interfaces.values import ValueTextError, write_value
+from jausml.language.interfaces.literals import ValueTextError, write_value
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus, ros
-from jausml.language.semantics import calls
-from jausml.language.semantics.core_services import CORE
+from jausml.language.semantics.connections import calls
+from jausml.language.semantics.jaus.core_services import CORE
 from jausml_generators.common.components import with_inherited
 
 if TYPE_CHECKING:

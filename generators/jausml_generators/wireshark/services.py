@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 from jausml.generation.system import system_of
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import library_root, read_models
-from jausml.language.semantics import calls
-from jausml.language.semantics.core_services import CORE
-from jausml.language.semantics.standard_services import NEWEST_SET
+from jausml.language.semantics.connections import calls
+from jausml.language.semantics.jaus.core_services import CORE, NEWEST_SET
 from jausml_generators.common.components import with_inherited
 
 if TYPE_CHECKING:

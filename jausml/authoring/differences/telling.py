@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.differences.matching import address, values
 from jausml.language.metamodel.classes import bridge, jaus
-from jausml.language.semantics.conversions import conversion_of
+from jausml.language.semantics.conversions import Effect, conversion_of
 
 if TYPE_CHECKING:
     from jausml.language.metamodel import ClassTable, FeatureTable
@@ -118,5 +118,5 @@ def is_sign_change(old: EObject, new: EObject) -> bool:
 def _without_sign(assignment: bridge.FieldAssignment) -> tuple[list[str], int]:
     """Returns the conversions that do more than to turn the sign, and how many turn it."""
     steps = list(assignment.conversions)
-    rest = [conversion(each) for each in steps if not conversion_of(each).turns_sign]
+    rest = [conversion(each) for each in steps if conversion_of(each).effect is not Effect.NEGATED]
     return rest, len(steps) - len(rest)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.layout import renamed
-from jausml.language.model.keys import Keys
+from jausml.language.model.refs import Keys
 from jausml.views.diagrams.views import view_names
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from jausml.language.metamodel import FeatureKind
 from jausml.language.metamodel.filling import contents, is_set
 from jausml.language.model.refs import file_of, find, fragment_of, ref_of, split
 from jausml.language.model.xmi.writer import lexical
-from jausml.language.semantics.ways import CONNECTION, FEATURES
+from jausml.language.semantics.connections.exchanges import CONNECTION, FEATURES
 from jausml.language.text.notation import SUFFIX
 
 if TYPE_CHECKING:

@@ -14,8 +14,8 @@ from jausml.authoring.editing import layout
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.records import Freshness, Stored
 from jausml.language.model.diagnostics import Severity
+from jausml.language.model.reading.library_cache import LibraryCache
 from jausml.language.model.reading.reader import ReadResult, read_models
-from jausml.language.model.reading.shelf import Shelf
 from jausml.language.model.refs import LIBRARY, file_of
 from jausml.language.model.uris import library_root, shipped_as
 from jausml.language.model.xmi.parsing import parse as parse_xmi
@@ -142,7 +142,7 @@ class Reader:
         self._kept: dict[str, list[_Kept]] = {}
         self._library: dict[str, ReadResult] = {}
         self._known_faults: dict[str, tuple[str, tuple[Diagnostic, ...]]] = {}
-        self._shelf = Shelf()
+        self._cache = LibraryCache()
 
     def read(self, file: str, files: Mapping[str, Stored]) -> ReadResult:
         """Returns the model of a file and all that it refers to.
@@ -194,7 +194,7 @@ class Reader:
             project_root=self._root,
             notations=NOTATIONS,
             contents=contents,
-            shelf=self._shelf,
+            cache=self._cache,
         )
 
     def _with_faults(self, result: ReadResult, files: Mapping[str, Stored]) -> ReadResult:

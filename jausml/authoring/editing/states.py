@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.forest import Thing
-from jausml.language.semantics.inherited_machines import CORE_MACHINE, Machine, canonical
+from jausml.language.semantics.jaus.inherited_machines import CORE_MACHINE, Machine, canonical
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator

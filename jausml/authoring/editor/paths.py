@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
 from jausml.language.metamodel.classes import jaus, ros
-from jausml.language.semantics.attributes import UNSTATED, Attribute
-from jausml.language.semantics.jaus_paths import JausPlace, message_place
-from jausml.language.semantics.ros_paths import RosPlace
+from jausml.language.semantics.paths.attributes import UNSTATED, Attribute
+from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
+from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.text.tree import Assignment, Direction, Element, Feature, Name, Vector
 
 if TYPE_CHECKING:
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
     from jausml.authoring.editor.context import Context
     from jausml.authoring.editor.workbench import Workbench
-    from jausml.language.semantics.attributes import Part
-    from jausml.language.semantics.paths import PathPlace
+    from jausml.language.semantics.paths.attributes import Part
+    from jausml.language.semantics.paths.scopes import PathPlace
 
 
 MessageT = TypeVar("MessageT", "jaus.MessageDef", "ros.MessageType")

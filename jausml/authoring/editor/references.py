@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.names import qualified_name
-from jausml.language.semantics.services import with_inherited
-from jausml.language.text.reading.library_maps import library_maps
+from jausml.language.semantics.jaus.services import with_inherited
+from jausml.language.text.reading.imports import library_maps
 from jausml.language.text.tree import Element, Feature, Import, Name
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from jausml.language.model.uris import LIBRARY_URI, library_root
 from jausml.language.text.notation import SUFFIX, Ros2Jaus, decode
 from jausml.language.text.reading.imports import resolve
 from jausml.language.text.reading.parsing import Parsed, parse
-from jausml.language.text.reading.pieces import joined, parse_piece, pieces_of
+from jausml.language.text.reading.segments import joined, parse_segment, segments_of
 from jausml.language.text.tree import Import, Text
 from jausml.language.validation.engine import RuleError, check
 
@@ -38,7 +38,7 @@ class _Pieces:
     def parsed(self, text: str) -> Parsed:
         """Returns the tree of a text; where something is wrong, the pieces behind do not suffer."""
         last = self._last
-        found = {each: last.get(each) or parse_piece(*each) for each in pieces_of(text)}
+        found = {each: last.get(each) or parse_segment(*each) for each in segments_of(text)}
         self._last = found
         return joined(list(found.values()))
 

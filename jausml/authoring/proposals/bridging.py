@@ -11,17 +11,17 @@ from jausml.authoring.proposals.literals import literal, values_of
 from jausml.language.metamodel.classes import bridge, jaus, system
 from jausml.language.model.names import name_of
 from jausml.language.model.words import snake_case
-from jausml.language.semantics.commands import is_command
-from jausml.language.semantics.core_services import SERVED_BY_RUNTIME
-from jausml.language.semantics.ros_paths import ros_name
-from jausml.language.semantics.services import (
+from jausml.language.semantics.connections.exchanges import EVENT, MESSAGE, TO_JAUS, TO_ROS
+from jausml.language.semantics.jaus.commands import is_command
+from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
+from jausml.language.semantics.jaus.services import (
     find_same,
     lineage,
     provides_access_control,
     query_name,
     with_inherited,
 )
-from jausml.language.semantics.ways import EVENT, MESSAGE, TO_JAUS, TO_ROS
+from jausml.language.semantics.paths.ros_paths import ros_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

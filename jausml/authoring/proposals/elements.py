@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model import library_root, read_models, refs
 from jausml.language.model.names import name_of
-from jausml.language.semantics.ros_paths import ros_name
+from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.text.notation import NOTATIONS
 
 if TYPE_CHECKING:

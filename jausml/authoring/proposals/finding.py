@@ -8,7 +8,7 @@ from jausml.authoring.proposals.elements import AnswerError, library
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.model.names import name_of
 from jausml.language.model.values import suggest
-from jausml.language.semantics.ros_paths import ros_name
+from jausml.language.semantics.paths.ros_paths import ros_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

@@ -10,9 +10,9 @@ from jausml.authoring.editing.describing import described
 from jausml.authoring.proposals.elements import library
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.names import name_of
-from jausml.language.semantics.layouts import signature
-from jausml.language.semantics.ros_paths import ros_name
-from jausml.language.semantics.services import code
+from jausml.language.semantics.jaus.layouts import signature
+from jausml.language.semantics.jaus.services import code
+from jausml.language.semantics.paths.ros_paths import ros_name
 
 if TYPE_CHECKING:
     from jausml.authoring.editing.commands import Command

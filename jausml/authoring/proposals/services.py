@@ -20,8 +20,8 @@ from jausml.authoring.proposals.message_words import (
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.names import name_of
 from jausml.language.model.values import show
+from jausml.language.semantics.jaus.services import code
 from jausml.language.semantics.names import is_identifier, urn_fault
-from jausml.language.semantics.services import code
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -13,11 +13,7 @@ if TYPE_CHECKING:
 
 
 class LanguageError(ValueError):
-    """A text does not belong to its language.
-
-    Attributes:
-        column: Where it goes wrong, from 1.
-    """
+    """A text does not belong to its language."""
 
     def __init__(self, message: str, column: int) -> None:
         super().__init__(f"{message} at column {column}")
@@ -29,13 +25,9 @@ class Language:
     """The words of a language and its bounds.
 
     Attributes:
-        noun: What a text of it is called, for messages: `unit`.
         tokens: Matches one token with the blanks before it; the group that matches is its kind.
             Signs are of kind `sign`, words and names of kind `name`.
-        error: Makes an error of a message and a column.
         longest: Characters of a text; more is none that a person wrote.
-        deepest: How deep its parts may be nested.
-        ignores_case: Whether words are the same in capital letters.
     """
 
     noun: str
@@ -50,8 +42,6 @@ class Token(NamedTuple):
     """A token of a text; the last one is empty and of kind `end`.
 
     Attributes:
-        kind: Name of the group that matched.
-        text: What stands there.
         column: Where it stands, from 1.
     """
 
@@ -64,12 +54,7 @@ class Token(NamedTuple):
 
 
 class TokenCursor:
-    """A place between the tokens of a text, at which a parser reads on.
-
-    Args:
-        text: The text.
-        language: Its language, whose error is raised wherever the text goes wrong.
-    """
+    """A place between the tokens of a text, at which a parser reads on."""
 
     def __init__(self, text: str, language: Language) -> None:
         self._language = language

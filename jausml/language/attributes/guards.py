@@ -78,9 +78,6 @@ def parse_guard(text: str | None) -> Guard | None:
 
     Args:
         text: Feature `guard` of a transition.
-
-    Raises:
-        GuardError: The text is no guard.
     """
     if text is None or not text.strip():
         return None
@@ -88,11 +85,7 @@ def parse_guard(text: str | None) -> Guard | None:
 
 
 def conditions(guard: Guard | None) -> Iterator[str]:
-    """Yields the names of the conditions of a guard, in its order.
-
-    Args:
-        guard: The guard, if any.
-    """
+    """Yields the names of the conditions of a guard, in its order."""
     if isinstance(guard, Condition):
         yield guard.name
     elif isinstance(guard, Negation):

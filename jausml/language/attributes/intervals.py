@@ -107,13 +107,7 @@ def greatest(*operands: Interval) -> Interval:
 def increasing(
     function: Callable[[float], float], domain: Interval = EVERYTHING, *, exact: bool = False
 ) -> Callable[[Interval], Interval]:
-    """Returns what bounds a function that increases within its domain.
-
-    Args:
-        function: The function.
-        domain: Where it has values.
-        exact: Whether its results are rounded correctly.
-    """
+    """Returns what bounds a function that increases within its domain."""
 
     def bound(a: Interval) -> Interval:
         within = meet(a, domain)

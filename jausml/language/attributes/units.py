@@ -70,9 +70,6 @@ class Unit:
 def parse_unit(text: str) -> Unit:
     """Returns the unit that a text names.
 
-    Args:
-        text: Feature `units` of a model element.
-
     Raises:
         UnitError: The text is no unit; `nearest_units` has suggestions.
     """

@@ -1,8 +1,11 @@
-"""Interface definitions as data, free of how they are written."""
+"""Definitions of ROS interfaces as they stand in files, and the texts of their types."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import re
+from dataclasses import dataclass, field, replace
+
+from jausml.language.model.values import nearest
 
 SINGLE = "single"
 FIXED = "fixedArray"
@@ -16,15 +19,7 @@ TEXTS = ("string", "wstring")
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """A fault of a definition.
-
-    Attributes:
-        rule: Id of the rule that is broken.
-        line: Line, counted from 1.
-        column: Column, counted from 1.
-        message: What is wrong.
-        hint: What to do about it, or empty.
-    """
+    """A fault of a definition; lines and columns are counted from 1."""
 
     rule: str
     line: int
@@ -69,14 +64,8 @@ class FieldDefinition:
     """One field.
 
     Attributes:
-        name: Its name.
-        type: Its type.
-        default: Its default in the notation of models (see `values`), None without one.
-        comment: The comments about it, lines joined by line feeds.
         units: What stands in square brackets in its comments, where that is one thing; rosidl
             takes it for the unit.
-        line: Line, counted from 1.
-        column: Column of the type, counted from 1.
     """
 
     name: str
@@ -90,16 +79,7 @@ class FieldDefinition:
 
 @dataclass(frozen=True, slots=True)
 class ConstantDefinition:
-    """One constant.
-
-    Attributes:
-        name: Its name.
-        type: A primitive type.
-        value: Its value in the notation of models.
-        comment: The comments about it.
-        line: Line, counted from 1.
-        column: Column of the type, counted from 1.
-    """
+    """One constant."""
 
     name: str
     type: str
@@ -111,14 +91,7 @@ class ConstantDefinition:
 
 @dataclass(slots=True)
 class Section:
-    """A message, or one part of a service or an action.
-
-    Attributes:
-        fields: Its fields in order.
-        constants: Its constants in order.
-        comment: The comment at its head.
-        line: Its first line, counted from 1.
-    """
+    """A message, or one part of a service or an action."""
 
     fields: list[FieldDefinition] = field(default_factory=list)
     constants: list[ConstantDefinition] = field(default_factory=list)
@@ -133,8 +106,93 @@ class Definition:
     Attributes:
         sections: One for a message, two for a service, three for an action; as many as there are
             when the number is wrong.
-        faults: What is wrong with it, by place.
     """
 
     sections: list[Section]
     faults: list[Fault]
+
+
+_ARRAY = re.compile(r"\[(?P<bounded><=)?(?P<size>[0-9]{1,10})?\]")
+_BOUND = re.compile(r"<=(?P<size>[0-9]{1,10})")
+_BASE = re.compile(r"(?P<base>[^\[<]*)(?P<bound><[^\[]*)?(?P<array>\[.*)?")
+_TYPE_NAME = re.compile(r"[A-Z][A-Za-z0-9]*")
+_PACKAGE_NAME = re.compile(r"[a-z](?:_?[a-z0-9]+)*")
+# What C, Python and ROS 1 call types that ROS 2 has under another name.
+_OTHER_NAMES = {
+    "boolean": "bool",
+    "int": "int32",
+    "uint": "uint32",
+    "float": "float32",
+    "double": "float64",
+    "str": "string",
+    "text": "string",
+    "time": "builtin_interfaces/Time",
+    "duration": "builtin_interfaces/Duration",
+}
+
+
+class TypeTextError(ValueError):
+    """A text is no type."""
+
+    def __init__(self, message: str, hint: str = "") -> None:
+        super().__init__(message)
+        self.hint = hint
+
+
+def is_type_name(text: str) -> bool:
+    """Tells whether a text may name a message, service or action."""
+    return _TYPE_NAME.fullmatch(text) is not None
+
+
+def is_package_name(text: str) -> bool:
+    """Tells whether a text may name a package of interfaces."""
+    return _PACKAGE_NAME.fullmatch(text) is not None
+
+
+def parse_type(text: str) -> FieldType:
+    """Returns the type that a text means."""
+    found = _BASE.fullmatch(text)
+    if found is None:
+        raise TypeTextError(f"{text!a} is no type")
+    base = _base(found["base"])
+    if found["bound"]:
+        base = replace(base, string_bound=_string_bound(text, base, found["bound"]))
+    return _with_array(base, found["array"]) if found["array"] else base
+
+
+def _base(text: str) -> FieldType:
+    if text in PRIMITIVES:
+        return FieldType(text)
+    package, slash, name = text.rpartition("/")
+    if slash:
+        parts = package.split("/")
+        if len(parts) == 2 and parts[1] == "msg" and is_type_name(name):
+            raise TypeTextError(f"{text!a} is no type", f"write {parts[0]}/{name}")
+        if not is_package_name(package):
+            raise TypeTextError(f"{package!a} is no name of a package")
+    if is_type_name(name):
+        return FieldType(name, package)
+    near = _OTHER_NAMES.get(text.lower()) or (nearest(text, PRIMITIVES) if not slash else "")
+    hint = f"did you mean '{near}'?" if near else "message types are in CamelCase"
+    raise TypeTextError(f"{text!a} is no type", hint)
+
+
+def _string_bound(text: str, base: FieldType, bound: str) -> int:
+    found = _BOUND.fullmatch(bound)
+    if base.name not in TEXTS:
+        raise TypeTextError(f"{text!a} bounds what is no string", "a sequence is bounded by [<=N]")
+    if found is None or int(found["size"]) == 0:
+        raise TypeTextError(f"{text!a} has no bound of 1 or more", f"write {base.name}<=N")
+    return int(found["size"])
+
+
+def _with_array(base: FieldType, text: str) -> FieldType:
+    found = _ARRAY.fullmatch(text)
+    if found is None or (found["bounded"] and not found["size"]):
+        raise TypeTextError(f"{text!a} is no array", "write [N], [<=N] or []")
+    if not found["size"]:
+        return replace(base, array=UNBOUNDED)
+    if int(found["size"]) == 0:
+        raise TypeTextError(f"{text!a} has no size of 1 or more")
+    kind = BOUNDED if found["bounded"] else FIXED
+    return replace(base, array=kind, array_size=int(found["size"]))

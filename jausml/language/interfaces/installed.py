@@ -7,8 +7,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from jausml.language.interfaces.definitions import is_package_name
 from jausml.language.interfaces.parsing import PARTS
-from jausml.language.interfaces.types import is_package_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -19,9 +19,6 @@ class Installation:
 
     They are those of the prefixes in the environment variable AMENT_PREFIX_PATH, in its order,
     then that of the running Python.
-
-    Args:
-        shares: Share folders that are looked into first.
     """
 
     def __init__(self, shares: Iterable[str | os.PathLike[str]] = ()) -> None:
@@ -31,11 +28,7 @@ class Installation:
         self.shares = list(dict.fromkeys(found))
 
     def folder(self, package: str) -> Path | None:
-        """Returns the share folder of a package that defines interfaces, None without one.
-
-        Args:
-            package: Name of the package.
-        """
+        """Returns the share folder of a package that defines interfaces, None without one."""
         if not is_package_name(package):
             return None
         for share in self.shares:
@@ -55,9 +48,5 @@ class Installation:
 
 
 def definition_files(folder: Path) -> list[Path]:
-    """Returns the definition files of a package, by kind and name.
-
-    Args:
-        folder: Folder of the package, with `msg`, `srv` and `action`.
-    """
+    """Returns the definition files of a package, by kind and name."""
     return [path for kind in PARTS for path in sorted((folder / kind).glob(f"*.{kind}"))]

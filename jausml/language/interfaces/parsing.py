@@ -19,9 +19,10 @@ from jausml.language.interfaces.definitions import (
     FieldDefinition,
     FieldType,
     Section,
+    TypeTextError,
+    parse_type,
 )
-from jausml.language.interfaces.types import TypeTextError, parse_type
-from jausml.language.interfaces.values import ValueTextError, parse_value
+from jausml.language.interfaces.literals import ValueTextError, parse_value
 from jausml.language.model.values import nearest
 
 if TYPE_CHECKING:
@@ -42,12 +43,7 @@ _NOT_TEXT = re.compile("[\0-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
 def parse_definition(text: str, kind: str) -> Definition:
-    """Reads a definition; never raises.
-
-    Args:
-        text: The text of the file.
-        kind: `msg`, `srv` or `action`.
-    """
+    """Reads a definition; never raises."""
     faults: list[Fault] = []
     sections = []
     for first_line, lines in _sections(text.removeprefix("\ufeff")):

@@ -1,13 +1,11 @@
-"""Filling of pyecore objects without notification.
+"""Filling of pyecore objects, and access to their features, without notification.
 
 pyecore's setters check types, notify and search containers for each value, which a reader that has
-checked everything itself need not pay for. What this module writes is exactly the state that the
+checked everything itself need not pay for. What is written here is exactly the state that the
 setters would leave behind (pyecore 0.15), so objects can be changed by the setters afterwards;
-tests/metamodel compares the two.
+tests/metamodel compares the two. Rules and generators do little but ask elements for their
+features: pyecore would make a holder for each that was never given a value, which is spared too.
 """
-
-# The state behind the setters is private to pyecore.
-# ruff: noqa: SLF001
 
 from __future__ import annotations
 
@@ -21,6 +19,10 @@ from jausml.language.metamodel.tables import ClassTable, FeatureKind, FeatureTab
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
+
+
+# The state behind the setters is private to pyecore.
+# ruff: noqa: SLF001
 
 
 def new_object(table: ClassTable) -> Any:
@@ -63,13 +65,7 @@ def set_values(obj: Any, table: FeatureTable, values: Iterable[Any]) -> None:
 
 
 def link(obj: Any, table: FeatureTable, target: Any) -> None:
-    """Sets a single-valued reference or adds to a multi-valued one; opposites are kept.
-
-    Args:
-        obj: The element that refers or owns.
-        table: A reference of its class.
-        target: The element referred to or owned.
-    """
+    """Sets a single-valued reference or adds to a multi-valued one; opposites are kept."""
     _store(obj, table, target)
     if table.kind is FeatureKind.CONTAINMENT:
         target._container = obj
@@ -154,3 +150,60 @@ def holds(obj: Any, table: FeatureTable, value: Any) -> bool:
     if holder is None:
         return False
     return value in holder if table.many else holder._value is value
+
+
+# The state behind the setters is private to pyecore.
+# ruff: noqa: SLF001
+
+
+class _Access:
+    """Access to a feature, in place of pyecore's in the classes of elements."""
+
+    __slots__ = ("_default", "_feature", "_name")
+
+    def __init__(self, table: FeatureTable) -> None:
+        self._feature = table.feature
+        self._name = table.name
+        self._default = table.default
+
+    def __set__(self, obj: Any, value: Any) -> None:
+        self._feature.__set__(obj, value)
+
+    def __delete__(self, obj: Any) -> None:
+        self._feature.__delete__(obj)
+
+
+class _Single(_Access):
+    """Access to a feature of one value."""
+
+    __slots__ = ()
+
+    def __get__(self, obj: Any, owner: Any = None) -> Any:
+        if obj is None:
+            return self._feature
+        holder = obj.__dict__.get(self._name)
+        return self._default if holder is None else holder._value
+
+
+class _Many(_Access):
+    """Access to a feature of many values, whose collection stays the same."""
+
+    __slots__ = ()
+
+    def __get__(self, obj: Any, owner: Any = None) -> Any:
+        if obj is None:
+            return self._feature
+        collection = obj.__dict__.get(self._name)
+        return self._feature.__get__(obj, owner) if collection is None else collection
+
+
+def hasten(table: FeatureTable) -> None:
+    """Gives the class that declares a feature quick access to it.
+
+    Of one with an opposite pyecore's setters expect the holder that its own access makes; what is
+    derived is computed.
+    """
+    feature = table.feature
+    if table.opposite is None and not feature.derived:
+        access = _Many(table) if table.many else _Single(table)
+        setattr(feature.eContainingClass.python_class, table.name, access)

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 from pyecore.ecore import EAttribute, EClass, EDataType, EEnum, EProxy
 from pyecore.resources import URI, ResourceSet
 
-from jausml.language.metamodel.access import hasten
+from jausml.language.metamodel.filling import hasten
 from jausml.language.metamodel.tables import (
     ClassTable,
     DataTypeTable,
@@ -114,15 +114,7 @@ def load_jaus_metamodel() -> Metamodels:
 
 @_once
 def python_class(language: str, name: str) -> type:
-    """Returns the Python class that pyecore makes the elements of a class from.
-
-    Args:
-        language: Name of a shipped metamodel, such as `jaus`.
-        name: Name of a class in it.
-
-    Raises:
-        AttributeError: The metamodel has no such class.
-    """
+    """Returns the Python class that pyecore makes the elements of a class from."""
     (epackage,) = _shipped_resources().get_resource(URI(str(_shipped(language)))).contents
     eclass = epackage.getEClassifier(name)
     if not isinstance(eclass, EClass):
@@ -143,10 +135,6 @@ def _shipped(language: str) -> Path:
 
 def read_metamodels(paths: Sequence[Path], resources: ResourceSet | None = None) -> Metamodels:
     """Loads .ecore files and flattens them.
-
-    Args:
-        paths: The files; what one of them names in another is found beside it.
-        resources: Files that were loaded before are taken from there.
 
     Returns:
         The tables of all their packages and sub-packages.

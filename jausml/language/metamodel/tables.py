@@ -41,15 +41,8 @@ class DataTypeTable:
     """A data type: its lexical family and its facets.
 
     Attributes:
-        name: Name in the metamodel (`EInt`, `MessageCode`).
-        kind: Lexical family.
-        minimum: Smallest legal integer, for the integer family.
-        maximum: Largest legal integer, for the integer family.
-        pattern: Facet of ExtendedMetaData; a value must match it whole.
-        pattern_text: The facet as it stands in the metamodel.
         nullable: False for Java primitives and enumerations, which have a value in EMF even
             when nothing is written.
-        literals: Enumeration literals by literal and by name.
         legal: The literals as they should be written, in metamodel order.
     """
 
@@ -69,21 +62,9 @@ class FeatureTable:
     """A structural feature of a class.
 
     Attributes:
-        name: Name of the feature, which is also its XML name.
-        feature: The pyecore EAttribute or EReference.
-        kind: What it holds.
-        many: True when more than one value is legal.
-        lower: Least number of values.
         upper: Greatest number of values; -1 means no limit.
         unique: True when a value may occur once only.
-        type_name: Qualified class name (`jaus.Component`) or data type name (`EString`).
-        data_type: The data type of an attribute, else None.
-        target: The class of a reference, else None.
-        opposite: The other end of a bidirectional reference, else None.
-        default: The value of an attribute that is not written (a literal object for
-            enumerations), None when there is none.
         is_id: True when the attribute identifies its element within the document.
-        settable: False for derived and unchangeable features, which no file may set.
         unsettable: True when "not set" differs from "set to the default".
         can_be_missing: True when a required value is absent unless it is written.
     """
@@ -116,21 +97,7 @@ class FeatureTable:
 
 @dataclass(slots=True, eq=False)
 class ClassTable:
-    """A class of a metamodel with everything it inherits.
-
-    Attributes:
-        name: Simple name (`Component`).
-        qualified_name: Package and name (`jaus.Component`).
-        package: The package that declares it.
-        eclass: The pyecore EClass.
-        abstract: True for abstract classes and interfaces.
-        features: All features by name, own and inherited, in metamodel order.
-        supertypes: The class itself and all its super types.
-        subtypes: The class itself and all classes that specialise it.
-        id_feature: The attribute that identifies an element, if the class has one.
-        bounded: The features with bounds that a document can break.
-        contained: The features that own elements.
-    """
+    """A class of a metamodel with everything it inherits."""
 
     name: str
     qualified_name: str
@@ -156,16 +123,7 @@ class ClassTable:
 
 @dataclass(slots=True, eq=False)
 class PackageTable:
-    """A metamodel package.
-
-    Attributes:
-        name: Package name (`jaus`).
-        ns_uri: The namespace that identifies the package in documents.
-        epackage: The pyecore EPackage.
-        file_name: Name of the .ecore file that declares it.
-        classes: Classes by simple name.
-        enumerations: Enumerations by simple name.
-    """
+    """A metamodel package."""
 
     name: str
     ns_uri: str
@@ -176,12 +134,7 @@ class PackageTable:
 
 
 class Metamodels:
-    """All packages of a set of metamodels, indexed by what documents name.
-
-    Attributes:
-        packages: Packages by nsURI, sub-packages included.
-        classes: Classes by qualified name (`jaus.Component`).
-    """
+    """All packages of a set of metamodels, indexed by what documents name."""
 
     def __init__(self, packages: Mapping[str, PackageTable]) -> None:
         self.packages = dict(packages)
@@ -193,19 +146,11 @@ class Metamodels:
         self._by_eclass = {table.eclass: table for table in self.classes.values()}
 
     def class_of(self, obj: EObject | type[EObject]) -> ClassTable:
-        """Returns the table of a class, such as `jaus.Component`, or of that of an element.
-
-        Raises:
-            KeyError: It is no class of these metamodels.
-        """
+        """Returns the table of a class, such as `jaus.Component`, or of that of an element."""
         return self._by_eclass[obj.eClass]
 
     def package_named(self, name: str) -> PackageTable:
-        """Returns the package of a name (`jaus`).
-
-        Raises:
-            KeyError: There is no such package.
-        """
+        """Returns the package of a name (`jaus`)."""
         for package in self.packages.values():
             if package.name == name:
                 return package

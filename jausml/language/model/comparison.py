@@ -60,10 +60,6 @@ class Difference:
     """One difference between two models.
 
     Attributes:
-        path: Where, by the names of the first model (`PrimitiveDriver/SetWrenchEffort/rec`).
-        feature: The feature that differs.
-        first: What the first model has, as text.
-        second: What the second model has, as text.
         first_element: The element of the first model, None when it has none.
         second_element: The element of the second model, None when it has none.
     """
@@ -86,12 +82,6 @@ def compare(
 
     References are the same when they lead to the same place: within the compared elements by
     position, elsewhere by the names along the way (services by URN and version).
-
-    Args:
-        first: An element.
-        second: An element.
-        metamodels: The metamodels of both.
-        policy: What counts.
 
     Returns:
         The differences in the order of the first model; none for models that are the same.

@@ -19,13 +19,7 @@ class Severity(Enum):
 
 @dataclass(frozen=True, order=True, slots=True)
 class Location:
-    """A place in a file.
-
-    Attributes:
-        path: The file as the user named it, or relative to a file that the user named.
-        line: Line, counted from 1.
-        column: Column in characters, counted from 1.
-    """
+    """A place in a file; lines and columns, in characters, are counted from 1."""
 
     path: str
     line: int = 1
@@ -48,14 +42,6 @@ class Diagnostic:
     """One finding about a model.
 
     Attributes:
-        rule: Stable id of the rule (`JML103`).
-        severity: How grave it is.
-        location: Where.
-        message: What is wrong, naming the element.
-        hint: What to do about it, or empty.
-        element: Path of the element by names (`Robot/b0/maps[2]`), or empty.
-        fragment: XMI fragment of the element (`//@bridges.0/@maps.2`), or empty.
-        related: Further places.
         unread: The features of the element whose values could not be read; None where it may be any
             of them, or where the finding is not one of a reader.
     """

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.language.model.diagnostics import Location
-from jausml.language.model.xmi.scanning import attribute_positions
+from jausml.language.model.xmi.parsing import attribute_positions
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -22,18 +22,7 @@ class Document:
 
     Attributes:
         path: The file; absolute, symbolic links followed.
-        display: The file as messages name it.
-        is_library: True when it belongs to the shipped library.
-        given: True when the user named it, False when an href led to it.
-        data: Its bytes.
-        encoding: Their encoding.
-        root_nodes: The XML elements of its root elements.
-        roots: Its root elements.
         ids: XML elements by xmi:id, and by the identifying attribute of their class.
-        readable: False when the file could not be parsed.
-        notation: The notation of a document that is no XMI, else None.
-        written: What the notation made of it, None for XMI.
-        imports: The documents whose names it uses.
         lacks_imports: True when a document that it imports could not be read.
         is_shared: True when other models may have its elements too.
     """

@@ -30,10 +30,6 @@ def name_identifiers(roots: Sequence[EObject], model: Model) -> None:
     An id is the name of the element; for messages with their service (`Winch.LockBrake`), and for
     names that occur twice with all owners but the root. Elements that have an id keep it, and so do
     elements for which there is none: they are referred to by position.
-
-    Args:
-        roots: The root elements of a document.
-        model: Takes the ids.
     """
     elements = list(_elements(roots, model))
     referred = {target for obj in elements for target in _targets(obj, model)}

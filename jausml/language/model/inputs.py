@@ -25,12 +25,8 @@ _BINARY = getattr(os, "O_BINARY", 0)
 def open_input(path: str | os.PathLike[str]) -> BinaryIO:
     """Opens a file for reading, and never waits for it.
 
-    Args:
-        path: The file; links are followed.
-
     Raises:
         OSError: It cannot be opened, or is no regular file; `strerror` says which.
-        ValueError: No file can have this name.
     """
     # A pipe without a writer would hold up whoever opens it.
     descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | _BINARY)
@@ -49,12 +45,8 @@ def open_input(path: str | os.PathLike[str]) -> BinaryIO:
 def read_input(path: str | os.PathLike[str]) -> bytes:
     """Returns what a file holds.
 
-    Args:
-        path: The file; links are followed.
-
     Raises:
         OSError: It cannot be read, is no regular file or too large; `strerror` says which.
-        ValueError: No file can have this name.
     """
     with open_input(path) as file:
         return bounded(file.read((_most_mib() << 20) + 1), path)
@@ -62,10 +54,6 @@ def read_input(path: str | os.PathLike[str]) -> bytes:
 
 def bounded(data: bytes, path: str | os.PathLike[str]) -> bytes:
     """Returns what a file holds, whoever read it, if it is not too large.
-
-    Args:
-        data: What it holds.
-        path: The file.
 
     Raises:
         OSError: It is larger than the limit (`EFBIG`).
@@ -81,19 +69,13 @@ def read_text(path: str | os.PathLike[str]) -> str:
     """Returns what a file holds, as UTF-8 and with line ends as Python has them.
 
     Raises:
-        OSError: As by `read_input`.
         ValueError: It is no UTF-8, or no file can have this name.
     """
     return read_input(path).decode("utf-8").replace("\r\n", "\n").replace("\r", "\n")
 
 
 def leads_out(path: str | os.PathLike[str], root: Path) -> bool:
-    """Tells whether a path leads out of a folder by its links.
-
-    Args:
-        path: The path.
-        root: The folder, links followed.
-    """
+    """Tells whether a path leads out of a folder by its links."""
     return not Path(os.path.realpath(path)).is_relative_to(root)
 
 

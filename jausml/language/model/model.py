@@ -5,18 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import chain
 from operator import itemgetter
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.language.metamodel.filling import contents
 from jausml.language.model.diagnostics import Location
+from jausml.language.model.documents import Document
+from jausml.language.model.xmi.parsing import Node
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from jausml.language.metamodel import FeatureTable, Metamodels
     from jausml.language.metamodel.classes.ecore import EClass, EObject
-    from jausml.language.model.documents import Document
-    from jausml.language.model.xmi.parsing import Node
+
 
 ElementT = TypeVar("ElementT", bound="EObject")
 MadeT = TypeVar("MadeT")
@@ -27,12 +29,7 @@ UNKNOWN_PATH = "<model>"
 
 @dataclass(frozen=True, slots=True)
 class Origins:
-    """The elements of one document.
-
-    Attributes:
-        nodes: The document and the light node of each element.
-        identifiers: The ids of those that have one.
-    """
+    """The elements of one document."""
 
     nodes: dict[EObject, tuple[Document, Node]]
     identifiers: dict[EObject, str]
@@ -44,11 +41,6 @@ class Model:
     Elements are pyecore objects of the metamodels: `element.name`, `eGet`, `eContainer()` and the
     rest of pyecore's reflection work on them. Their `eResource` is None; this class knows the
     documents.
-
-    Attributes:
-        documents: The documents: those that the user named, in the order given, then those that
-            references led to.
-        metamodels: The metamodels of the elements.
     """
 
     def __init__(self, documents: Sequence[Document], metamodels: Metamodels) -> None:
@@ -82,6 +74,12 @@ class Model:
         """Returns the light node of which an element was built, None for one that was not read."""
         origin = self._origin.get(obj)
         return None if origin is None else origin[1]
+
+    def join(self, other: Model) -> None:
+        """Makes the documents of another model documents of this one, which may refer to them."""
+        for document in other.documents:
+            self.documents.append(document)
+            self.share(other.origins_of(document))
 
     def name_by_id(self, obj: EObject, identifier: str) -> None:
         """Remembers the id of an element; for the reader."""
@@ -117,11 +115,7 @@ class Model:
         return document is not None and document.is_library
 
     def elements(self, *, library: bool = True) -> Iterator[EObject]:
-        """Yields all elements in document order.
-
-        Args:
-            library: False leaves out elements of the shipped library.
-        """
+        """Yields all elements in document order."""
         for document in self.documents:
             if library or not document.is_library:
                 yield from self.elements_of(document)
@@ -134,15 +128,8 @@ class Model:
     def instances(self, kind: type[ElementT], *, library: bool = True) -> list[ElementT]:
         """Returns the elements of a class and of the classes that specialise it.
 
-        Args:
-            kind: The class, such as `jaus.Component`.
-            library: False leaves out elements of the shipped library.
-
         Returns:
             The elements in document order. Elements that were added since are not among them.
-
-        Raises:
-            KeyError: The metamodels have no such class.
         """
         wanted = {table.eclass for table in self.metamodels.class_of(kind).subtypes}
         by_class = self._by_class
@@ -156,11 +143,7 @@ class Model:
         return found if library else [obj for obj in found if not self.is_library(obj)]
 
     def made(self, make: Callable[[Model], MadeT]) -> MadeT:
-        """Returns what a function makes of the model, once for all who ask while nothing is read.
-
-        Args:
-            make: The function; it makes the same whenever it is called.
-        """
+        """Returns what a function makes of the model, made once until something is read."""
         if make not in self._made:
             self._made[make] = make(self)
         made: MadeT = self._made[make]
@@ -175,7 +158,6 @@ class Model:
             obj: An element. One that was not read is placed where its nearest owner stands.
             feature: Name of a feature; its XML attribute or child element is looked for,
                 and the element's own place is the answer when there is neither.
-            position: Which of several child elements, from 0.
         """
         origin = self._origin_of(obj)
         while origin is None and obj is not None:
@@ -264,3 +246,26 @@ def _built(node: Node) -> Iterator[EObject]:
         if current.obj is not None:
             yield current.obj
             pending.extend(reversed(current.children))
+
+
+_PATH = "trial.xmi"
+
+
+def made_model(metamodels: Metamodels, root: EObject, *inner: EObject) -> Model:
+    """Returns a model of one document that nobody wrote."""
+    document = Document(Path(_PATH), _PATH, is_library=False, given=True)
+    model = Model([document], metamodels)
+    top = _node(root, None)
+    document.root_nodes.append(top)
+    model.adopt(document, top)
+    for each in inner:
+        node = _node(each, top)
+        top.children.append(node)
+        model.adopt(document, node)
+    return model
+
+
+def _node(element: EObject, parent: Node | None) -> Node:
+    node = Node("", [], {}, parent, (1, 1, 0))
+    node.obj = element
+    return node

@@ -42,12 +42,7 @@ _WHOLES = frozenset({"services", "actions"})
 
 
 class NameFinder:
-    """Finds elements by name.
-
-    Args:
-        model: The model whose documents are searched.
-        open_library: How to get the document of a URI of the library.
-    """
+    """Finds elements by name."""
 
     def __init__(self, model: Model, open_library: Callable[[str], Document | UriFault]) -> None:
         self._model = model
@@ -64,12 +59,6 @@ class NameFinder:
         """Returns the elements that a name may mean: those of the nearest scope that has any.
 
         Of one service in several versions the newest is meant.
-
-        Args:
-            name: The name as written.
-            wanted: The class of the elements.
-            document: The document in which it stands.
-            owner: The element that refers, None for the document as a whole.
         """
         referred = self._in_what_owners_refer_to(name, wanted, owner)
         if referred:

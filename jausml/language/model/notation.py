@@ -28,13 +28,9 @@ BY_NAME = f"{NOTATION} name"
 class Fault:
     """Something wrong that a notation finds in a document.
 
+    Lines and columns, in characters, are counted from 1.
+
     Attributes:
-        rule: Id of the rule.
-        message: What is wrong.
-        hint: What to do about it, or empty.
-        line: Line, counted from 1.
-        column: Column in characters, counted from 1.
-        owner: The node of the element that it concerns, if any.
         feature: The feature of that element whose value is lost, or empty.
         hides: Whether any feature of that element may be lost, since it could not be read.
     """
@@ -63,7 +59,6 @@ class Explanation:
     """Why a name means nothing in a document.
 
     Attributes:
-        hint: What to write, or empty.
         is_certain: Whether that is it, and none of the names that are much like this one.
     """
 
@@ -77,10 +72,6 @@ class Known(Protocol):
     def find(self, qualified_class: str, name: str) -> Sequence[EObject]:
         """Returns the elements of a class that a name means in the document.
 
-        Args:
-            qualified_class: Package and class, such as `jaus.MessageDef`.
-            name: The name, perhaps with those of owners before it.
-
         Returns:
             None of them, the one, or all that it may mean.
         """
@@ -93,13 +84,7 @@ class Known(Protocol):
 
 
 class Written(Protocol):
-    """A document that a notation has read.
-
-    Attributes:
-        roots: The nodes of its root elements.
-        faults: What was found so far.
-        imports: The documents that it imports.
-    """
+    """A document that a notation has read."""
 
     @property
     def roots(self) -> Sequence[Node]:
@@ -120,12 +105,7 @@ class Written(Protocol):
         """
 
     def explain(self, qualified_class: str, name: str) -> Explanation:
-        """Returns why the document may know no element of a name.
-
-        Args:
-            qualified_class: Package and class, such as `bridge.AttributeMap`.
-            name: The name as it is written.
-        """
+        """Returns why the document may know no element of a name."""
 
     def check(self) -> Sequence[Fault]:
         """Settles what the document leaves open, and returns what is wrong with its elements.
@@ -152,7 +132,5 @@ class Notation(Protocol):
         """Reads a document.
 
         Args:
-            data: Its bytes, whatever they are.
             path: The file, for the names that it gives to what has none.
-            metamodels: The metamodels of the elements.
         """

@@ -1,15 +1,18 @@
-"""Names of elements for those outside of a model: a file, and a fragment within it.
+"""Names of elements for those outside of a model: refs, which are exact, and keys, which last.
 
 A ref such as `catvehicle.xmi#//@nodes.0` or `library:/jaus/mobility.xmi#PrimitiveDriver` outlives
-the elements that were read. It holds as long as its file is as it was.
+the elements that were read. It holds as long as its file is as it was, as it names by position what
+has no id. A key (`node:logger`) goes by names, and so lasts when elements are added before it.
 """
 
 from __future__ import annotations
 
 import os
 import re
+from collections import Counter
 from functools import cache
 from typing import TYPE_CHECKING
+from urllib.parse import quote
 
 from jausml.language.model.uris import library_root
 from jausml.language.model.xmi.fragments import FragmentFinder
@@ -20,6 +23,7 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.documents import Document
     from jausml.language.model.model import Model
+
 
 Ref = str
 """`<file>#<fragment>`: the file relative to a root with forward slashes, or of the library."""
@@ -34,7 +38,6 @@ def file_of(document: Document, root: Path) -> str:
     """Returns how refs name the file of a document.
 
     Args:
-        document: The document.
         root: The folder that files are relative to, symbolic links followed. A file that lies
             elsewhere is named by its whole path.
     """
@@ -46,13 +49,7 @@ def file_of(document: Document, root: Path) -> str:
 
 
 def ref_of(obj: EObject | None, model: Model, root: Path) -> Ref:
-    """Returns the ref of an element, empty for one that was not read.
-
-    Args:
-        obj: An element of the model.
-        model: The model.
-        root: The folder that files are relative to, symbolic links followed.
-    """
+    """Returns the ref of an element, empty for one that was not read."""
     document = model.document_of(obj)
     if obj is None or document is None:
         return ""
@@ -61,13 +58,7 @@ def ref_of(obj: EObject | None, model: Model, root: Path) -> Ref:
 
 
 def fragment_of(obj: EObject, document: Document, model: Model) -> str:
-    """Returns the fragment that finds an element again: its id if that is usable, else its path.
-
-    Args:
-        obj: An element.
-        document: Its document.
-        model: The model.
-    """
+    """Returns the fragment that finds an element again: its id if that is usable, else its path."""
     identifier = model.identifier(obj)
     if identifier and _REFERABLE.fullmatch(identifier):
         node = document.ids.get(identifier)
@@ -83,13 +74,7 @@ def split(ref: Ref) -> tuple[str, str]:
 
 
 def find(ref: Ref, model: Model, root: Path) -> EObject | None:
-    """Returns the element that a ref names, None when the model has none.
-
-    Args:
-        ref: A ref.
-        model: The model.
-        root: The folder that files are relative to, symbolic links followed.
-    """
+    """Returns the element that a ref names, None when the model has none."""
     file, fragment = split(ref)
     for document in model.documents:
         if fragment and document.readable and file_of(document, root) == file:
@@ -102,3 +87,72 @@ def find(ref: Ref, model: Model, root: Path) -> EObject | None:
 @cache
 def _library() -> str:
     return os.path.realpath(library_root())
+
+
+_PARTING = "%/#![]:"
+
+
+class Keys:
+    """The keys of the elements of a model; `model.made(Keys)` gives them.
+
+    A key is the class of the element and the names of its owners below the root and of itself, as
+    in `connection:bridge/velocity`. What has no name stands there by feature and index. Elements of
+    other files than the first have the name of their file before theirs.
+    """
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._steps: dict[EObject, tuple[str, str]] = {}
+
+    def of(self, element: EObject) -> str:
+        """Returns the key of an element, its own among those of the model."""
+        steps: list[str] = []
+        each = element
+        while (owner := each.eContainer()) is not None:
+            if each not in self._steps:
+                self._name(owner)
+            steps.append(self._steps[each][each is not element])
+            each = owner
+        document = self._model.document_of(element)
+        if not steps or (document is not None and len(document.root_nodes) > 1):
+            steps.append(_escaped(getattr(each, "name", None) or ""))
+        names = "/".join(reversed(steps))
+        return f"{self._file(document)}{_kind(element)}:{names}"
+
+    def _file(self, document: Document | None) -> str:
+        if document is None or document is self._model.documents[0]:
+            return ""
+        return f"{file_of(document, self._model.documents[0].path.parent)}#"
+
+    def _name(self, owner: EObject) -> None:
+        """Finds how all that an element owns is named, itself and before what it owns.
+
+        Itself it shares its name with elements of other classes: the class tells them apart.
+        """
+        counts: Counter[tuple[str, str]] = Counter()
+        for each in self._model.owned(owner):
+            name = getattr(each, "name", None)
+            word = _escaped(name) if name else each.eContainmentFeature().name
+            kind = _kind(each)
+            numbers = counts[kind, word], counts["", word]
+            counts[kind, word] += 1
+            counts["", word] += 1
+            self._steps[each] = (
+                f"{word}[{numbers[0]}]" if numbers[0] or not name else word,
+                f"{word}[{numbers[1]}]" if numbers[1] or not name else word,
+            )
+
+
+def _kind(element: EObject) -> str:
+    name = element.eClass.name
+    return f"{name[:1].lower()}{name[1:]}"
+
+
+def _escaped(name: str) -> str:
+    """Returns a name without the signs that part keys, and without what cannot be shown."""
+    return "".join(
+        each
+        if each.isprintable() and each not in _PARTING
+        else quote(each, safe="", errors="replace")
+        for each in name
+    )

@@ -58,9 +58,6 @@ def shipped_as(path: Path) -> Path | None:
     """Returns the file of the shipped library of which a file is a copy, None for any other.
 
     Eclipse needs copies in its workspace; they may say there where the metamodels are.
-
-    Args:
-        path: The file, in a folder `library/<set>/`.
     """
     library = Path(os.path.realpath(library_root()))
     if path.parent.parent.name != library.name:
@@ -74,13 +71,7 @@ def shipped_as(path: Path) -> Path | None:
 
 
 def copy_in_project(place: str, folder: Path, root: Path) -> Path | None:
-    """Returns the copy of a file of the shipped library that a project has, None without one.
-
-    Args:
-        place: The file, relative to the library with forward slashes.
-        folder: The folder of the file that refers to it; the copy is at or above it.
-        root: The folder that references may not leave.
-    """
+    """Returns the copy of a file of the shipped library that a project has, None without one."""
     for each in (folder, *folder.parents):
         if not each.is_relative_to(root):
             return None
@@ -137,7 +128,6 @@ class UriResolver:
         """Returns the target for a file that the user named; hrefs may then lead to it.
 
         Args:
-            path: The file.
             contents: Files that an editor holds, by real path: what is stored says nothing of them.
         """
         real = Path(os.path.realpath(path))
@@ -152,7 +142,6 @@ class UriResolver:
 
         Args:
             uri: The URI, percent-encoded, without fragment.
-            base: The document in which it stands.
 
         Returns:
             The file, which need not exist, or the reason why the URI names none.

@@ -40,10 +40,6 @@ class ValueFault:
 def convert(text: str, data_type: DataTypeTable) -> tuple[Any, ValueFault | None]:
     """Converts the text of an attribute.
 
-    Args:
-        text: The text as written.
-        data_type: The attribute's data type.
-
     Returns:
         The value and None, or None and the fault.
     """

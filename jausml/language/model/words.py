@@ -12,27 +12,15 @@ _NOT_NAME = re.compile("[^A-Za-z0-9]+")
 
 
 def parts(name: str) -> list[str]:
-    """Returns what stands between characters that no name can have.
-
-    Args:
-        name: Any text.
-    """
+    """Returns what stands between characters that no name can have."""
     return [part for part in _NOT_NAME.split(name) if part]
 
 
 def words(name: str) -> list[str]:
-    """Returns the words of a name: at capitals, digits stay with the word before them.
-
-    Args:
-        name: Any text, e.g. `PropulsiveLinearEffortX` or `Velocity_X`.
-    """
+    """Returns the words of a name: at capitals, digits stay with the word before them."""
     return [word for part in parts(name) for word in _WORD_START.split(part) if word]
 
 
 def snake_case(name: str) -> str:
-    """Returns the words in small letters, joined by underscores; empty without any word.
-
-    Args:
-        name: Any text.
-    """
+    """Returns the words in small letters, joined by underscores; empty without any word."""
     return "_".join(words(name)).lower()[:LONGEST].rstrip("_")

@@ -19,10 +19,6 @@ def host_of(system: System, element: jaus.Component | ros.Node) -> Host | None:
     """Returns the host that an element runs on, the first one without a placement, or None.
 
     Where an external component runs is known by its placement alone.
-
-    Args:
-        system: The system.
-        element: A component, bridge or node of the system.
     """
     for placement in system.placements:
         if element in (*placement.components, *placement.nodes):
@@ -33,12 +29,7 @@ def host_of(system: System, element: jaus.Component | ros.Node) -> Host | None:
 
 
 def endpoint_of(system: System, component: jaus.Component) -> tuple[str, int] | None:
-    """Returns the host and port at which a component is reached, None where nobody says it.
-
-    Args:
-        system: The system.
-        component: A component or bridge of the system.
-    """
+    """Returns the host and port at which a component is reached, None where nobody says it."""
     host = host_of(system, component)
     if host is not None:
         return str(host.interface), int(host.port)
@@ -49,11 +40,7 @@ def endpoint_of(system: System, component: jaus.Component) -> tuple[str, int] | 
 
 
 def is_ipv4(host: str) -> bool:
-    """Tells whether a host is an IPv4 address, and not a name.
-
-    Args:
-        host: The host.
-    """
+    """Tells whether a host is an IPv4 address, and not a name."""
     try:
         ipaddress.IPv4Address(host)
     except ValueError:

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.language.interfaces import Installation, parse_definition
-from jausml.language.interfaces.definitions import FieldType
-from jausml.language.interfaces.types import is_type_name
+from jausml.language.interfaces.definitions import FieldType, is_type_name
 from jausml.language.metamodel.classes import ros
 from jausml.language.model.inputs import read_text
 
@@ -23,23 +22,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """One difference between a type of a model and the installed one.
-
-    Attributes:
-        element: The type, field or constant of the model that it is about.
-        message: What differs.
-    """
+    """One difference between a type of a model and the installed one."""
 
     element: EObject
     message: str
 
 
 class InstalledTypes:
-    """The installed definitions, each read once.
-
-    Args:
-        installation: Where packages are installed.
-    """
+    """The installed definitions, each read once."""
 
     def __init__(self, installation: Installation) -> None:
         self._installation = installation
@@ -50,9 +40,6 @@ class InstalledTypes:
 
         Nothing is yielded when its package is not installed, or its definition cannot be
         understood; ROS would not have built it.
-
-        Args:
-            element: A type of a package.
         """
         package, kind = package_of(element), kind_of(element)
         folder = self._folder(package)

@@ -32,11 +32,7 @@ def remembering() -> Iterator[None]:
 
 
 def remembered(function: Callable[[AskedT], AnswerT]) -> Callable[[AskedT], AnswerT]:
-    """Has a function remember its answers while there is `remembering`.
-
-    Args:
-        function: Answers the same as long as the model is the same; nobody changes its answers.
-    """
+    """Has a function remember its answers while there is `remembering`."""
 
     @wraps(function)
     def answer(asked: AskedT) -> AnswerT:

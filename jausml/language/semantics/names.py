@@ -33,9 +33,6 @@ def package_key(name: str) -> str:
     """Returns what the names of two packages must not have in common.
 
     Generated packages whose name is taken get the ending _jaus.
-
-    Args:
-        name: Name of a component, bridge or node.
     """
     return snake_case(name).removesuffix("_jaus")
 

@@ -28,10 +28,6 @@ class Subject:
     look at elements of which all was read, or say which features they need. So one cause is one
     error, and does not hide what else is wrong. The shipped library stays out of sight, unless
     the user named one of its files.
-
-    Args:
-        model: The model.
-        diagnostics: What the reader found.
     """
 
     def __init__(self, model: Model, diagnostics: Iterable[Diagnostic] = ()) -> None:
@@ -78,7 +74,6 @@ class Subject:
         """Returns the sound elements of a class and of the classes that specialise it.
 
         Args:
-            kind: The class, such as `jaus.Component`.
             needs: The features that a rule cannot do without, where it looks at each of the others
                 by itself: of others that were not read it sees the defaults, and what it finds
                 there is dropped. By default all features were read.
@@ -95,11 +90,7 @@ class Subject:
         return [element for _, element in found if self.is_read(element, names)]
 
     def once(self, find: Callable[[Subject], Fact]) -> Fact:
-        """Returns facts that several rules need, which are found when first asked for.
-
-        Args:
-            find: Finds them.
-        """
+        """Returns facts that several rules need, which are found when first asked for."""
         if find not in self._facts:
             self._facts[find] = find(self)
         found: Fact = self._facts[find]
@@ -128,12 +119,7 @@ class Subject:
         return Severity.WARNING if self.model.is_library(element) else None
 
     def assigned(self, element: EObject, values: Mapping[str, str]) -> str:
-        """Returns how the document of an element gives its features values, for a hint.
-
-        Args:
-            element: The element.
-            values: The values by feature.
-        """
+        """Returns how the document of an element gives its features values, for a hint."""
         document = self.model.document_of(element)
         is_text = document is not None and document.notation is not None
         form = "{}: {}" if is_text else '{}="{}"'
@@ -149,9 +135,6 @@ class Subject:
         """Returns the components (bridges included) and nodes that live together.
 
         They are those of one system; those without a system live together too.
-
-        Args:
-            needs: The features of theirs that a rule looks at, by default all.
         """
         groups: dict[EObject | None, list[jaus.Component | ros.Node]] = defaultdict(list)
         for component in self.instances(jaus.Component, needs):

@@ -27,8 +27,6 @@ class Extent:
     """What a message consists of, sequences without their elements.
 
     Attributes:
-        parts: Numbers, texts, arrays of numbers and sequences.
-        values: The same, with each element of an array of numbers counted.
         depth: How deep its types are nested; 1 when it has primitive fields alone.
     """
 
@@ -39,12 +37,7 @@ class Extent:
 
 @dataclass(frozen=True, slots=True)
 class Excess:
-    """A field with which a type becomes too large.
-
-    Attributes:
-        field: The field.
-        reason: What there would be too much of.
-    """
+    """A field with which a type becomes too large."""
 
     field: ros.Field
     reason: str
@@ -54,9 +47,6 @@ def excesses(types: Iterable[ros.MessageType]) -> Iterator[Excess]:
     """Yields for each type that is too large the field that makes it so.
 
     Types that are too large only because of another one are left out.
-
-    Args:
-        types: The types that are looked at, with all that they use.
     """
     extents: dict[ros.MessageType, Extent | None] = {}
     for each in types:

@@ -14,8 +14,6 @@ class BridgeOfMaps:
     """What a bridge of all maps of a file is, besides the maps.
 
     Attributes:
-        path: The file, a real path.
-        address: JAUS address of the bridge, such as `100.1.20`.
         frequency: Messages each second of its events, None for the default of bridges.
     """
 

@@ -16,31 +16,19 @@ _ESCAPED_END = re.compile(r"\*\\(\\*)/")
 
 
 def is_documentation(comment: str) -> bool:
-    """Tells whether a comment documents what stands behind it.
-
-    Args:
-        comment: The comment with its marks.
-    """
+    """Tells whether a comment documents what stands behind it."""
     is_marked = comment.startswith("/**") and comment[3] not in "*/"
     return is_marked and bool(documentation_text(comment))
 
 
 def ordinary_comments(text: str) -> list[str]:
-    """Returns the comments of a text that document nothing, in order.
-
-    Args:
-        text: A text without syntax errors.
-    """
+    """Returns the comments of a text that document nothing, in order."""
     found = (match.group() for match in comments_in(text))
     return [each for each in found if not is_documentation(each)]
 
 
 def comments_in(text: str) -> Iterator[re.Match[str]]:
-    """Yields the comments of a text, with their marks and places.
-
-    Args:
-        text: A text without syntax errors.
-    """
+    """Yields the comments of a text, with their marks and places."""
     return (match for match in _APART.finditer(text) if match.group()[0] == "/")
 
 
@@ -48,9 +36,6 @@ def documentation_text(comment: str) -> str:
     r"""Returns what a documentation comment says, without its marks and the stars of its lines.
 
     A line break stands for a blank; empty lines stand between paragraphs.
-
-    Args:
-        comment: The comment with its marks. `*\/` in it stands for `*/`.
     """
     first, *further = comment[3:-2].split("\n")
     lines = [each.strip(" \t\r") for each in (first, *map(_without_star, further))]

@@ -44,7 +44,6 @@ class Ros2Jaus:
     """Reads ros2jaus text.
 
     Args:
-        bridge: A bridge that carries all maps of a file, None for none.
         parse: Parses a text; one that remembers spares parsing what was parsed.
     """
 
@@ -97,11 +96,7 @@ NOTATIONS: tuple[Notation, ...] = (Ros2Jaus(),)
 
 
 def decode(data: bytes) -> tuple[str, Fault | None]:
-    """Returns the text of a file; or an empty text, and why the file is none.
-
-    Args:
-        data: The bytes of the file.
-    """
+    """Returns the text of a file; or an empty text, and why the file is none."""
     if not data.removeprefix(codecs.BOM_UTF8):
         hint = "write a component, a bridge or a map, or remove the file"
         return "", Fault("JML714", "the file is empty", hint)

@@ -14,11 +14,7 @@ _NO_FILE = "model"
 
 
 def system_name(path: Path) -> str:
-    """Returns the name of the implicit system, map library or service set of a file.
-
-    Args:
-        path: The file; `demo-bridge.ros2jaus` gives `demo_bridge`.
-    """
+    """Returns the name of the implicit system, map library or service set of a file."""
     name = path.stem
     return name if re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", name) else _valid(name)
 
@@ -29,11 +25,7 @@ def service_name(path: Path) -> str:
 
 
 def package_name(path: Path) -> str:
-    """Returns the name of the package of the ROS types that a file declares.
-
-    Args:
-        path: The file; `demo-bridge.ros2jaus` gives `demo_bridge_interfaces`.
-    """
+    """Returns the name of the package of the ROS types that a file declares."""
     return f"{system_name(path)}_interfaces"
 
 

@@ -12,20 +12,14 @@ from typing import TYPE_CHECKING, TypeAlias
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+
 UNBOUNDED = "*"
 """The size of a member that is a sequence of any length."""
 
 
 @dataclass(frozen=True, slots=True)
 class Span:
-    """A stretch of text.
-
-    Attributes:
-        line: Line of the first character, counted from 1.
-        column: Column of the first character in characters, counted from 1.
-        end_line: Line behind the last character.
-        end_column: Column behind the last character.
-    """
+    """A stretch of text; lines and columns, in characters, are counted from 1."""
 
     line: int = 1
     column: int = 1
@@ -74,10 +68,8 @@ class Item:
     """Something that stands on lines of its own.
 
     Attributes:
-        span: All of it, without comments.
         documentation: The text of the documentation comment before it, empty when there is none.
         comments: Ordinary comments before it, each with its marks (`// ...` or `/* ... */`).
-        trailing: An ordinary comment behind it on its last line, with its marks; else empty.
         spaced: Whether an empty line stands before it and its comments.
     """
 
@@ -103,8 +95,6 @@ class Element(Item):
         keyword: The class in small letters (`bridge`, `service_connection`); None where one word
             alone stands before the block, which is `name` then: a map's name or a class.
         name: Name of the element; None for one without.
-        items: The contents of the block.
-        closing: Ordinary comments before the closing brace.
     """
 
     keyword: Name | None
@@ -129,7 +119,6 @@ class Member(Item):
         type: The type word with its bound, such as `string<=20`; a list of members for a struct.
         size: Number of elements of an array; empty for a single member.
         name: The name; None for a struct without one.
-        features: Further facts in a block: units, limits, optional.
     """
 
     type: Name | list[Member]
@@ -143,10 +132,7 @@ class End(Item):
     """One end of a map: `JAUS ReportVelocityState ( ... )` or `ROS nav_msgs/Odometry`.
 
     Attributes:
-        is_jaus: Which end.
-        type: The message.
         members: The members that are listed; None where there are no parentheses.
-        features: Facts about a new message in a block, such as its code.
     """
 
     is_jaus: bool
@@ -177,10 +163,6 @@ class Assignment(Item):
 
     Attributes:
         sources: Paths; or one constant, or the clock.
-        targets: Paths.
-        conversions: Conversions in order.
-        items: The contents of the block behind it: features, and the assignments of a list.
-        closing: Ordinary comments before the closing brace.
     """
 
     sources: list[Name | Number | Text | Clock]
@@ -199,13 +181,7 @@ class Ignored(Item):
 
 @dataclass(slots=True)
 class Direction(Item):
-    """`JAUS->ROS ( ... )` or `ROS->JAUS ( ... )`.
-
-    Attributes:
-        to_ros: Which way.
-        assignments: What is assigned.
-        closing: Ordinary comments before the closing parenthesis.
-    """
+    """`JAUS->ROS ( ... )` or `ROS->JAUS ( ... )`."""
 
     to_ros: bool
     assignments: list[Assignment | Ignored] = field(default_factory=list)
@@ -259,12 +235,7 @@ BlockItem: TypeAlias = (
 
 @dataclass(slots=True)
 class SyntaxTree:
-    """A text.
-
-    Attributes:
-        items: What stands in it, in order.
-        closing: Ordinary comments behind the last item.
-    """
+    """A text."""
 
     items: list[Import | BlockItem] = field(default_factory=list)
     closing: list[str] = field(default_factory=list)
@@ -272,9 +243,6 @@ class SyntaxTree:
 
 def lists_of(item: Item) -> list[tuple[Sequence[Item], list[str] | None]]:
     """Returns the lists of an item, each with the comments before its closing bracket.
-
-    Args:
-        item: The item.
 
     Returns:
         The lists in order; None for the comments where none are kept.
@@ -306,3 +274,9 @@ def is_bare(element: Element) -> bool:
 def is_map(items: Iterable[Item]) -> bool:
     """Tells whether a block is that of an attribute map by what stands in it."""
     return any(isinstance(each, End | Direction) for each in items)
+
+
+LONGEST = 4 * 1024 * 1024
+"""Characters that a text may have."""
+DEEPEST = 64
+"""How deep brackets may be nested."""

@@ -65,18 +65,7 @@ ALLOWANCE_RULES: Mapping[str, RuleInfo] = MappingProxyType(_RULES)
 
 @dataclass(eq=False, slots=True)
 class _Allowance:
-    """What one `@allow` says.
-
-    Attributes:
-        element: Path of the element that says it.
-        fragment: Its fragment.
-        location: Where its documentation stands.
-        rule: Whose findings shall not count.
-        until: The last day on which it holds.
-        reason: Why.
-        used: How many findings it sets aside.
-        refused: How many errors there are that it is about.
-    """
+    """What one `@allow` says."""
 
     element: str
     fragment: str
@@ -106,9 +95,6 @@ def settled(
     """Returns the findings that count, those about allowances among them, and the others.
 
     Args:
-        model: The model.
-        diagnostics: The findings.
-        rules: The rules beside those of readers that were looked at.
         today: The day on which allowances must still hold, that of the computer when None.
     """
     documents = [each for each in model.documents if _may_allow(each)]

@@ -74,7 +74,6 @@ def written(report: Report, former: Counter[Identity], path: Path) -> str:
     """Returns a baseline that lists the findings of a report.
 
     Args:
-        report: The report.
         former: What the baseline listed before; of files that the report is not about it stays.
         path: Where it will stand; the files that it names are relative to its folder.
     """
@@ -92,11 +91,6 @@ def without_known(report: Report, known: Counter[Identity], path: Path) -> tuple
     """Returns a report in which known findings do not count, and how many of them are gone.
 
     Those of files that the report is not about are not gone.
-
-    Args:
-        report: The report.
-        known: What the baseline lists.
-        path: The baseline.
     """
     left = known.copy()
     standing = []

@@ -21,14 +21,7 @@ _WIDTH = 100
 
 @dataclass(frozen=True, slots=True)
 class CatalogueEntry:
-    """A rule as lists and documentation show it.
-
-    Attributes:
-        id: Stable id.
-        severity: How grave its findings are.
-        title: A few words.
-        documentation: What it demands and why.
-    """
+    """A rule as lists and documentation show it."""
 
     id: str
     severity: Severity
@@ -37,11 +30,7 @@ class CatalogueEntry:
 
 
 def catalogue(*further: Mapping[str, RuleInfo]) -> list[CatalogueEntry]:
-    """Returns all rules, ordered by id.
-
-    Args:
-        further: What importers check, by rule id.
-    """
+    """Returns all rules, ordered by id."""
     entries = [
         CatalogueEntry(id_, info.severity, info.title, textwrap.fill(info.explanation, _WIDTH))
         for rules in (READER_RULES, ALLOWANCE_RULES, *further)

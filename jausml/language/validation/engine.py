@@ -21,12 +21,7 @@ if TYPE_CHECKING:
 
 
 class RuleError(Exception):
-    """A rule failed, which is a fault of jausml and not of the model.
-
-    Args:
-        rule: The rule.
-        error: What it raised.
-    """
+    """A rule failed, which is a fault of jausml and not of the model."""
 
     def __init__(self, rule: Rule, error: Exception) -> None:
         super().__init__(f"rule {rule.id} ({rule.title}) failed: {type(error).__name__}: {error}")
@@ -44,17 +39,11 @@ def validate(
     """Reads model files with all that they refer to and checks them.
 
     Args:
-        paths: The files.
         project_root: The folder that references may not leave; found by itself when None.
         allow_outside: True to let references leave it.
-        projects: Folders of Eclipse projects by name.
-        notations: What reads files that are no XMI.
 
     Returns:
         All findings of one run.
-
-    Raises:
-        RuleError: A rule failed.
     """
     result = read_models(
         paths,
@@ -70,11 +59,7 @@ def check(result: ReadResult, rules: Sequence[Rule] | None = None) -> Report:
     """Checks a model that was read.
 
     Args:
-        result: The model and what the reader found.
         rules: The rules, all of them when None.
-
-    Raises:
-        RuleError: A rule failed.
     """
     findings = list(result.diagnostics)
     rules = all_rules() if rules is None else rules

@@ -27,9 +27,6 @@ class SetAside:
     """A finding that does not count.
 
     Attributes:
-        diagnostic: The finding.
-        ground: Why it does not count.
-        reason: The reason in the words of whoever gave it.
         location: Where that is said; None where no place of a model says it.
     """
 
@@ -44,10 +41,7 @@ class Report:
     """All findings about some models.
 
     Attributes:
-        model: The elements that could be read.
-        files: The files that were asked for, as the user named them, in the order of checking.
         diagnostics: The findings by file, line, column, rule and message.
-        set_aside: The findings that do not count, in the same order.
     """
 
     model: Model

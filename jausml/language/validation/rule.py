@@ -15,13 +15,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """A second element that explains a finding.
-
-    Attributes:
-        element: The element.
-        message: What it has to do with the finding.
-        feature: Feature of the element at which to point, or None for the element itself.
-    """
+    """A second element that explains a finding."""
 
     element: EObject
     message: str
@@ -33,11 +27,7 @@ class Finding:
     """A finding of a rule about one element.
 
     Attributes:
-        element: The element.
         message: What is wrong, naming the element.
-        feature: Feature of the element at which to point, or None for the element itself.
-        hint: What to do about it, or empty.
-        related: Elements that explain the finding.
         severity: How grave it is where that is not what the rule says of its findings: a fault of
             a published service set is one that whoever uses the set cannot fix.
         position: At which of several values of the feature to point, from 0.
@@ -62,9 +52,6 @@ class Rule:
 
     Attributes:
         id: `JML` and three digits; an id is never used again for something else.
-        severity: How grave its findings are.
-        title: A few words for lists.
-        check: The function.
     """
 
     id: str
@@ -79,13 +66,7 @@ class Rule:
 
 
 def rule(rule_id: str, severity: Severity, title: str) -> Callable[[RuleFunction], Rule]:
-    """Makes a rule of a function, whose docstring is the documentation page of the rule.
-
-    Args:
-        rule_id: `JML3xx` JAUS, `JML4xx` ROS and bridges, `JML5xx` generator readiness.
-        severity: How grave its findings are.
-        title: A few words for lists.
-    """
+    """Makes a rule of a function, whose docstring is the documentation page of the rule."""
 
     def make(check: RuleFunction) -> Rule:
         return Rule(rule_id, severity, title, check)

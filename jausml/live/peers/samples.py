@@ -5,7 +5,7 @@ from __future__ import annotations
 from copy import deepcopy
 from typing import TYPE_CHECKING, Any
 
-from jausml.language.semantics.answers import PRESENCE_VECTOR
+from jausml.language.semantics.jaus.answers import PRESENCE_VECTOR
 from jausml.live.messages.containers import Record
 from jausml.live.messages.samples import sample
 

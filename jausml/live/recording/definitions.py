@@ -10,7 +10,7 @@ import re
 from typing import TYPE_CHECKING
 
 from jausml.language.interfaces import Installation, parse_definition
-from jausml.language.interfaces.types import is_type_name
+from jausml.language.interfaces.definitions import is_type_name
 from jausml.language.metamodel.classes import ros
 from jausml.language.model.inputs import read_text
 from jausml.language.semantics.installed import package_of

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language.interfaces import Installation
 from jausml.language.metamodel.classes import bridge, system
-from jausml.language.semantics.topics import endpoints, resolve_topic
+from jausml.language.semantics.connections.topics import endpoints, resolve_topic
 from jausml.live.recording.captured import CapturedMessages
 from jausml.live.recording.definitions import installed_definition, modelled_definition
 from jausml.live.recording.from_captures import JausWriter

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.generation.system import system_of
 from jausml.language.metamodel.classes import bridge, system
-from jausml.language.model.made import made_model
-from jausml.language.semantics.report_joins import joined_reports
-from jausml.language.semantics.services import code
-from jausml.language.semantics.topics import endpoints
-from jausml.language.semantics.ways import TO_ROS
+from jausml.language.model.model import made_model
+from jausml.language.semantics.connections.exchanges import TO_ROS
+from jausml.language.semantics.connections.report_joins import joined_reports
+from jausml.language.semantics.connections.topics import endpoints
+from jausml.language.semantics.jaus.services import code
 from jausml.live.recording.definitions import full_name, modelled_definition
 from jausml.live.workers.making import Maker
 from jausml_generators.bridge.views import bridge_views

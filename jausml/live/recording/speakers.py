@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.system import system_of
-from jausml.language.semantics.topics import endpoints, resolve_topic
-from jausml.language.semantics.ways import MESSAGE, TO_JAUS
+from jausml.language.semantics.connections.exchanges import MESSAGE, TO_JAUS
+from jausml.language.semantics.connections.topics import endpoints, resolve_topic
 from jausml.live.recording.definitions import full_name
 from jausml_generators.bridge.views import bridge_views
 from jausml_generators.common.components import own_bridges

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus, ros
-from jausml.language.semantics import calls
+from jausml.language.semantics.connections import calls
+from jausml.language.semantics.connections.topics import endpoints, resolve_topic
 from jausml.language.semantics.installed import package_of
-from jausml.language.semantics.topics import endpoints, resolve_topic
 from jausml.live.systems.state import Declaration, TopicName
 
 if TYPE_CHECKING:

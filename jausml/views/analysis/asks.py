@@ -6,16 +6,16 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus
-from jausml.language.semantics.report_joins import joined_reports
-from jausml.language.semantics.services import find_query
+from jausml.language.semantics.connections.report_joins import joined_reports
+from jausml.language.semantics.jaus.services import find_query
 from jausml.views.analysis.streams import is_single, is_to_ros
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.language.metamodel.classes.system import System
-    from jausml.language.semantics.report_joins import JoinedReport
-    from jausml.language.semantics.services import Provider
+    from jausml.language.semantics.connections.report_joins import JoinedReport
+    from jausml.language.semantics.jaus.services import Provider
     from jausml.views.analysis.streams import Asking
 
 _KINDS = {"everyChangeEvent": "change", "query": "query", "periodicEvent": "periodic"}

@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.language.semantics import calls
-from jausml.language.semantics.list_drivers import driver_messages
+from jausml.language.semantics.connections import calls
+from jausml.language.semantics.connections.list_drivers import driver_messages
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

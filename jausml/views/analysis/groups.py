@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
-from jausml.language.semantics import stops
-from jausml.language.semantics.commands import needs_control
-from jausml.language.semantics.services import code, lineage
-from jausml.language.semantics.shaping import passed_rate
-from jausml.language.semantics.topics import resolve_topic
+from jausml.language.semantics.connections import stops
+from jausml.language.semantics.connections.freshness import passed_rate
+from jausml.language.semantics.connections.topics import resolve_topic
+from jausml.language.semantics.jaus.commands import needs_control
+from jausml.language.semantics.jaus.services import code, lineage
 from jausml.views.analysis.cdr import ros_size
 from jausml.views.analysis.costs import seconds_of, seconds_of_message
 from jausml.views.analysis.streams import is_single, is_to_ros, keeps_control

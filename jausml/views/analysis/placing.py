@@ -6,9 +6,9 @@ from collections import defaultdict
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics.connections.freshness import passed_rate
+from jausml.language.semantics.connections.topics import endpoints, resolve_topic
 from jausml.language.semantics.hosts import host_of
-from jausml.language.semantics.shaping import passed_rate
-from jausml.language.semantics.topics import endpoints, resolve_topic
 from jausml.views.analysis.cdr import ros_size
 from jausml.views.analysis.streams import is_to_ros
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus
-from jausml.language.semantics import stops
+from jausml.language.semantics.connections import stops
+from jausml.language.semantics.connections.freshness import passed_rate
+from jausml.language.semantics.connections.report_joins import joined_reports
 from jausml.language.semantics.hosts import host_of
-from jausml.language.semantics.report_joins import joined_reports
-from jausml.language.semantics.services import code
-from jausml.language.semantics.shaping import passed_rate
+from jausml.language.semantics.jaus.services import code
 from jausml.views.analysis.budgets import Budget, budgets_of
 from jausml.views.analysis.calls import CallReport, calls_of
 from jausml.views.analysis.cdr import ros_size

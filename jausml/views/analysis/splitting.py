@@ -6,11 +6,11 @@ import itertools
 from typing import TYPE_CHECKING, TypeVar, cast
 
 from jausml.language.metamodel.classes import bridge, jaus, system
-from jausml.language.semantics.core_services import CORE
+from jausml.language.semantics.connections.topics import resolve_topic
 from jausml.language.semantics.hosts import host_of
-from jausml.language.semantics.services import code, lineage
-from jausml.language.semantics.topics import resolve_topic
-from jausml.language.semantics.used_maps import used_maps
+from jausml.language.semantics.jaus.core_services import CORE
+from jausml.language.semantics.jaus.services import code, lineage
+from jausml.language.semantics.paths.directions import used_maps
 from jausml.views.analysis.groups import carriers_of, serves
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from jausml.language.semantics.commands import needs_control
+from jausml.language.semantics.jaus.commands import needs_control
 from jausml.views.analysis.constants import runtime_constants
 from jausml.views.analysis.datagrams import Wire, acknowledgements, on_wire, packet_count
 

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 
 from jausml.language import wire
 from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.semantics.connections.freshness import passed_rate
+from jausml.language.semantics.connections.report_joins import requested_fields
 from jausml.language.semantics.hosts import host_of
-from jausml.language.semantics.paths import parse_path, target_paths
-from jausml.language.semantics.requests import requested_fields
-from jausml.language.semantics.services import code, with_inherited
-from jausml.language.semantics.shaping import passed_rate
-from jausml.language.semantics.standard_services import standard_services
+from jausml.language.semantics.jaus.core_services import standard_services
+from jausml.language.semantics.jaus.services import code, with_inherited
+from jausml.language.semantics.paths.scopes import parse_path, target_paths
 from jausml.views.analysis.asks import Ask, asks_of, by_way, peers_of
 from jausml.views.analysis.constants import runtime_constants
 from jausml.views.analysis.sizes import Size, jaus_size

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.language.semantics import stops
-from jausml.language.semantics.freshness import freshness_of
+from jausml.language.semantics.connections import stops
+from jausml.language.semantics.connections.freshness import freshness_of
 from jausml.views.analysis.constants import runtime_constants
 from jausml.views.analysis.streams import ASSUMED, is_to_ros
 

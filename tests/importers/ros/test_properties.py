@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from jausml.language.importers.ros import ROS_RULES, PackageSource, Source, import_packages, placed
 from jausml.language.interfaces import parse_definition
 from jausml.language.interfaces.definitions import PRIMITIVES, TEXTS, FieldType
-from jausml.language.interfaces.values import integer_range
+from jausml.language.interfaces.literals import integer_range
 from jausml.language.model import READER_RULES
 from jausml.language.model.xmi.writer import to_xmi
 from jausml_generators.ros_interfaces.ros_types import package_files

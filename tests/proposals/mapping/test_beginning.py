@@ -12,7 +12,7 @@ from jausml.authoring.proposals.finding import message_of, type_of
 from jausml.authoring.proposals.mapping.beginning import Wish, begin_map
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.names import name_of
-from jausml.language.semantics.paths import source_paths, target_paths
+from jausml.language.semantics.paths.scopes import source_paths, target_paths
 
 EMPTY = "bridge ears { address: 100.1.1 }\n"
 

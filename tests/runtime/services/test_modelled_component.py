@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.language.semantics.inherited_machines import CORE_LEAVES
+from jausml.language.semantics.jaus.inherited_machines import CORE_LEAVES
 from jausml.runtime import Guard, Status
 from jausml.runtime.component.modelled import CORE_STATES, ModelledComponent
 from jausml.runtime.component.state_machine import Kind, On, State

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
 from jausml.language.metamodel.classes import bridge
-from jausml.language.semantics.paths import target_paths
-from jausml.language.semantics.stops import stop_assignments
+from jausml.language.semantics.connections.stops import stop_assignments
+from jausml.language.semantics.paths.scopes import target_paths
 from jausml_generators.bridge.checks.check import (
     SINGLE,
     Check,

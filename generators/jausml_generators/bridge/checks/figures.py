@@ -7,9 +7,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from jausml.language.attributes.expressions import source_names
-from jausml.language.semantics.attributes import NUMBER
+from jausml.language.semantics.assignments.steps import Step, step_of
 from jausml.language.semantics.conversions import NoValueError
-from jausml.language.semantics.steps import Step, step_of
+from jausml.language.semantics.paths.attributes import NUMBER
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

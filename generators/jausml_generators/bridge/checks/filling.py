@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 from jausml.generation.literals import python_literal
-from jausml.language.semantics.jaus_paths import JausPlace, message_place
+from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml_generators.bridge.checks.check import store
 from jausml_generators.bridge.translation.body import conditions
 from jausml_generators.bridge.translation.expressions import BOOLEAN, INTEGER, REAL, TEXT

@@ -11,10 +11,10 @@ from dataclasses import dataclass, field
 from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any
 
-from jausml.language.semantics import attributes
 from jausml.language.semantics.conversions import NoValueError, conversion
 from jausml.language.semantics.conversions.authored import LookUp
 from jausml.language.semantics.conversions.orientations import orientation
+from jausml.language.semantics.paths import attributes
 from jausml_generators.bridge.checks.filling import PRESENT, Place, Scalar, ValueTextError
 from jausml_generators.bridge.translation.expressions import (
     BITS,

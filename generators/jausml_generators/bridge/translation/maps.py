@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.literals import printable
 from jausml.language.metamodel.classes import bridge, ros
-from jausml.language.semantics.stops import stop_assignments
+from jausml.language.semantics.connections.stops import stop_assignments
 from jausml_generators.bridge.translation.body import Body
 from jausml_generators.bridge.translation.expressions import New
 from jausml_generators.bridge.translation.lists import add_list

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from jausml.language.metamodel.classes import ros
 from jausml.language.semantics.installed import package_of
-from jausml.language.semantics.ros_paths import fields_by_name, named_constants
+from jausml.language.semantics.paths.ros_paths import fields_by_name, named_constants
 from jausml_generators.bridge.translation.places import Local, Place
 
 _STEP = re.compile(r"(?P<name>[A-Za-z]\w*)(?:\[(?P<index>\d+)\])?")

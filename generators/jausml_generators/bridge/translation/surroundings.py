@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from jausml.language.semantics.quantities import value_of
-from jausml.language.semantics.units import unit_step
+from jausml.language.semantics.assignments.steps import value_of
+from jausml.language.semantics.assignments.units import unit_step
 from jausml_generators.bridge.translation.values import AssignmentError
 from jausml_generators.python.names import Scope, constant_name, snake_case
 

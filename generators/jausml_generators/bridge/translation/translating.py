@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
-from jausml.language.semantics import calls
-from jausml.language.semantics.stops import has_stop
-from jausml.language.semantics.used_maps import used_maps
+from jausml.language.semantics.connections import calls
+from jausml.language.semantics.connections.stops import has_stop
+from jausml.language.semantics.paths.directions import used_maps
 from jausml_generators.bridge.ros_classes import RosClasses
 from jausml_generators.bridge.translation.maps import stop, to_jaus, to_ros
 from jausml_generators.bridge.translation.printing import OWN_NAMES, printed

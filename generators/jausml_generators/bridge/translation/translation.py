@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics.assignments.units import attribute_measure, result_measure
 from jausml.language.semantics.conversions import UnitEffect, conversion_of
 from jausml.language.semantics.conversions.times import TimeToTimestamp
-from jausml.language.semantics.paths import place
-from jausml.language.semantics.units import attribute_measure, result_measure
+from jausml.language.semantics.paths.scopes import place
 from jausml_generators.bridge.translation.body import conditions
 from jausml_generators.bridge.translation.conversions import Chain
 from jausml_generators.bridge.translation.expressions import (

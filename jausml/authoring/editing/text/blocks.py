@@ -6,8 +6,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from jausml.language.text.tree import Direction, Entry, Feature, Member, Table, Vector, VectorEntry
-from jausml.language.text.writing.layout import WIDTH, lines_of
-from jausml.language.text.writing.spacing import space
+from jausml.language.text.writing.layout import WIDTH, lines_of, space
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -10,7 +10,7 @@ from jausml.language.model.names import name_of
 from jausml.language.model.notation import BY_NAME
 from jausml.language.text.tree import Name
 from jausml.language.text.writing.layout import simple
-from jausml.language.text.writing.literals import is_name
+from jausml.language.text.writing.spelling import is_name
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -16,10 +16,8 @@ from jausml.language.text.tree import (
     Text,
     Vector,
 )
-from jausml.language.text.writing.heads import is_comment
 from jausml.language.text.writing.layout import WIDTH
-from jausml.language.text.writing.literals import is_name
-from jausml.language.text.writing.spelling import documentation, word
+from jausml.language.text.writing.spelling import documentation, is_comment, is_name, word
 
 if TYPE_CHECKING:
     from jausml.authoring.editing.text.desk import Desk

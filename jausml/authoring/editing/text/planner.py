@@ -20,11 +20,10 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.metamodel.filling import contents, hang, set_value
 from jausml.language.model.names import name_of
 from jausml.language.model.xmi.writer import UnwritableError
-from jausml.language.semantics.ways import FEATURES, settle
+from jausml.language.semantics.connections.exchanges import FEATURES, infer
 from jausml.language.text.tree import Assignment, Element, Entry, Ignored, Table, Vector
-from jausml.language.text.writing.heads import is_comment
-from jausml.language.text.writing.literals import is_name
 from jausml.language.text.writing.maps import MAP
+from jausml.language.text.writing.spelling import is_comment, is_name
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -195,10 +194,10 @@ def _settle(sketch: EObject, command: Add | Child, metamodels: Metamodels) -> No
     table = metamodels.class_of(sketch)
     if isinstance(sketch, bridge.Connection):
         given = [next(iter(command.values.get(name, ())), None) for name in FEATURES]
-        settled = settle(sketch, *given)
+        inferred = infer(sketch, *given)
         for name in FEATURES:
             literals = cast("DataTypeTable", table.features[name].data_type).literals
-            set_value(sketch, table.features[name], literals[getattr(settled, name)])
+            set_value(sketch, table.features[name], literals[getattr(inferred, name)])
     owned = {name: iter(contents(sketch, each)) for name, each in table.features.items()}
     for child in command.children:
         _settle(next(owned[child.feature]), child, metamodels)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from jausml.language.metamodel.filling import contents
-from jausml.language.semantics.ways import CONNECTION, FEATURES
+from jausml.language.semantics.connections.exchanges import CONNECTION, FEATURES
 from jausml.language.text.tree import Assignment, Element, Feature, Value
 from jausml.language.text.writing.layout import WIDTH, simple
 

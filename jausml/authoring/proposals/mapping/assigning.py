@@ -25,12 +25,17 @@ from jausml.authoring.proposals.mapping.statements import (
 from jausml.authoring.proposals.mapping.tabling import tabled
 from jausml.authoring.proposals.mapping.trial import Judged, judge
 from jausml.authoring.proposals.options import Option, Options
-from jausml.language.semantics.attributes import LIST, NUMBER, NUMBERS
-from jausml.language.semantics.conversions import CONVERSIONS, UnitEffect, conversions_between
-from jausml.language.semantics.frames import axis_of
-from jausml.language.semantics.named_values import compared
-from jausml.language.semantics.paths import is_many, outer_scope
-from jausml.language.semantics.units import attribute_measure
+from jausml.language.semantics.assignments.frames import axis_of
+from jausml.language.semantics.assignments.units import attribute_measure
+from jausml.language.semantics.conversions import (
+    CONVERSIONS,
+    Effect,
+    UnitEffect,
+    conversions_between,
+)
+from jausml.language.semantics.paths.attributes import LIST, NUMBER, NUMBERS
+from jausml.language.semantics.paths.named_values import compared
+from jausml.language.semantics.paths.scopes import is_many, outer_scope
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -50,7 +55,7 @@ _LEVEL: Mapping[str, str] = {"whenAbsent": "useDefault", "defaultValue": "0"}
 """What optional angles are that a message leaves out: a heading alone is an orientation."""
 
 _MANY = (LIST, NUMBERS)
-_SIGN = next(each for each in CONVERSIONS.values() if each.turns_sign)
+_SIGN = next(each for each in CONVERSIONS.values() if each.effect is Effect.NEGATED)
 _SIMPLE = [each for each in CONVERSIONS.values() if not each.arguments]
 _TO_ROS, _TO_JAUS = "toRos", "toJaus"
 
@@ -257,10 +262,19 @@ def _chains(source: Member, target: Member) -> Iterator[tuple[Conversion, ...]]:
 
 def _may_follow(first: Conversion, second: Conversion) -> bool:
     """Tells whether two conversions in a row may mean something: a sign, and something else."""
-    if first.turns_sign is second.turns_sign:
+    if (first is _SIGN) is (second is _SIGN):
         return False
     fitting = second.takes(list(first.outputs))
-    return fitting and not (first.is_of_need or second.is_of_need)
+    return fitting and not (_is_last_choice(first) or _is_last_choice(second))
+
+
+def _is_last_choice(conversion: Conversion) -> bool:
+    """Tells whether a conversion makes another quantity or order of what would fit without it."""
+    units = conversion.units
+    if units in (UnitEffect.SQUARE, UnitEffect.ROOT):
+        return True
+    is_same = units is UnitEffect.SAME or (isinstance(units, tuple) and units[0] == units[1])
+    return is_same and not conversion.frames and conversion is not _SIGN
 
 
 def _with_siblings(
@@ -304,7 +318,7 @@ def _distinct(found: Iterable[Judged]) -> list[Judged]:
 
 def _effort(found: Judged) -> tuple[int, int]:
     own = steps(found.assignment)
-    odd = sum(CONVERSIONS[each].is_of_need for each in own)
+    odd = sum(_is_last_choice(CONVERSIONS[each]) for each in own)
     return odd + 2 * sum(each in OF_AUTHORS for each in own), len(own)
 
 

@@ -9,7 +9,7 @@ from jausml.authoring.proposals.mapping.statements import innermost
 from jausml.authoring.proposals.mapping.tabling import additions
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
-from jausml.language.semantics.paths import parse_path, source_paths, target_paths
+from jausml.language.semantics.paths.scopes import parse_path, source_paths, target_paths
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

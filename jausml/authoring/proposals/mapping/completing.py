@@ -10,9 +10,9 @@ from jausml.authoring.proposals.mapping.filling import FEATURES, filled_paths, i
 from jausml.authoring.proposals.mapping.members import leaves
 from jausml.authoring.proposals.mapping.trial import judge
 from jausml.language.metamodel.classes import jaus
-from jausml.language.semantics.frame_names import FLU, UP
-from jausml.language.semantics.jaus_paths import JausPlace
-from jausml.language.semantics.paths import outer_scope, parse_path
+from jausml.language.semantics.conversions.conversion import FLU, UP
+from jausml.language.semantics.paths.jaus_paths import JausPlace
+from jausml.language.semantics.paths.scopes import outer_scope, parse_path
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence

@@ -11,16 +11,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.language.model.words import words
-from jausml.language.semantics.attributes import LIST, TIME, TIME_STAMP
-from jausml.language.semantics.frames import axis_of, direction
-from jausml.language.semantics.units import attribute_measure
+from jausml.language.semantics.assignments.frames import axis_of, direction
+from jausml.language.semantics.assignments.units import attribute_measure
+from jausml.language.semantics.paths.attributes import LIST, TIME, TIME_STAMP
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from jausml.authoring.proposals.mapping.members import Member
-    from jausml.language.semantics.frames import Axis
-    from jausml.language.semantics.units import Measure
+    from jausml.language.semantics.assignments.frames import Axis
+    from jausml.language.semantics.assignments.units import Measure
 
 _ALIKE = 1.0
 """How much a likeness counts; what the paths have in common counts less."""

@@ -19,9 +19,9 @@ from jausml.authoring.proposals.mapping.trial import judge, judge_together
 from jausml.authoring.proposals.mapping.variances import variances
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
-from jausml.language.semantics.attributes import LIST
-from jausml.language.semantics.paths import parse_path, target_paths
-from jausml.language.semantics.ways import TO_ROS
+from jausml.language.semantics.connections.exchanges import TO_ROS
+from jausml.language.semantics.paths.attributes import LIST
+from jausml.language.semantics.paths.scopes import parse_path, target_paths
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

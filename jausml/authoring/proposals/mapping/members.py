@@ -6,16 +6,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.authoring.proposals.elements import AnswerError
-from jausml.language.semantics.jaus_paths import JausPlace
-from jausml.language.semantics.paths import is_many, outer_scope
-from jausml.language.semantics.ros_paths import RosPlace
+from jausml.language.semantics.paths.jaus_paths import JausPlace
+from jausml.language.semantics.paths.ros_paths import RosPlace
+from jausml.language.semantics.paths.scopes import is_many, outer_scope
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.language.metamodel.classes import bridge
-    from jausml.language.semantics.attributes import Attribute
-    from jausml.language.semantics.paths import PathPlace
+    from jausml.language.semantics.paths.attributes import Attribute
+    from jausml.language.semantics.paths.scopes import PathPlace
 
 _DEEPEST = 8
 

@@ -10,10 +10,10 @@ from jausml.authoring.proposals.mapping.members import leaves
 from jausml.authoring.proposals.mapping.statements import UNKNOWN, innermost
 from jausml.authoring.proposals.mapping.stopping import STOPS
 from jausml.language.model.names import name_of
-from jausml.language.semantics.commands import is_command
-from jausml.language.semantics.paths import outer_scope, parse_path
-from jausml.language.semantics.rates import fills_rates_alone
-from jausml.language.semantics.ros_paths import ros_name
+from jausml.language.semantics.assignments.units import fills_rates_alone
+from jausml.language.semantics.jaus.commands import is_command
+from jausml.language.semantics.paths.ros_paths import ros_name
+from jausml.language.semantics.paths.scopes import outer_scope, parse_path
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Sequence

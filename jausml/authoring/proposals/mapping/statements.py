@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.language.semantics.conversions import CONVERSIONS, UnitEffect
+from jausml.language.semantics.conversions import CONVERSIONS, Effect, UnitEffect
 
 if TYPE_CHECKING:
     from jausml.authoring.editing.commands import Child
 
-_WITH_FACTOR = [each for each in CONVERSIONS.values() if each.takes_factor]
+_WITH_FACTOR = [
+    each
+    for each in CONVERSIONS.values()
+    if each.effect is Effect.LINEAR and len(each.arguments) == 1
+]
 _POLICIES = ("whenAbsent", "defaultValue", "outOfRange")
 
 UNKNOWN = "1"

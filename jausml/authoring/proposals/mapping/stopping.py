@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Child
 from jausml.authoring.proposals.mapping.statements import innermost
-from jausml.language.semantics.commands import is_command
-from jausml.language.semantics.rates import fills_rates_alone
+from jausml.language.semantics.assignments.units import fills_rates_alone
+from jausml.language.semantics.jaus.commands import is_command
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Sequence

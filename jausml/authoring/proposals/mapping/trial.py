@@ -15,7 +15,7 @@ from jausml.language.metamodel.filling import (
     set_value,
     set_values,
 )
-from jausml.language.model.made import made_model
+from jausml.language.model.model import made_model
 from jausml.language.model.values import convert
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rules import all_rules

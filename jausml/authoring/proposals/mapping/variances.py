@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 from jausml.authoring.editing.commands import Child
 from jausml.authoring.proposals.mapping.trial import judge
 from jausml.language.model.words import words
-from jausml.language.semantics.attributes import NUMBER, NUMBERS
+from jausml.language.semantics.assignments.units import attribute_measure
 from jausml.language.semantics.conversions.numbers import CovarianceToRms, Square
-from jausml.language.semantics.paths import outer_scope
-from jausml.language.semantics.ros_paths import RosPlace
-from jausml.language.semantics.units import attribute_measure
+from jausml.language.semantics.paths.attributes import NUMBER, NUMBERS
+from jausml.language.semantics.paths.ros_paths import RosPlace
+from jausml.language.semantics.paths.scopes import outer_scope
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.proposals.mapping.members import Member
     from jausml.language.metamodel.classes import bridge
+    from jausml.language.semantics.assignments.units import Measure
     from jausml.language.semantics.conversions.conversion import Conversion
-    from jausml.language.semantics.units import Measure
 
 _DIAGONALS = {9: ((0, 4, 8),), 36: ((0, 7, 14), (21, 28, 35))}
 """The cells of variances along three axes, by the number of cells of a matrix."""

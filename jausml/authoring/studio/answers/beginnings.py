@@ -9,11 +9,11 @@ from jausml.authoring.proposals.fresh import free_address, name_among, participa
 from jausml.language.metamodel import FeatureKind
 from jausml.language.metamodel.classes import jaus, system
 from jausml.language.model.names import name_of
-from jausml.language.semantics.core_services import CORE
-from jausml.language.semantics.inherited_machines import CORE_MACHINE
+from jausml.language.semantics.jaus.core_services import CORE
+from jausml.language.semantics.jaus.inherited_machines import CORE_MACHINE
+from jausml.language.semantics.jaus.services import lineage
 from jausml.language.semantics.names import package_key
-from jausml.language.semantics.services import lineage
-from jausml.language.text.reading.declaring.messages import FIRST_CODE
+from jausml.language.text.reading.declarations.messages import FIRST_CODE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -11,7 +11,7 @@ from jausml.authoring.studio.answers.linking import asked, topics_between
 from jausml.authoring.studio.answers.spots import all_spots
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.names import name_of
-from jausml.language.semantics.ways import TO_JAUS, TO_ROS
+from jausml.language.semantics.connections.exchanges import TO_JAUS, TO_ROS
 
 if TYPE_CHECKING:
     from jausml.authoring.proposals.elements import Scope

@@ -13,7 +13,7 @@ from jausml.authoring.studio.answers.targets import everywhere
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.names import name_of
 from jausml.language.model.refs import LIBRARY
-from jausml.language.semantics.services import lineage, query_name
+from jausml.language.semantics.jaus.services import lineage, query_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

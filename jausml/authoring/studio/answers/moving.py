@@ -11,8 +11,8 @@ from jausml.authoring.studio.answers.shapes import Choice
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.names import name_of
 from jausml.language.model.refs import LIBRARY
-from jausml.language.semantics.commands import is_command
-from jausml.language.semantics.inherited_machines import (
+from jausml.language.semantics.jaus.commands import is_command
+from jausml.language.semantics.jaus.inherited_machines import (
     CORE_EVENTS,
     CORE_STATES,
     DEEPEST,
@@ -20,7 +20,7 @@ from jausml.language.semantics.inherited_machines import (
     event_name,
     machine_with,
 )
-from jausml.language.semantics.services import lineage
+from jausml.language.semantics.jaus.services import lineage
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from jausml.authoring.proposals.elements import Scope
     from jausml.language.metamodel import FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.inherited_machines import Machine
+    from jausml.language.semantics.jaus.inherited_machines import Machine
 
 _MARK = "!"
 _GUARD = "isControllingClient"

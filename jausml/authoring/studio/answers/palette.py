@@ -20,8 +20,8 @@ from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.model.names import name_of
 from jausml.language.model.refs import LIBRARY
 from jausml.language.model.words import snake_case, words
-from jausml.language.semantics.core_services import CORE
-from jausml.language.semantics.ros_paths import ros_name
+from jausml.language.semantics.jaus.core_services import CORE
+from jausml.language.semantics.paths.ros_paths import ros_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

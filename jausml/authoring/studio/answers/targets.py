@@ -11,7 +11,7 @@ from jausml.authoring.proposals.elements import Scope, label_of, library
 from jausml.authoring.studio.answers.shapes import Choice
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.model.names import name_of
-from jausml.language.semantics.services import lineage, outputs
+from jausml.language.semantics.jaus.services import lineage, outputs
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.language.model.made import made_model
-from jausml.language.semantics.ways import TO_JAUS, TO_ROS
+from jausml.language.model.model import made_model
+from jausml.language.semantics.connections.exchanges import TO_JAUS, TO_ROS
 from jausml.live.workers.code import bridge_code
 from jausml.live.workers.making import Maker
 

@@ -17,7 +17,7 @@ from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.answers import jaus_values
 from jausml.authoring.studio.answers.trial_bridge import trial_bridge
 from jausml.language.metamodel.classes import bridge
-from jausml.language.semantics.attributes import (
+from jausml.language.semantics.paths.attributes import (
     BOOL,
     LIST,
     NUMBER,
@@ -28,9 +28,9 @@ from jausml.language.semantics.attributes import (
     TIME_STAMP,
     Attribute,
 )
-from jausml.language.semantics.jaus_paths import JausPlace
-from jausml.language.semantics.paths import COUNTERS, outer_scope, source_paths
-from jausml.language.semantics.ros_paths import RosPlace
+from jausml.language.semantics.paths.jaus_paths import JausPlace
+from jausml.language.semantics.paths.ros_paths import RosPlace
+from jausml.language.semantics.paths.scopes import COUNTERS, outer_scope, source_paths
 from jausml.live.workers.process import Worker, WorkerError
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
     from jausml.authoring.proposals.elements import Scope
-    from jausml.language.semantics.paths import PathPlace, PathScope
+    from jausml.language.semantics.paths.scopes import PathPlace, PathScope
     from jausml.live.workers.code import BridgeCode
 
 SECONDS = 10.0

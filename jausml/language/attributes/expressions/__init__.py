@@ -9,12 +9,14 @@ import math
 from typing import TYPE_CHECKING
 
 from .. import intervals as spans
-from .functions import FUNCTIONS, OPERATORS, Function
 from .parsing import COMPARISONS, CONSTANTS, DEEPEST, LONGEST, ExpressionError, parse_expression
 from .tree import (
+    FUNCTIONS,
+    OPERATORS,
     Call,
     Conditional,
     Expression,
+    Function,
     Number,
     Operation,
     Variable,
@@ -62,10 +64,6 @@ class EvaluationError(ValueError):
 def evaluate(expression: Expression, values: Mapping[str, float]) -> float:
     """Returns the value of an expression.
 
-    Args:
-        expression: The expression.
-        values: Values of its variables by name.
-
     Raises:
         EvaluationError: It has none there: it divides by zero, or a function is outside of its
             domain.
@@ -99,7 +97,6 @@ def interval(expression: Expression, intervals: Mapping[str, Interval]) -> Inter
     places counts there as several.
 
     Args:
-        expression: The expression.
         intervals: Least and greatest value of each variable; they may be infinite.
 
     Raises:

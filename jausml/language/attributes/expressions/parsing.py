@@ -24,8 +24,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.attributes.cursor import Language, LanguageError, Token, TokenCursor
 
-from .functions import FUNCTIONS
-from .tree import Call, Conditional, Expression, Number, Operation, Variable, operands_of
+from .tree import FUNCTIONS, Call, Conditional, Expression, Number, Operation, Variable, operands_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -61,14 +60,7 @@ _WORDS = {"and", "or", "not"}
 
 
 def parse_expression(text: str) -> Expression:
-    """Returns the expression that a text describes.
-
-    Args:
-        text: Feature `expression` of a conversion.
-
-    Raises:
-        ExpressionError: The text is no expression.
-    """
+    """Returns the expression that a text describes."""
     return _Parser(text).whole()
 
 

@@ -1,12 +1,18 @@
-"""Expressions of attribute maps as trees."""
+"""Expressions as trees, and the functions that they may call."""
 
 from __future__ import annotations
 
+import math
+import operator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
+
+from .. import intervals as spans
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
+
+    from ..intervals import Interval
 
 
 @dataclass(frozen=True)
@@ -18,12 +24,7 @@ class Number:
 
 @dataclass(frozen=True)
 class Variable:
-    """A source by its name.
-
-    Attributes:
-        name: The name.
-        column: Where it stands, from 1.
-    """
+    """A source by its name."""
 
     name: str
     column: int = 0
@@ -35,7 +36,6 @@ class Operation:
 
     Attributes:
         sign: `+ - * / ^ < <= > >= == != and or not`; `-` has one operand or two.
-        operands: What it works on.
     """
 
     sign: str
@@ -44,12 +44,7 @@ class Operation:
 
 @dataclass(frozen=True)
 class Call:
-    """A function of `FUNCTIONS` with its arguments.
-
-    Attributes:
-        function: Its name.
-        arguments: What it works on.
-    """
+    """A function of `FUNCTIONS` with its arguments."""
 
     function: str
     arguments: tuple[Expression, ...]
@@ -97,9 +92,6 @@ def source_names(paths: Sequence[str]) -> dict[str, int]:
     A source is named by the last step of its path, by more of its last steps, or by its whole path;
     a name that fits several names none of them. A single source is also `value`, and several are
     `value1`, `value2` and so on.
-
-    Args:
-        paths: Paths of the sources, without surrounding blanks.
     """
     found: dict[str, list[int]] = {}
     for index, path in enumerate(paths):
@@ -112,3 +104,75 @@ def source_names(paths: Sequence[str]) -> dict[str, int]:
     for index in range(len(paths)):
         names.setdefault("value" if len(paths) == 1 else f"value{index + 1}", index)
     return names
+
+
+class Function(NamedTuple):
+    """A function that expressions may call.
+
+    Attributes:
+        compute: Its value; ValueError and OverflowError where it has none.
+    """
+
+    compute: Callable[..., float]
+    bound: Callable[..., Interval]
+    fewest: int = 1
+    most: int = 1
+
+
+def _sign(value: float) -> float:
+    return value if value == 0.0 or math.isnan(value) else math.copysign(1.0, value)
+
+
+def _least(*values: float) -> float:
+    return math.nan if any(map(math.isnan, values)) else min(values)
+
+
+def _greatest(*values: float) -> float:
+    return math.nan if any(map(math.isnan, values)) else max(values)
+
+
+def _whole(function: Callable[[float], int]) -> Callable[[float], float]:
+    """Returns a function to whole numbers that takes infinite values as they are."""
+    return lambda value: float(function(value)) if math.isfinite(value) else value
+
+
+_FLOOR, _CEIL, _ROUND = _whole(math.floor), _whole(math.ceil), _whole(round)
+_SOME = 20
+
+FUNCTIONS: dict[str, Function] = {
+    "sin": Function(math.sin, spans.sine),
+    "cos": Function(math.cos, spans.cosine),
+    "tan": Function(math.tan, spans.tangent),
+    "asin": Function(math.asin, spans.increasing(math.asin, (-1.0, 1.0))),
+    "acos": Function(math.acos, spans.arc_cosine),
+    "atan": Function(math.atan, spans.increasing(math.atan)),
+    "atan2": Function(math.atan2, spans.direction, 2, 2),
+    "sqrt": Function(math.sqrt, spans.increasing(math.sqrt, (0.0, math.inf), exact=True)),
+    "abs": Function(abs, spans.absolute),
+    "min": Function(_least, spans.least, 2, _SOME),
+    "max": Function(_greatest, spans.greatest, 2, _SOME),
+    "floor": Function(_FLOOR, spans.increasing(_FLOOR, exact=True)),
+    "ceil": Function(_CEIL, spans.increasing(_CEIL, exact=True)),
+    "round": Function(_ROUND, spans.increasing(_ROUND, exact=True)),
+    "sign": Function(_sign, spans.increasing(_sign, exact=True)),
+    "hypot": Function(math.hypot, spans.length, 2, 2),
+    "fmod": Function(math.fmod, spans.remainder, 2, 2),
+    "isfinite": Function(math.isfinite, lambda _: spans.EITHER),
+}
+"""The functions by name. Angles are radians; `round` takes the even one of two neighbours."""
+
+OPERATORS: dict[tuple[str, int], Function] = {
+    ("-", 1): Function(operator.neg, spans.negated),
+    ("+", 2): Function(operator.add, spans.total),
+    ("-", 2): Function(operator.sub, spans.difference),
+    ("*", 2): Function(operator.mul, spans.product),
+    ("/", 2): Function(operator.truediv, spans.quotient),
+    ("^", 2): Function(math.pow, spans.power),
+    ("<", 2): Function(operator.lt, spans.less),
+    ("<=", 2): Function(operator.le, spans.at_most),
+    (">", 2): Function(operator.gt, lambda a, b: spans.less(b, a)),
+    (">=", 2): Function(operator.ge, lambda a, b: spans.at_most(b, a)),
+    ("==", 2): Function(operator.eq, spans.equal),
+    ("!=", 2): Function(operator.ne, lambda a, b: spans.inverse(spans.equal(a, b))),
+}
+"""The operators that compute from the values of their operands, by sign and number of operands."""

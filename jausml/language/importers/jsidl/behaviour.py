@@ -12,16 +12,16 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from jausml.language.attributes.guards import GuardError, parse_guard
-from jausml.language.importers.jsidl.building import DEEPEST
-from jausml.language.importers.jsidl.findings import Findings, Place
-from jausml.language.importers.jsidl.values import Values, documentation, folded, joined
+from jausml.language.importers.jsidl.attributes import Values, documentation, folded, joined
+from jausml.language.importers.jsidl.building import DEEPEST, Findings
 from jausml.language.metamodel.classes import jaus
+from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import show, suggest
 from jausml.language.model.words import parts, snake_case
 
 if TYPE_CHECKING:
     from jausml.language.importers.jsidl.building import Builder
-    from jausml.language.importers.jsidl.lineage import KnownNames
+    from jausml.language.importers.jsidl.inheritance import KnownNames
     from jausml.language.model.xmi.parsing import Node
 
 _KINDS = ("simple", "internal", "push", "pop")
@@ -32,14 +32,7 @@ _SENDER = "transportData"
 
 
 class BehaviourBuilder:
-    """Makes the state machines of one service.
-
-    Args:
-        names: What the service may name.
-        builder: Makes elements.
-        values: Reads attributes.
-        findings: Where findings go.
-    """
+    """Makes the state machines of one service."""
 
     def __init__(
         self, names: KnownNames, builder: Builder, values: Values, findings: Findings
@@ -50,39 +43,35 @@ class BehaviourBuilder:
         self._known = names
         self._guards: dict[str, str] = {}
 
-    def machines(self, place: Place) -> list[jaus.StateMachine]:
-        """Makes the machines.
-
-        Args:
-            place: The element protocol_behavior.
-        """
+    def machines(self, place: NodePlace) -> list[jaus.StateMachine]:
+        """Makes the machines."""
         made: dict[str, jaus.StateMachine] = {}
         starts = [child for child in place.node.children if child.tag == "start"]
         for child in place.node.children:
             if child.tag != "state_machine":
                 continue
-            machine = self._machine(Place(place.document, child), starts)
+            machine = self._machine(NodePlace(place.document, child), starts)
             if machine.name in made:
                 message = f"machine '{machine.name}' is there twice"
-                at = Place(place.document, child)
+                at = NodePlace(place.document, child)
                 self._findings.report("JML624", at, message, "the second one is left out")
             made.setdefault(machine.name, machine)
         self._check_starts(place, starts, made)
         return list(made.values())
 
     def _check_starts(
-        self, place: Place, starts: list[Node], made: dict[str, jaus.StateMachine]
+        self, place: NodePlace, starts: list[Node], made: dict[str, jaus.StateMachine]
     ) -> None:
         for start in starts:
             name = last(start.get("state_machine_name"))
             if name and name not in made:
-                at = Place(place.document, start, "state_machine_name")
+                at = NodePlace(place.document, start).at("state_machine_name")
                 message = f"no machine {show(name)} starts: there is none"
                 self._findings.report("JML624", at, message, suggest(name, made))
 
     # -- states ----------------------------------------------------------------------------------
 
-    def _machine(self, place: Place, starts: list[Node]) -> jaus.StateMachine:
+    def _machine(self, place: NodePlace, starts: list[Node]) -> jaus.StateMachine:
         name = last(place.node.get("name"))
         path = next(
             (
@@ -99,21 +88,15 @@ class BehaviourBuilder:
             if child.tag == "default_state":
                 # What holds in all states is a transition of each of the outermost ones.
                 for state in states:
-                    made = self._transitions(Place(place.document, child))
+                    made = self._transitions(NodePlace(place.document, child))
                     self._builder.set(state, "transitions", made)
         said = documentation(place.node)
         return self._builder.new(
             jaus.StateMachine, place, name=name, documentation=said, states=states
         )
 
-    def _states(self, place: Place, start: list[str], outer: list[str]) -> list[jaus.State]:
-        """Makes the states inside a state or machine.
-
-        Args:
-            place: The state or machine.
-            start: Path of the state in which the machine starts, from here on.
-            outer: Names of the enclosing states.
-        """
+    def _states(self, place: NodePlace, start: list[str], outer: list[str]) -> list[jaus.State]:
+        """Makes the states inside a state or machine."""
         initial = folded(place.node.get("initial_state"))
         started = start[0] if start else ""
         if initial and started and initial != started:
@@ -126,18 +109,18 @@ class BehaviourBuilder:
             if child.tag == "state":
                 name = folded(child.get("name"))
                 inside = start[1:] if name == started else []
-                at = Place(place.document, child)
+                at = NodePlace(place.document, child)
                 is_initial = name == (initial or started)
                 states.append(self._state(at, inside, [*outer, name], is_initial=is_initial))
         return states
 
     def _state(
-        self, place: Place, start: list[str], path: list[str], *, is_initial: bool
+        self, place: NodePlace, start: list[str], path: list[str], *, is_initial: bool
     ) -> jaus.State:
         if len(path) > DEEPEST:
             self._findings.report("JML612", place, "states are nested too deeply")
         inside = self._states(place, start, path) if len(path) <= DEEPEST else []
-        children = [Place(place.document, child) for child in place.node.children]
+        children = [NodePlace(place.document, child) for child in place.node.children]
         return self._builder.new(
             jaus.State,
             place,
@@ -158,16 +141,16 @@ class BehaviourBuilder:
 
     # -- transitions -----------------------------------------------------------------------------
 
-    def _transitions(self, place: Place) -> list[jaus.Transition]:
+    def _transitions(self, place: NodePlace) -> list[jaus.Transition]:
         """Makes the transitions directly inside an element, those for all triggers last."""
         made = []
         for tag in ("transition", "default_transition"):
             for child in place.node.children:
                 if child.tag == tag:
-                    made.append(self._transition(Place(place.document, child)))
+                    made.append(self._transition(NodePlace(place.document, child)))
         return [each for each in made if each is not None]
 
-    def _transition(self, place: Place) -> jaus.Transition | None:
+    def _transition(self, place: NodePlace) -> jaus.Transition | None:
         trigger = self._trigger(place)
         if trigger is None or self._is_served(place, trigger.get("message")):
             return None
@@ -184,7 +167,7 @@ class BehaviourBuilder:
             actions=self._actions(place, has_sender="message" in trigger),
         )
 
-    def _is_served(self, place: Place, message: jaus.MessageDef | None) -> bool:
+    def _is_served(self, place: NodePlace, message: jaus.MessageDef | None) -> bool:
         """Reports a transition that would never be taken, as the runtime takes its message."""
         owner = self._known.served.get(message) if message is not None else None
         if message is None or owner is None:
@@ -193,14 +176,14 @@ class BehaviourBuilder:
         self._findings.report("JML624", place, text, "the transition is left out")
         return True
 
-    def _trigger(self, place: Place) -> dict[str, Any] | None:
+    def _trigger(self, place: NodePlace) -> dict[str, Any] | None:
         """Returns the features that name the trigger, None when it is not known."""
         if place.node.tag == "default_transition":
             return {}
         name = last(place.node.get("name"))
         parameters = [child for child in place.node.children if child.tag == "parameter"]
         if name == _RECEIVE and parameters:
-            at = Place(place.document, parameters[0], "type")
+            at = NodePlace(place.document, parameters[0]).at("type")
             type_name = folded(parameters[0].get("type"))
             message = self._known.inputs.get(last(type_name))
             if message is None and self._is_broken(last(type_name)):
@@ -219,7 +202,7 @@ class BehaviourBuilder:
             self._findings.report("JML622", place.at("name"), text, hint)
             return None
         if parameters:
-            at = Place(place.document, parameters[0])
+            at = NodePlace(place.document, parameters[0])
             text = f"what the event {show(name)} carries is not handed to guards and actions"
             self._findings.report("JML626", at, text)
         return {"event": name}
@@ -229,7 +212,7 @@ class BehaviourBuilder:
         known = name in self._known.events or name in self._known.outputs
         return not known and self._findings.has_errors and self._known.is_declared(name)
 
-    def _kind(self, place: Place) -> tuple[str, str | None]:
+    def _kind(self, place: NodePlace) -> tuple[str, str | None]:
         """Returns kind and target of a transition."""
         found = [child for child in place.node.children if child.tag in _KINDS]
         if not found:
@@ -237,21 +220,21 @@ class BehaviourBuilder:
             self._findings.report("JML604", place, message)
             return "internal", None
         for second in found[1:]:
-            at = Place(place.document, second)
+            at = NodePlace(place.document, second)
             self._findings.report("JML602", at, f"a transition is <{found[0].tag}> already")
         kind = found[0]
         ends = [each for each in kind.children if each.tag == "end_state"]
         target = "".join((ends[0].get("state") or "").split()) if ends else None
-        self._report_lost(Place(place.document, kind))
+        self._report_lost(NodePlace(place.document, kind))
         if kind.tag == "push" and not target:
             message = "a push without an end_state enters no state"
-            self._findings.report("JML604", Place(place.document, kind), message)
+            self._findings.report("JML604", NodePlace(place.document, kind), message)
         return kind.tag, target or None
 
-    def _report_lost(self, place: Place) -> None:
+    def _report_lost(self, place: NodePlace) -> None:
         """Reports what push and pop have beyond entering and leaving a state."""
         for child in place.node.children:
-            at = Place(place.document, child)
+            at = NodePlace(place.document, child)
             if place.node.tag == "push" and child.tag == "simple":
                 message = "the push remembers the present state, not the one of <simple>"
                 self._findings.report("JML624", at, message)
@@ -262,12 +245,12 @@ class BehaviourBuilder:
             hint = "the state that was left is entered, and nothing further happens"
             self._findings.report("JML624", place.at("transition"), message, hint)
 
-    def _guard(self, place: Place) -> tuple[str | None, str | None]:
+    def _guard(self, place: NodePlace) -> tuple[str | None, str | None]:
         """Returns the guard of a transition, and what is to be said about it."""
         found = [child for child in place.node.children if child.tag == "guard"]
         if not found:
             return None, None
-        at = Place(place.document, found[0], "condition")
+        at = NodePlace(place.document, found[0]).at("condition")
         text = folded(found[0].get("condition"))
         said = documentation(found[0])
         try:
@@ -292,11 +275,11 @@ class BehaviourBuilder:
 
     # -- actions ---------------------------------------------------------------------------------
 
-    def _actions(self, place: Place, *, has_sender: bool = False) -> list[jaus.Action]:
-        steps = [Place(place.document, c) for c in place.node.children if c.tag in _STEPS]
+    def _actions(self, place: NodePlace, *, has_sender: bool = False) -> list[jaus.Action]:
+        steps = [NodePlace(place.document, c) for c in place.node.children if c.tag in _STEPS]
         return [self._action(each, has_sender=has_sender) for each in steps]
 
-    def _action(self, place: Place, *, has_sender: bool) -> jaus.Action:
+    def _action(self, place: NodePlace, *, has_sender: bool) -> jaus.Action:
         name = last(place.node.get("name"))
         nodes = [child for child in place.node.children if child.tag == "argument"]
         arguments = [folded(each.get("value")) for each in nodes]
@@ -313,7 +296,7 @@ class BehaviourBuilder:
         )
 
     def _send(
-        self, place: Place, arguments: list[str], *, has_sender: bool
+        self, place: NodePlace, arguments: list[str], *, has_sender: bool
     ) -> tuple[str, jaus.MessageDef | None]:
         """Returns the name of an action that sends, and the message if the model can say it."""
         wanted = arguments[0].strip("'\" ")

@@ -1,16 +1,50 @@
-"""Builder of model elements that know where in the JSIDL files they come from."""
+"""What all builders of elements share: where findings go, and how elements are made."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from jausml.language.importers.jsidl.rules import JSIDL_RULES
 from jausml.language.metamodel import FeatureKind, ValueKind
 from jausml.language.metamodel.filling import link, new_object, set_value, set_values
+from jausml.language.model.diagnostics import Diagnostic, Location, Related, Severity
+from jausml.language.model.rules import READER_RULES
 
 if TYPE_CHECKING:
-    from jausml.language.importers.jsidl.findings import Place
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.model import Model
+    from jausml.language.model.reading.problems import NodePlace
+
+
+class Findings:
+    """The findings of one import."""
+
+    def __init__(self) -> None:
+        self._found: dict[Diagnostic, None] = {}
+        self.has_errors = False
+
+    def report(
+        self,
+        rule: str,
+        place: NodePlace | Location,
+        message: str,
+        hint: str = "",
+        related: tuple[Related, ...] = (),
+    ) -> None:
+        """Reports a finding; its severity is that of the rule.
+
+        A declaration that several messages use is looked at for each of them: what is found there
+        again is one finding.
+        """
+        location = place if isinstance(place, Location) else place.location
+        severity = (JSIDL_RULES.get(rule) or READER_RULES[rule]).severity
+        self.has_errors = self.has_errors or severity is Severity.ERROR
+        self._found[Diagnostic(rule, severity, location, message, hint, related=related)] = None
+
+    def diagnostics(self) -> list[Diagnostic]:
+        """Returns the findings, sorted by place."""
+        return sorted(self._found)
+
 
 ElementT = TypeVar("ElementT", bound="EObject")
 
@@ -23,27 +57,18 @@ class TooMuchError(Exception):
 
 
 class Builder:
-    """Makes elements of the jaus metamodel.
-
-    Args:
-        model: The model that they belong to.
-    """
+    """Makes elements of the jaus metamodel."""
 
     def __init__(self, model: Model) -> None:
         self.model = model
         self._made = 0
 
-    def new(self, kind: type[ElementT], place: Place, /, **features: Any) -> ElementT:
+    def new(self, kind: type[ElementT], place: NodePlace, /, **features: Any) -> ElementT:
         """Makes an element.
 
         Args:
-            kind: Its class.
-            place: Where it comes from.
             features: Its features: values, names of literals, elements, or lists of these. None
                 leaves a feature alone.
-
-        Raises:
-            TooMuchError: There are too many elements already.
         """
         self._made += 1
         if self._made > MOST_ELEMENTS:
@@ -61,8 +86,6 @@ class Builder:
 
         Args:
             obj: The element.
-            name: The feature.
-            value: Its value, or a list for a feature with many values.
         """
         feature = self.model.metamodels.class_of(obj).features[name]
         if feature.kind is not FeatureKind.ATTRIBUTE:

@@ -8,10 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from jausml.language.importers.jsidl.building import DEEPEST, Builder
-from jausml.language.importers.jsidl.findings import Findings, Place
-from jausml.language.importers.jsidl.scopes import Declaration, MissingError, Scope, Scopes
-from jausml.language.importers.jsidl.values import (
+from jausml.language.importers.jsidl.attributes import (
     INT,
     LONG,
     Values,
@@ -20,8 +17,11 @@ from jausml.language.importers.jsidl.values import (
     joined,
     largest,
 )
+from jausml.language.importers.jsidl.building import DEEPEST, Builder, Findings
+from jausml.language.importers.jsidl.scopes import Declaration, MissingError, Scope, Scopes
 from jausml.language.importers.jsidl.vocabulary import CONTAINERS, FIELDS
 from jausml.language.metamodel.classes import jaus
+from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import show
 
 if TYPE_CHECKING:
@@ -37,21 +37,15 @@ Made: TypeAlias = "tuple[type[jaus.Field], dict[str, Any]]"
 
 
 class FieldBuilder:
-    """Makes fields.
-
-    Args:
-        builder: Makes elements.
-        scopes: Knows declarations.
-        findings: Where findings go.
-    """
+    """Makes fields."""
 
     def __init__(self, builder: Builder, scopes: Scopes, findings: Findings) -> None:
         self._builder = builder
         self._scopes = scopes
         self._findings = findings
         self._values = Values(scopes, findings)
-        self._open: list[Place] = []
-        self._kinds: dict[str, Callable[[Scope, Place], Made]] = {
+        self._open: list[NodePlace] = []
+        self._kinds: dict[str, Callable[[Scope, NodePlace], Made]] = {
             "record": self._record,
             "sequence": self._sequence,
             "list": self._list,
@@ -66,11 +60,10 @@ class FieldBuilder:
             "variable_format_field": self._variable_format_field,
         }
 
-    def field(self, scope: Scope, place: Place) -> jaus.Field | None:
+    def field(self, scope: Scope, place: NodePlace) -> jaus.Field | None:
         """Makes a field or container.
 
         Args:
-            scope: Where its names are looked up.
             place: Its element, which may refer to a declared type.
 
         Returns:
@@ -103,13 +96,8 @@ class FieldBuilder:
             **features,
         )
 
-    def check(self, scope: Scope, place: Place) -> None:
-        """Looks at a declaration that nothing uses, for the sake of what is wrong with it.
-
-        Args:
-            scope: Where its names are looked up.
-            place: The declaration.
-        """
+    def check(self, scope: Scope, place: NodePlace) -> None:
+        """Looks at a declaration that nothing uses, for the sake of what is wrong with it."""
         target = self.resolve(Declaration(scope, place))
         if target is not None and target.place.node.tag in self._kinds:
             self.field(scope, place)
@@ -118,13 +106,12 @@ class FieldBuilder:
         """Follows declared_... references to what they stand for.
 
         Args:
-            declaration: The reference, or what is none.
             missing: The rule of a reference that leads to nothing.
 
         Returns:
             What it stands for; None after a report.
         """
-        passed: list[Place] = []
+        passed: list[NodePlace] = []
         while declaration.place.node.tag.startswith(_DECLARED):
             place = declaration.place
             path = "".join(folded(place.node.get("declared_type_ref")).split())
@@ -152,13 +139,13 @@ class FieldBuilder:
 
     # -- containers ------------------------------------------------------------------------------
 
-    def _record(self, scope: Scope, place: Place) -> Made:
+    def _record(self, scope: Scope, place: NodePlace) -> Made:
         return jaus.Record, self._members(scope, place, (*FIELDS, "array"))
 
-    def _sequence(self, scope: Scope, place: Place) -> Made:
+    def _sequence(self, scope: Scope, place: NodePlace) -> Made:
         return jaus.Sequence, self._members(scope, place, CONTAINERS)
 
-    def _members(self, scope: Scope, place: Place, kinds: Sequence[str]) -> dict[str, Any]:
+    def _members(self, scope: Scope, place: NodePlace, kinds: Sequence[str]) -> dict[str, Any]:
         vector = self._child(place, "presence_vector")
         members = self._parts(place, kinds)
         if not members:
@@ -169,13 +156,13 @@ class FieldBuilder:
             "fields": self._fields(scope, members),
         }
 
-    def _list(self, scope: Scope, place: Place) -> Made:
+    def _list(self, scope: Scope, place: NodePlace) -> Made:
         element = self._only(place, self._parts(place, CONTAINERS), "container")
         features = self._count(scope, place, "Count")
         features["element"] = self.field(scope, element) if element else None
         return jaus.List, features
 
-    def _variant(self, scope: Scope, place: Place) -> Made:
+    def _variant(self, scope: Scope, place: NodePlace) -> Made:
         options = self._parts(place, CONTAINERS)
         tag = self._needed(place, "vtag_field")
         tag_type = self._values.unsigned_type(tag) if tag else None
@@ -193,7 +180,7 @@ class FieldBuilder:
         said = documentation(tag.node) if tag else None
         return jaus.Variant, {"tagType": tag_type, "options": options_made, "documentation": said}
 
-    def _array(self, scope: Scope, place: Place) -> Made:
+    def _array(self, scope: Scope, place: NodePlace) -> Made:
         element = self._only(place, self._parts(place, (*FIELDS, "array")), "field")
         dimensions = self._children(place, "dimension")
         if not dimensions:
@@ -206,16 +193,16 @@ class FieldBuilder:
             "documentation": documentation(*(each.node for each in dimensions)),
         }
 
-    def _fields(self, scope: Scope, places: Sequence[Place]) -> list[jaus.Field]:
+    def _fields(self, scope: Scope, places: Sequence[NodePlace]) -> list[jaus.Field]:
         made = [self.field(scope, place) for place in places]
         return [each for each in made if each is not None]
 
     # -- fields ----------------------------------------------------------------------------------
 
-    def _fixed_field(self, scope: Scope, place: Place) -> Made:
+    def _fixed_field(self, scope: Scope, place: NodePlace) -> Made:
         return jaus.FixedField, self._number(scope, place)
 
-    def _number(self, scope: Scope, place: Place) -> dict[str, Any]:
+    def _number(self, scope: Scope, place: NodePlace) -> dict[str, Any]:
         units = self._values.text(place, "field_units")
         scale = self._child(place, "scale_range")
         values = self._child(place, "value_set")
@@ -227,7 +214,7 @@ class FieldBuilder:
             "documentation": documentation(scale.node) if scale else None,
         }
 
-    def _scale(self, scope: Scope, place: Place) -> jaus.ScaleRange:
+    def _scale(self, scope: Scope, place: NodePlace) -> jaus.ScaleRange:
         return self._builder.new(
             jaus.ScaleRange,
             place,
@@ -236,9 +223,11 @@ class FieldBuilder:
             rounding=self._values.choice(place, "integer_function", _ROUNDINGS),
         )
 
-    def _value_set(self, scope: Scope, place: Place) -> jaus.ValueSet | None:
+    def _value_set(self, scope: Scope, place: NodePlace) -> jaus.ValueSet | None:
         is_offset = self._values.flag(place, "offset_to_lower_limit")
-        values = [self._value(scope, Place(place.document, child)) for child in place.node.children]
+        values = [
+            self._value(scope, NodePlace(place.document, child)) for child in place.node.children
+        ]
         if not values:
             self._findings.report("JML604", place, "<value_set> has no value")
             return None
@@ -246,7 +235,7 @@ class FieldBuilder:
             jaus.ValueSet, place, values=values, offsetToLowerLimit=is_offset or None
         )
 
-    def _value(self, scope: Scope, place: Place) -> jaus.Value:
+    def _value(self, scope: Scope, place: NodePlace) -> jaus.Value:
         said = documentation(place.node)
         if place.node.tag == "value_enum":
             return self._builder.new(
@@ -268,7 +257,7 @@ class FieldBuilder:
             upperInclusive=upper != "exclusive",
         )
 
-    def _variable_field(self, scope: Scope, place: Place) -> Made:
+    def _variable_field(self, scope: Scope, place: NodePlace) -> Made:
         choices = self._needed(place, "type_and_units_field")
         alternatives = []
         for each in self._children(choices, "type_and_units_enum") if choices else []:
@@ -285,14 +274,14 @@ class FieldBuilder:
         said = documentation(choices.node) if choices else None
         return jaus.VariableField, {"alternatives": alternatives, "documentation": said}
 
-    def _bit_field(self, scope: Scope, place: Place) -> Made:
+    def _bit_field(self, scope: Scope, place: NodePlace) -> Made:
         parts = [self._sub_field(scope, each) for each in self._children(place, "sub_field")]
         if not parts:
             self._findings.report("JML604", place, f"bit_field {_name(place)} has no <sub_field>")
         field_type = self._values.unsigned_type(place)
         return jaus.BitField, {"type": field_type, "subFields": parts}
 
-    def _sub_field(self, scope: Scope, place: Place) -> jaus.SubField:
+    def _sub_field(self, scope: Scope, place: NodePlace) -> jaus.SubField:
         bits = self._needed(place, "bit_range")
         values = self._child(place, "value_set")
         first, last = (
@@ -309,21 +298,21 @@ class FieldBuilder:
             values=self._value_set(scope, values) if values else None,
         )
 
-    def _fixed_length_string(self, scope: Scope, place: Place) -> Made:
+    def _fixed_length_string(self, scope: Scope, place: NodePlace) -> Made:
         length = self._values.integer(scope, place, "string_length", (1, INT[1]))
         return jaus.FixedLengthString, {"length": length}
 
-    def _variable_length_string(self, scope: Scope, place: Place) -> Made:
+    def _variable_length_string(self, scope: Scope, place: NodePlace) -> Made:
         return jaus.VariableLengthString, self._count(scope, place, "Length")
 
-    def _variable_length_field(self, scope: Scope, place: Place) -> Made:
+    def _variable_length_field(self, scope: Scope, place: NodePlace) -> Made:
         data_format = self._values.text(place, "field_format") or None
         return jaus.VariableLengthField, {
             "format": data_format,
             **self._count(scope, place, "Length"),
         }
 
-    def _variable_format_field(self, scope: Scope, place: Place) -> Made:
+    def _variable_format_field(self, scope: Scope, place: NodePlace) -> Made:
         choices = self._needed(place, "format_field")
         formats = [
             self._builder.new(
@@ -345,7 +334,7 @@ class FieldBuilder:
             "documentation": said,
         }
 
-    def _count(self, scope: Scope, place: Place, what: str) -> dict[str, Any]:
+    def _count(self, scope: Scope, place: NodePlace, what: str) -> dict[str, Any]:
         """Returns the features of a count: its type and its bounds."""
         count = self._needed(place, "count_field")
         if count is None:
@@ -371,20 +360,20 @@ class FieldBuilder:
 
     # -- children --------------------------------------------------------------------------------
 
-    def _parts(self, place: Place, kinds: Sequence[str]) -> list[Place]:
+    def _parts(self, place: NodePlace, kinds: Sequence[str]) -> list[NodePlace]:
         tags = {*kinds, *(f"{_DECLARED}{kind}" for kind in kinds)}
-        return [Place(place.document, c) for c in place.node.children if c.tag in tags]
+        return [NodePlace(place.document, c) for c in place.node.children if c.tag in tags]
 
-    def _children(self, place: Place, tag: str) -> list[Place]:
-        return [Place(place.document, c) for c in place.node.children if c.tag == tag]
+    def _children(self, place: NodePlace, tag: str) -> list[NodePlace]:
+        return [NodePlace(place.document, c) for c in place.node.children if c.tag == tag]
 
-    def _child(self, place: Place, tag: str) -> Place | None:
+    def _child(self, place: NodePlace, tag: str) -> NodePlace | None:
         found = self._children(place, tag)
         for second in found[1:]:
             self._findings.report("JML602", second, f"second <{tag}> of {_name(place)}")
         return found[0] if found else None
 
-    def _needed(self, place: Place, tag: str) -> Place | None:
+    def _needed(self, place: NodePlace, tag: str) -> NodePlace | None:
         found = self._child(place, tag)
         if found is None:
             self._findings.report(
@@ -392,7 +381,7 @@ class FieldBuilder:
             )
         return found
 
-    def _only(self, place: Place, found: Sequence[Place], what: str) -> Place | None:
+    def _only(self, place: NodePlace, found: Sequence[NodePlace], what: str) -> NodePlace | None:
         if len(found) == 1:
             return found[0]
         message = f"<{place.node.tag}> {_name(place)} has {len(found)} {what}s, not one"
@@ -403,5 +392,5 @@ class FieldBuilder:
         return None
 
 
-def _name(place: Place) -> str:
+def _name(place: NodePlace) -> str:
     return show(folded(place.node.get("name")))

@@ -8,14 +8,21 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from jausml.language.importers.jsidl.attributes import Values
 from jausml.language.importers.jsidl.behaviour import BehaviourBuilder
-from jausml.language.importers.jsidl.building import MOST_ELEMENTS, Builder, TooMuchError
-from jausml.language.importers.jsidl.checking import check_document, is_jsidl
+from jausml.language.importers.jsidl.building import (
+    MOST_ELEMENTS,
+    Builder,
+    Findings,
+    TooMuchError,
+)
 from jausml.language.importers.jsidl.fields import FieldBuilder
-from jausml.language.importers.jsidl.findings import Findings, Place
-from jausml.language.importers.jsidl.library import join_library, library_model, services_by_urn
-from jausml.language.importers.jsidl.lineage import KnownNames
-from jausml.language.importers.jsidl.machines import finish_machines
+from jausml.language.importers.jsidl.inheritance import (
+    KnownNames,
+    finish_machines,
+    library_model,
+    services_by_urn,
+)
 from jausml.language.importers.jsidl.messages import MessageBuilder
 from jausml.language.importers.jsidl.scopes import Scopes
 from jausml.language.importers.jsidl.services import (
@@ -28,13 +35,14 @@ from jausml.language.importers.jsidl.services import (
     identifiers,
     index,
 )
-from jausml.language.importers.jsidl.values import Values
+from jausml.language.importers.jsidl.vocabulary import check_document, is_jsidl
 from jausml.language.metamodel import load_metamodels
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity
 from jausml.language.model.documents import Document
 from jausml.language.model.inputs import read_input
 from jausml.language.model.model import Model
+from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import show
 from jausml.language.model.xmi.parsing import Node, parse
 
@@ -49,8 +57,6 @@ class ImportResult:
     Attributes:
         model: The elements, which know their places in the JSIDL files; with the documents of the
             library when a service inherits one of it.
-        sets: The service sets.
-        diagnostics: The findings, sorted by place.
     """
 
     model: Model
@@ -99,9 +105,6 @@ class Source:
     """A file that may be JSIDL.
 
     Attributes:
-        path: Its name in messages.
-        data: Its bytes; None when it cannot be read.
-        fault: Why it cannot be read.
         is_named: True when the user named it, so that it has to be JSIDL.
     """
 
@@ -126,14 +129,7 @@ def import_sources(
     version: str | None = None,
     behaviour: bool = True,
 ) -> ImportResult:
-    """Imports services of JSIDL documents in memory; for the rest see `import_jsidl`.
-
-    Args:
-        sources: The documents.
-        name: As for `import_jsidl`.
-        version: As for `import_jsidl`.
-        behaviour: As for `import_jsidl`.
-    """
+    """Imports services of JSIDL documents in memory; for the rest see `import_jsidl`."""
     return _Import(name, version, with_behaviour=behaviour).run(sources)
 
 
@@ -216,7 +212,7 @@ class _Import:
             behaviour = BehaviourBuilder(names, self._builder, self._values, self._findings)
             for child in each.place.node.children:
                 if child.tag == "protocol_behavior":
-                    made = behaviour.machines(Place(each.place.document, child))
+                    made = behaviour.machines(NodePlace(each.place.document, child))
                     self._builder.set(each.service, "machines", made)
         finish_machines(services, self._model, self._findings)
 
@@ -231,7 +227,7 @@ class _Import:
     def _library_services(self) -> ByUrn:
         """The services of the library, which is read when a service needs it."""
         library = library_model()
-        join_library(self._model, library)
+        self._model.join(library)
         return services_by_urn(library)
 
     def _report_unused(self, fields: FieldBuilder) -> None:
@@ -269,10 +265,10 @@ def _is_meant(data: bytes, root: Node | None) -> bool:
     return is_jsidl(root) if root is not None else b"urn:jaus:jsidl" in data
 
 
-def _stand_in(place: Place) -> Place:
+def _stand_in(place: NodePlace) -> NodePlace:
     """Returns the place of a set, which has no element of its own, as a root of its document."""
     node = place.node
     position = (node.line, node.column, node.offset)
     stand_in = Node("service_set", [], node.prefixes, None, position)
     place.document.root_nodes.append(stand_in)
-    return Place(place.document, stand_in)
+    return NodePlace(place.document, stand_in)

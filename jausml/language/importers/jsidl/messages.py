@@ -5,15 +5,15 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from jausml.language.importers.jsidl.findings import Findings, Place
+from jausml.language.importers.jsidl.attributes import Values, documentation, folded, joined
 from jausml.language.importers.jsidl.scopes import Declaration, Scope, Scopes
-from jausml.language.importers.jsidl.values import Values, documentation, folded, joined
 from jausml.language.importers.jsidl.vocabulary import CONTAINERS
 from jausml.language.metamodel.classes import jaus
+from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import show
 
 if TYPE_CHECKING:
-    from jausml.language.importers.jsidl.building import Builder
+    from jausml.language.importers.jsidl.building import Builder, Findings
     from jausml.language.importers.jsidl.fields import FieldBuilder
 
 _HEADER_NOT_FOUND = "JML628"
@@ -22,14 +22,7 @@ _CONTAINERS = frozenset([*CONTAINERS, *(f"declared_{name}" for name in CONTAINER
 
 
 class MessageBuilder:
-    """Makes messages and internal events.
-
-    Args:
-        builder: Makes elements.
-        fields: Makes fields.
-        scopes: Knows declarations.
-        findings: Where findings go.
-    """
+    """Makes messages and internal events."""
 
     def __init__(
         self, builder: Builder, fields: FieldBuilder, scopes: Scopes, findings: Findings
@@ -39,12 +32,8 @@ class MessageBuilder:
         self._findings = findings
         self._values = Values(scopes, findings)
 
-    def message(self, scope: Scope, place: Place) -> jaus.MessageDef | None:
+    def message(self, scope: Scope, place: NodePlace) -> jaus.MessageDef | None:
         """Makes a message.
-
-        Args:
-            scope: The service that takes or sends it.
-            place: Its definition, or the reference to a declared one.
 
         Returns:
             The message; None when what is wrong with it was reported.
@@ -66,7 +55,7 @@ class MessageBuilder:
             body=body,
         )
 
-    def event(self, scope: Scope, place: Place) -> jaus.InternalEvent | None:
+    def event(self, scope: Scope, place: NodePlace) -> jaus.InternalEvent | None:
         """Makes an internal event; arguments and result as for `message`."""
         target = self._fields.resolve(Declaration(scope, place))
         if target is None:
@@ -82,13 +71,13 @@ class MessageBuilder:
             body=body,
         )
 
-    def _said(self, place: Place, target: Place, further: str | None) -> str | None:
+    def _said(self, place: NodePlace, target: NodePlace, further: str | None) -> str | None:
         own = documentation(place.node) if place != target else None
         descriptions = [each for each in target.node.children if each.tag == "description"]
         said = own or documentation(target.node, *descriptions)
         return joined(said, further)
 
-    def _code(self, place: Place) -> str | None:
+    def _code(self, place: NodePlace) -> str | None:
         text = "".join(folded(place.node.get("message_id")).split())
         match = _CODE.fullmatch(text)
         if match is not None:
@@ -104,16 +93,16 @@ class MessageBuilder:
         tags = (tag, f"declared_{tag}")
         found = [child for child in target.place.node.children if child.tag in tags]
         for second in found[1:]:
-            place = Place(target.place.document, second)
+            place = NodePlace(target.place.document, second)
             self._findings.report("JML602", place, f"second <{tag}> of {_name(target.place)}")
         if not found:
             return None
-        place = Place(target.place.document, found[0])
+        place = NodePlace(target.place.document, found[0])
         return self._fields.resolve(Declaration(target.scope, place), missing)
 
-    def _container(self, part: Declaration) -> Place | None:
+    def _container(self, part: Declaration) -> NodePlace | None:
         document = part.place.document
-        found = [Place(document, c) for c in part.place.node.children if c.tag in _CONTAINERS]
+        found = [NodePlace(document, c) for c in part.place.node.children if c.tag in _CONTAINERS]
         for second in found[1:]:
             message = f"<{part.place.node.tag}> has a second container, <{second.node.tag}>"
             self._findings.report("JML602", second, message, "put both into a sequence")
@@ -146,7 +135,7 @@ class MessageBuilder:
             and fields[0].tag.removeprefix("declared_") == "fixed_field"
         )
         if is_code:
-            place = Place(record.place.document, fields[0])
+            place = NodePlace(record.place.document, fields[0])
             field = self._fields.resolve(Declaration(record.scope, place), _HEADER_NOT_FOUND)
             if field is None:
                 return
@@ -167,5 +156,5 @@ class MessageBuilder:
             self._findings.report("JML613", container, message, "put them into the body")
 
 
-def _name(place: Place) -> str:
+def _name(place: NodePlace) -> str:
     return show(folded(place.node.get("name")))

@@ -47,10 +47,6 @@ _LANGUAGE = Language(
 def evaluate(text: str, constant: Lookup) -> Fraction:
     """Returns the value of an expression.
 
-    Args:
-        text: For example `-8*basicConsts.PI` or `10,000`.
-        constant: Knows the constants.
-
     Raises:
         NumberError: The text is no expression, divides by zero or is out of all bounds.
     """

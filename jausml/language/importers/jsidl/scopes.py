@@ -6,15 +6,16 @@ import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from jausml.language.importers.jsidl.findings import Findings, Place
 from jausml.language.importers.jsidl.numbers import NumberError, evaluate
 from jausml.language.model.diagnostics import Related
+from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import show, suggest
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from fractions import Fraction
 
+    from jausml.language.importers.jsidl.building import Findings
     from jausml.language.model.documents import Document
     from jausml.language.model.xmi.parsing import Node
 
@@ -29,16 +30,14 @@ class Scope:
     """A service, a set of types or a set of constants: what names mean inside it.
 
     Attributes:
-        place: Its element.
         outer: The service around a set of its own, else None.
-        declarations: Declared types, messages and constants by name.
         sets: Sets by the name with which a dotted path names them; None for a set that is missing,
             which was reported.
     """
 
-    place: Place
+    place: NodePlace
     outer: Scope | None = None
-    declarations: dict[str, Place] = field(default_factory=dict)
+    declarations: dict[str, NodePlace] = field(default_factory=dict)
     sets: dict[str, Scope | None] = field(default_factory=dict)
 
     @property
@@ -52,14 +51,13 @@ class Declaration:
     """A declared type, message or constant, and the scope in which its own names are looked up."""
 
     scope: Scope
-    place: Place
+    place: NodePlace
 
 
 class MissingError(LookupError):
     """A path leads to nothing.
 
     Attributes:
-        hint: What may have been meant.
         is_known: True when the cause was reported already.
     """
 
@@ -70,18 +68,14 @@ class MissingError(LookupError):
 
 
 class Scopes:
-    """The scopes of all files.
-
-    Args:
-        findings: Where findings go.
-    """
+    """The scopes of all files."""
 
     def __init__(self, findings: Findings) -> None:
         self._findings = findings
         self._by_id: dict[str, dict[str, dict[str, Scope]]] = {kind: {} for kind in _SETS}
         self._all: list[Scope] = []
-        self._used: set[Place] = set()
-        self._evaluating: list[Place] = []
+        self._used: set[NodePlace] = set()
+        self._evaluating: list[NodePlace] = []
         self.services: list[Scope] = []
 
     def add(self, document: Document, root: Node) -> None:
@@ -92,28 +86,28 @@ class Scopes:
             if node.tag == "service_set":
                 pending += node.children
             elif node.tag == "service_def":
-                self._add_service(Place(document, node))
+                self._add_service(NodePlace(document, node))
             elif node.tag in _SETS:
-                self._add_set(Place(document, node), None)
+                self._add_set(NodePlace(document, node), None)
 
-    def _add_service(self, place: Place) -> None:
+    def _add_service(self, place: NodePlace) -> None:
         service = Scope(place)
         self.services.append(service)
         for child in place.node.children:
             if child.tag in _SETS:
-                own = self._add_set(Place(place.document, child), service)
+                own = self._add_set(NodePlace(place.document, child), service)
                 service.sets.setdefault(child.get("name") or "", own)
 
-    def _add_set(self, place: Place, outer: Scope | None) -> Scope:
+    def _add_set(self, place: NodePlace, outer: Scope | None) -> Scope:
         scope = Scope(place, outer)
         self._all.append(scope)
         for child in place.node.children:
             name = child.get("name")
             if child.tag in _REFERENCES or child.tag == "description" or not name:
                 continue
-            first = scope.declarations.setdefault(name, Place(place.document, child))
+            first = scope.declarations.setdefault(name, NodePlace(place.document, child))
             if first.node is not child:
-                self._report_twice(Place(place.document, child), first, f"{show(name)}")
+                self._report_twice(NodePlace(place.document, child), first, f"{show(name)}")
         identifier, version = place.node.get("id"), place.node.get("version")
         if identifier and version:
             versions = self._by_id[place.node.tag].setdefault(identifier, {})
@@ -123,7 +117,7 @@ class Scopes:
                 self._report_twice(place.at("id"), first_set.place, what)
         return scope
 
-    def _report_twice(self, place: Place, first: Place, what: str) -> None:
+    def _report_twice(self, place: NodePlace, first: NodePlace, what: str) -> None:
         related = (Related(first.location, "the first declaration"),)
         self._findings.report("JML606", place, f"{what} is declared twice", related=related)
 
@@ -132,7 +126,7 @@ class Scopes:
         for scope in self._all:
             for child in scope.place.node.children:
                 if child.tag in _REFERENCES:
-                    place = Place(scope.place.document, child)
+                    place = NodePlace(scope.place.document, child)
                     target = self._find_set(place)
                     scope.sets.setdefault(child.get("name") or "", target)
         for service in self.services:
@@ -143,7 +137,7 @@ class Scopes:
                 for name, place in own.declarations.items():
                     service.declarations.setdefault(name, place)
 
-    def _find_set(self, place: Place) -> Scope | None:
+    def _find_set(self, place: NodePlace) -> Scope | None:
         node = place.node
         kind = node.tag.removesuffix("_ref")
         identifier, version = node.get("id") or "", node.get("version") or ""
@@ -163,15 +157,7 @@ class Scopes:
         return versions[found]
 
     def find(self, scope: Scope, path: str) -> Declaration:
-        """Returns what a dotted path means in a scope.
-
-        Args:
-            scope: The set or service in which the path is written.
-            path: For example `core.commandClass.SetAuthority`.
-
-        Raises:
-            MissingError: It means nothing.
-        """
+        """Returns what a dotted path means in a scope."""
         *sets, name = path.split(".")
         at: Scope | None = scope
         for step in sets:
@@ -207,10 +193,6 @@ class Scopes:
     def constant(self, scope: Scope, path: str) -> Fraction:
         """Returns the value of a constant.
 
-        Args:
-            scope: The set in which the constant is used.
-            path: For example `basicConsts.PI`.
-
         Raises:
             NumberError: There is no such constant, or it has no value.
         """
@@ -237,16 +219,7 @@ class Scopes:
             self._evaluating.pop()
 
     def number(self, scope: Scope, text: str) -> Fraction:
-        """Returns the value of an expression.
-
-        Args:
-            scope: The set in which it is written.
-            text: The expression.
-
-        Raises:
-            NumberError: It has none.
-            MissingError: It needs a set whose absence was reported.
-        """
+        """Returns the value of an expression."""
         return evaluate(text, lambda path: self.constant(scope, path))
 
     def declared_names(self) -> frozenset[str]:
@@ -262,7 +235,7 @@ class Scopes:
                 pending += node.children
         return frozenset(found)
 
-    def unused(self) -> Iterator[tuple[Scope, Place]]:
+    def unused(self) -> Iterator[tuple[Scope, NodePlace]]:
         """Yields the declared types that nothing referred to, with the scopes of their names."""
         for scope in self._all:
             if scope.place.node.tag == "declared_type_set":
@@ -275,7 +248,6 @@ def pick_version(wanted: str, versions: Iterable[str]) -> str:
     """Returns the version of something that is there which fits best.
 
     Args:
-        wanted: The version asked for; `*` in it stands for anything.
         versions: The versions that are there, at least one.
     """
     known = sorted(versions, key=_version_key)

@@ -7,18 +7,18 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
-from jausml.language.importers.jsidl.findings import Findings, Place
+from jausml.language.importers.jsidl.attributes import Values, documentation, folded, joined
 from jausml.language.importers.jsidl.scopes import matches, pick_version
-from jausml.language.importers.jsidl.values import Values, documentation, folded, joined
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.diagnostics import Related
+from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import show, suggest
 from jausml.language.model.words import snake_case
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable, Mapping
 
-    from jausml.language.importers.jsidl.building import Builder
+    from jausml.language.importers.jsidl.building import Builder, Findings
     from jausml.language.importers.jsidl.messages import MessageBuilder
     from jausml.language.importers.jsidl.scopes import Scope
     from jausml.language.metamodel.classes.ecore import EObject
@@ -43,20 +43,13 @@ class ImportedService:
     service: jaus.Service
 
     @property
-    def place(self) -> Place:
+    def place(self) -> NodePlace:
         """Its element."""
         return self.scope.place
 
 
 class ServiceBuilder:
-    """Makes services without what they inherit and without their behaviour.
-
-    Args:
-        builder: Makes elements.
-        messages: Makes messages and events.
-        values: Reads attributes.
-        findings: Where findings go.
-    """
+    """Makes services without what they inherit and without their behaviour."""
 
     def __init__(
         self, builder: Builder, messages: MessageBuilder, values: Values, findings: Findings
@@ -67,11 +60,7 @@ class ServiceBuilder:
         self._findings = findings
 
     def service(self, scope: Scope) -> ImportedService:
-        """Makes a service.
-
-        Args:
-            scope: Its element, and where its names are looked up.
-        """
+        """Makes a service."""
         place = scope.place
         make = self._messages.message
         inputs = _made(scope, ("message_set", "input_set"), "message_def", make)
@@ -91,7 +80,7 @@ class ServiceBuilder:
         )
         return ImportedService(scope, made)
 
-    def _version(self, place: Place) -> str | None:
+    def _version(self, place: NodePlace) -> str | None:
         version = self._values.text(place, "version")
         if version and not _VERSION.fullmatch(version):
             message = f"'version' {show(version)} of a service is not major.minor"
@@ -99,7 +88,7 @@ class ServiceBuilder:
             return None
         return version or None
 
-    def _report_clients(self, place: Place) -> None:
+    def _report_clients(self, place: NodePlace) -> None:
         for references in _children(place, "references"):
             for client in _children(references, "client_of"):
                 message = f"a model does not say that {show(self._values.text(place, 'name'))}"
@@ -112,14 +101,14 @@ def _made(
     scope: Scope,
     path: Iterable[str],
     kind: str,
-    make: Callable[[Scope, Place], MadeT | None],
+    make: Callable[[Scope, NodePlace], MadeT | None],
 ) -> list[MadeT]:
     places = [scope.place]
     for tag in path:
         places = [each for place in places for each in _children(place, tag)]
     tags = (kind, f"declared_{kind}")
     found = [
-        make(scope, Place(place.document, child))
+        make(scope, NodePlace(place.document, child))
         for place in places
         for child in place.node.children
         if child.tag in tags
@@ -137,12 +126,6 @@ def find_inherited(
 
     A service of the very version is taken from the files, then from the library; then another
     version of the files, then of the library.
-
-    Args:
-        service: The heir.
-        imported: The services of the files.
-        library: Returns those of the library.
-        findings: Where findings go.
     """
     found = [
         place
@@ -178,7 +161,7 @@ def find_inherited(
 def index(services: Iterable[ImportedService], findings: Findings) -> ByUrn:
     """Returns services by URN and version, and reports those that are there twice."""
     found: ByUrn = {}
-    first: dict[tuple[str, str], Place] = {}
+    first: dict[tuple[str, str], NodePlace] = {}
     for each in services:
         urn, version = each.service.urn, each.service.version
         if not urn:
@@ -194,18 +177,11 @@ def index(services: Iterable[ImportedService], findings: Findings) -> ByUrn:
 
 @dataclass(frozen=True, slots=True)
 class SetOfServices:
-    """Services that become one service set.
-
-    Attributes:
-        name: Name of the set.
-        version: Version of the set.
-        place: The element of JSIDL that stands for it: a service_set, or its first service.
-        services: The services.
-    """
+    """Services that become one service set."""
 
     name: str
     version: str
-    place: Place
+    place: NodePlace
     services: list[jaus.Service]
 
 
@@ -234,7 +210,7 @@ def _group(members: list[ImportedService]) -> SetOfServices:
     owner = place.node.parent
     name = _name_in(str(members[0].service.urn))
     if owner is not None:
-        place = Place(place.document, owner)
+        place = NodePlace(place.document, owner)
         name = folded(owner.get("name")) or name
         own_version = folded(owner.get("version"))
         version = own_version if _VERSION.fullmatch(own_version) else version
@@ -255,11 +231,7 @@ def _name_in(urn: str) -> str:
 
 
 def identifiers(sets: Iterable[tuple[jaus.ServiceSet, SetOfServices]]) -> Mapping[EObject, str]:
-    """Returns the ids of sets, services and messages, each unique within a document.
-
-    Args:
-        sets: The elements of the sets with what they were made of.
-    """
+    """Returns the ids of sets, services and messages, each unique within a document."""
     found: dict[EObject, str] = {}
     taken: set[str] = set()
 
@@ -283,7 +255,7 @@ def identifiers(sets: Iterable[tuple[jaus.ServiceSet, SetOfServices]]) -> Mappin
     return found
 
 
-def _said(place: Place) -> str | None:
+def _said(place: NodePlace) -> str | None:
     texts = [
         documentation(each.node)
         for tag in ("description", "assumptions")
@@ -292,5 +264,5 @@ def _said(place: Place) -> str | None:
     return joined(*texts)
 
 
-def _children(place: Place, tag: str) -> list[Place]:
-    return [Place(place.document, child) for child in place.node.children if child.tag == tag]
+def _children(place: NodePlace, tag: str) -> list[NodePlace]:
+    return [NodePlace(place.document, child) for child in place.node.children if child.tag == tag]

@@ -1,4 +1,4 @@
-"""Vocabulary of JSIDL (AS5684): elements, their attributes and their children, as data."""
+"""The vocabulary of JSIDL, and checks of documents against it."""
 
 from __future__ import annotations
 
@@ -6,8 +6,16 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
+from jausml.language.model.reading.problems import NodePlace
+from jausml.language.model.values import nearest, show, suggest
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    from jausml.language.importers.jsidl.building import Findings
+    from jausml.language.model.documents import Document
+    from jausml.language.model.xmi.parsing import Node
+
 
 NAMESPACES = ("urn:jaus:jsidl:1.0", "urn:jaus:jsidl:1.1")
 PLUS = "urn:jaus:jsidl:plus"
@@ -33,9 +41,6 @@ class ElementRule:
     Attributes:
         required: Attributes without which it means nothing.
         assumed: Attributes that files leave out, with the value to assume.
-        optional: Attributes that may be missing.
-        children: Names of its child elements.
-        has_text: True when its text has a meaning.
     """
 
     required: frozenset[str] = frozenset()
@@ -165,3 +170,87 @@ _VOCABULARY = {
 
 VOCABULARY: Mapping[str, ElementRule] = MappingProxyType(_VOCABULARY)
 """The elements of JSIDL by name."""
+
+
+def is_jsidl(root: Node) -> bool:
+    """Tells by its namespace whether a root element is one of JSIDL."""
+    return root.namespace in (*NAMESPACES, PLUS)
+
+
+def check_document(document: Document, root: Node, findings: Findings) -> bool:
+    """Checks all elements and attributes of a file, and drops what editors added.
+
+    Args:
+        root: Its root element; elements that were reported or belong to editors are taken out.
+
+    Returns:
+        Whether the file is a JSIDL file at all.
+    """
+    place = NodePlace(document, root)
+    if not is_jsidl(root):
+        message = f"<{root.tag}> is of namespace {show(root.namespace)}, not of JSIDL"
+        if not root.namespace:
+            message = f"<{root.tag}> has no namespace"
+        findings.report("JML601", place, message, f'write xmlns="{NAMESPACES[0]}"')
+        return False
+    if root.tag not in ROOTS:
+        message = f"<{root.tag}> is not the root of a JSIDL file"
+        hint = suggest(root.tag, ROOTS) or f"one of {', '.join(ROOTS)}"
+        findings.report("JML601", place, message, hint)
+        return False
+    pending = [root]
+    while pending:
+        node = pending.pop()
+        rule = VOCABULARY[node.tag]
+        _check_attributes(NodePlace(document, node), rule, findings)
+        node.children = [
+            child
+            for child in node.children
+            if _is_known(NodePlace(document, child), rule, findings)
+        ]
+        pending += node.children
+        if not rule.has_text and node.text.strip():
+            message = f"text {show(node.text.strip())} has no meaning in <{node.tag}>"
+            findings.report("JML602", NodePlace(document, node), message)
+    return True
+
+
+def _is_known(place: NodePlace, rule: ElementRule, findings: Findings) -> bool:
+    node = place.node
+    if node.namespace in NAMESPACES or (node.namespace == PLUS and node.tag in rule.children):
+        if node.tag in rule.children:
+            return True
+        parent = node.parent.tag if node.parent is not None else ""
+        message = f"<{parent}> has no element <{node.tag}>"
+        findings.report("JML602", place, message, suggest(node.tag, rule.children))
+    elif node.namespace != PLUS:
+        message = f"<{node.tag}> of namespace {show(node.namespace)} is no part of JSIDL"
+        findings.report("JML602", place, message)
+    return False
+
+
+def _check_attributes(place: NodePlace, rule: ElementRule, findings: Findings) -> None:
+    node = place.node
+    names = [name for name in node.attributes[::2] if " " not in name]
+    missing = sorted(name for name in rule.required if name not in names)
+    for name in names:
+        # Editors keep the look of their diagrams in attributes mx...
+        if name in rule.attributes or name.startswith("mx"):
+            continue
+        near = nearest(name, missing) or nearest(name, rule.attributes)
+        if near in missing:
+            missing.remove(near)
+        hint = f"did you mean '{near}'?" if near else ""
+        message = f"<{node.tag}> has no attribute '{name}'"
+        findings.report("JML603", place.at(name), message, hint)
+    for name in missing:
+        findings.report("JML604", place, f"<{node.tag}>{_name(node)} has no '{name}'")
+    for name, value in rule.assumed.items():
+        if name not in names:
+            message = f"<{node.tag}>{_name(node)} has no '{name}'"
+            findings.report("JML621", place, message, f"'{value}' is assumed")
+
+
+def _name(node: Node) -> str:
+    name = node.get("name")
+    return f" {show(name)}" if name else ""

@@ -25,15 +25,7 @@ ElementT = TypeVar("ElementT", bound="EObject")
 
 @dataclass(frozen=True, slots=True)
 class Use:
-    """A field whose type is a message type that is still to be found.
-
-    Attributes:
-        element: The field in the model.
-        field: What the definition says.
-        owner: The message type that has the field.
-        package: Name of the package of the owner.
-        document: The file.
-    """
+    """A field whose type is a message type that is still to be found."""
 
     element: ros.MessageField
     field: FieldDefinition
@@ -43,15 +35,7 @@ class Use:
 
 
 class Builder:
-    """Makes the elements of packages.
-
-    Args:
-        model: The model that they belong to.
-        comments: Whether comments become documentation, and units in them units.
-
-    Attributes:
-        uses: The fields whose types are message types.
-    """
+    """Makes the elements of packages."""
 
     def __init__(self, model: Model, *, comments: bool) -> None:
         self._model = model
@@ -59,12 +43,7 @@ class Builder:
         self.uses: list[Use] = []
 
     def package(self, name: str, document: Document | None) -> ros.InterfacePackage:
-        """Makes a package.
-
-        Args:
-            name: Its name.
-            document: The file that stands for it in messages.
-        """
+        """Makes a package."""
         package = self._new(ros.InterfacePackage, name=name)
         if document is not None:
             node = self._adopt(package, document, 1, 1)
@@ -79,15 +58,7 @@ class Builder:
         definition: Definition,
         document: Document,
     ) -> InterfaceType:
-        """Makes a message, service or action and adds it to its package.
-
-        Args:
-            package: The package.
-            name: Name of the interface.
-            kind: `msg`, `srv` or `action`.
-            definition: What its file says.
-            document: The file.
-        """
+        """Makes a message, service or action and adds it to its package."""
         place = (package.name, document)
         element: InterfaceType
         if kind == "msg":
@@ -107,13 +78,7 @@ class Builder:
         return element
 
     def set(self, element: EObject, name: str, value: Any) -> None:
-        """Sets a feature, or adds to one with many values.
-
-        Args:
-            element: The element.
-            name: The feature.
-            value: One value; an enumeration literal by its name.
-        """
+        """Sets a feature, or adds to one with many values."""
         self._set(element, name, value)
 
     def _message(

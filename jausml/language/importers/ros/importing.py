@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 from jausml.language.importers.ros.building import Builder, Use
 from jausml.language.importers.ros.rules import ROS_RULES
 from jausml.language.importers.ros.sources import PackageSource, Source, installed_source
+from jausml.language.interfaces.definitions import is_package_name, is_type_name
 from jausml.language.interfaces.parsing import PARTS, parse_definition
-from jausml.language.interfaces.types import is_package_name, is_type_name
 from jausml.language.metamodel import load_metamodels
 from jausml.language.metamodel.classes import ros
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity
@@ -21,11 +21,15 @@ from jausml.language.model.reading.reader import read_models
 from jausml.language.model.rules import READER_RULES
 from jausml.language.model.uris import library_root
 from jausml.language.model.values import suggest
+from jausml.language.model.xmi.parsing import Node
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from jausml.language.interfaces.installed import Installation
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.semantics.installed import InterfaceType
+
 
 MOST_BYTES = 1024 * 1024
 """A definition file that is larger is none."""
@@ -35,14 +39,7 @@ _HEADER = "Header"
 
 @dataclass(frozen=True, slots=True)
 class ImportResult:
-    """The outcome of an import.
-
-    Attributes:
-        model: The elements, which know their places in the files; with the documents of the
-            library when a field is of a type of it.
-        packages: The packages (`ros.InterfacePackage`), those asked for first.
-        diagnostics: The findings, sorted by place.
-    """
+    """The outcome of an import."""
 
     model: Model
     packages: list[ros.InterfacePackage]
@@ -68,10 +65,7 @@ def import_packages(
     place; nothing that a file holds raises.
 
     Args:
-        sources: The packages.
         installation: Where packages are installed; None imports none along.
-        library: False leaves the shipped library out of sight.
-        comments: False drops all comments.
     """
     run = _Import(installation, with_library=library, comments=comments)
     return run.run(list(sources))
@@ -222,26 +216,12 @@ class _Import:
 
 
 def library_types(model: Model) -> dict[tuple[str, str], ros.MessageType]:
-    """Returns the message types of the shipped library by package and name.
-
-    Args:
-        model: The model that the documents of the library join.
-    """
+    """Returns the message types of the shipped library by package and name."""
     folder = library_root() / "ros"
     shipped = read_models(sorted(folder.glob("*.xmi")), project_root=folder).model
     for document in shipped.documents:
         document.given = False
-        model.documents.append(document)
-        for node in document.root_nodes:
-            pending = [node]
-            while pending:
-                each = pending.pop()
-                pending += each.children
-                if each.obj is not None:
-                    model.adopt(document, each)
-                    identifier = shipped.identifier(each.obj)
-                    if identifier is not None:
-                        model.name_by_id(each.obj, identifier)
+    model.join(shipped)
     packages = shipped.instances(ros.InterfacePackage)
     return {(each.name, message.name): message for each in packages for message in each.messages}
 
@@ -280,3 +260,61 @@ def _cycle(start: ros.MessageType, done: set[ros.MessageType]) -> list[ros.Messa
 def _held(message: ros.MessageType) -> list[ros.MessageType]:
     fields = [each for each in message.fields if isinstance(each, ros.MessageField)]
     return [each.messageType for each in fields if each.messageType is not None]
+
+
+def placed(result: ImportResult, places: Mapping[Path, Sequence[ros.InterfacePackage]]) -> Model:
+    """Returns the model of the documents to be written, in which every type has its id.
+
+    An id is the name of the type; where a document holds several packages, the package stands
+    before it.
+
+    Args:
+        result: What was imported.
+    """
+    shipped = [document for document in result.model.documents if document.is_library]
+    model = Model(shipped, result.model.metamodels)
+    for document in shipped:
+        for node in document.root_nodes:
+            for element in _elements(result.model, node.obj):
+                model.adopt(document, _stand_in(element))
+                model.name_by_id(element, result.model.identifier(element) or "")
+    for path, packages in places.items():
+        document = Document(Path(os.path.realpath(path)), str(path), is_library=False, given=True)
+        model.documents.append(document)
+        taken: set[str] = set()
+        for package in packages:
+            node = _stand_in(package)
+            document.root_nodes.append(node)
+            model.adopt(document, node)
+            model.name_by_id(package, f"package.{package.name}")
+            prefix = f"{package.name}." if len(packages) > 1 else ""
+            for element in _types(package):
+                identifier = f"{prefix}{element.name}"
+                if identifier in taken:  # a service may have the name of a message
+                    identifier = f"{prefix}{element.eContainmentFeature().name}.{element.name}"
+                taken.add(identifier)
+                model.name_by_id(element, identifier)
+    return model
+
+
+def _types(package: ros.InterfacePackage) -> Iterator[InterfaceType]:
+    yield from package.messages
+    for service in package.services:
+        yield from (service, service.request, service.response)
+    for action in package.actions:
+        yield from (action, action.goal, action.result, action.feedback)
+
+
+def _elements(model: Model, root: EObject) -> Iterator[EObject]:
+    pending = [root]
+    while pending:
+        element = pending.pop()
+        if model.identifier(element) is not None:
+            yield element
+        pending += model.owned(element)
+
+
+def _stand_in(element: EObject) -> Node:
+    node = Node(str(element.eClass.name), [], {}, None, (1, 1, 0))
+    node.obj = element
+    return node

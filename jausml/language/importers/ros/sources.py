@@ -24,8 +24,6 @@ class Source:
     """A definition file.
 
     Attributes:
-        path: Its name in messages.
-        data: Its bytes; None when it cannot be read.
         fault: Why it cannot be read.
     """
 
@@ -49,8 +47,6 @@ class PackageSource:
     """A package whose interfaces are imported.
 
     Attributes:
-        name: Its name.
-        files: Its definition files.
         idl: Interfaces that it defines in IDL alone, as the paths of their files.
     """
 
@@ -79,23 +75,14 @@ def package_sources(paths: Iterable[str]) -> list[PackageSource]:
 
 
 def installed_source(name: str, folder: Path) -> PackageSource:
-    """Returns an installed package.
-
-    Args:
-        name: Its name.
-        folder: Its share folder.
-    """
+    """Returns an installed package."""
     return PackageSource(
         name, [load(each) for each in definition_files(folder)], _idl_alone(folder)
     )
 
 
 def load(path: Path) -> Source:
-    """Reads a definition file.
-
-    Args:
-        path: The file.
-    """
+    """Reads a definition file."""
     try:
         return Source(str(path), read_input(path))
     except OSError as error:

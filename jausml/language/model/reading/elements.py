@@ -40,11 +40,7 @@ class Reference:
     """A reference that is written in a document.
 
     Attributes:
-        place: Where.
-        owner: The element that refers.
-        feature: The reference.
         uri: URI of the document referred to, without fragment; empty for this document.
-        fragment: The fragment or id.
         name: The name, where the reference is one by name.
         direct: The contained element itself, which waits for its place among others.
     """
@@ -60,13 +56,7 @@ class Reference:
 
 @dataclass(slots=True)
 class Mention:
-    """A document that one refers to which was read before.
-
-    Attributes:
-        place: Somewhere in the document that refers.
-        uri: URI of the document referred to, without fragment.
-        name: Nothing: it is no reference by name.
-    """
+    """A document that one refers to which was read before."""
 
     place: NodePlace
     uri: str
@@ -74,15 +64,7 @@ class Mention:
 
 
 class ElementBuilder:
-    """Builds the elements of one document.
-
-    Args:
-        metamodels: The metamodels of the elements.
-        model: The model that adopts them.
-        problems: Where findings go.
-        references: Where the references of the document are added, in document order.
-        document: The document.
-    """
+    """Builds the elements of one document."""
 
     def __init__(
         self,
@@ -160,7 +142,7 @@ class ElementBuilder:
         near = nearest(name, table.features)
         if near:
             # A misspelt feature is one error, not a missing feature as well.
-            self._problems.spoil(owner.obj, near)
+            self._problems.mark_unread(owner.obj, near)
         hint = f"did you mean '{near}'?" if near else ""
         self._report("JML103", node, f"unknown feature '{name}' of {table.name}", hint, attribute)
 
@@ -190,7 +172,7 @@ class ElementBuilder:
                     given.add(feature.name)
                     self._child(node, child, feature, waiting)
                 else:
-                    self._problems.spoil(node.obj, feature.name)
+                    self._problems.mark_unread(node.obj, feature.name)
                     message = f"second value of the single-valued feature '{feature.name}'"
                     self._report("JML111", child, f"{message} of {table.name}")
 
@@ -210,7 +192,7 @@ class ElementBuilder:
             return
         table = self._classes.of_feature(child, feature, str(node.obj.eClass.name))
         if table is None:
-            self._problems.spoil(node.obj, feature.name)
+            self._problems.mark_unread(node.obj, feature.name)
             return
         if href is not None and "href" not in table.features:
             waiting.add(feature.name)
@@ -233,7 +215,7 @@ class ElementBuilder:
         owner: Node,
     ) -> bool:
         if not feature.settable:
-            self._problems.spoil(owner.obj, feature.name)
+            self._problems.mark_unread(owner.obj, feature.name)
             message = f"feature '{feature.name}' of {table.name} cannot be set"
             hint = "remove it: its value follows from the rest of the model"
             self._report("JML112", node, message, hint, attribute)
@@ -246,7 +228,7 @@ class ElementBuilder:
             texts = text.split() if feature.many else [text]
             self._set(node, attribute, node.obj, feature, texts)
         elif feature.kind is FeatureKind.CONTAINMENT:
-            self._problems.spoil(node.obj, feature.name)
+            self._problems.mark_unread(node.obj, feature.name)
             message = f"feature '{feature.name}' of {_class(node)} owns its elements"
             place = NodePlace(self._document, node, attribute)
             self._problems.report("JML114", place, message, "write them as child elements")
@@ -260,7 +242,7 @@ class ElementBuilder:
             if not feature.many and cast("DataTypeTable", feature.data_type).nullable:
                 set_value(node.obj, feature, None)
         elif child.children:
-            self._problems.spoil(node.obj, feature.name)
+            self._problems.mark_unread(node.obj, feature.name)
             inner = NodePlace(self._document, child.children[0])
             message = f"attribute '{feature.name}' of {_class(node)} has a value, no elements"
             self._problems.report("JML103", inner, message)
@@ -279,7 +261,7 @@ class ElementBuilder:
             self._href(node, child, feature, href)
         elif href is not None:
             if self._classes.of_feature(child, feature, _class(node)) is None:
-                self._problems.spoil(node.obj, feature.name)
+                self._problems.mark_unread(node.obj, feature.name)
             else:
                 self._href(node, child, feature, href)
         elif identifier is not None:
@@ -287,7 +269,7 @@ class ElementBuilder:
             place = NodePlace(self._document, child, attribute)
             self._note(place, node.obj, feature, "", value.strip())
         elif not _is_nil(child):
-            self._problems.spoil(node.obj, feature.name)
+            self._problems.mark_unread(node.obj, feature.name)
             self._problems.report(
                 "JML115",
                 NodePlace(self._document, child),
@@ -315,12 +297,12 @@ class ElementBuilder:
             elif ":" in token and "/" not in token:
                 typed = True
                 if self._classes.of_name(place, token) is None:
-                    self._problems.spoil(obj, feature.name)
+                    self._problems.mark_unread(obj, feature.name)
                     return
             else:
                 found.append(("", token))
         if len(found) > 1 and not feature.many:
-            self._problems.spoil(obj, feature.name)
+            self._problems.mark_unread(obj, feature.name)
             what = f"the single-valued feature '{feature.name}' of {obj.eClass.name}"
             self._problems.report("JML111", place, f"{len(found)} values for {what}")
             return
@@ -331,7 +313,7 @@ class ElementBuilder:
         """EMF makes a placeholder of the feature's class for `file#id` without a class."""
         if not target_class(feature).abstract:
             return True
-        self._problems.spoil(obj, feature.name)
+        self._problems.mark_unread(obj, feature.name)
         message = f"class {feature.type_name} is abstract"
         hint = "write prefix:Class before the file, or a child element with xsi:type and href"
         self._problems.report("JML104", place, message, hint)
@@ -357,7 +339,7 @@ class ElementBuilder:
             if fault is None:
                 values.append(value)
             else:
-                self._problems.spoil(obj, feature.name)
+                self._problems.mark_unread(obj, feature.name)
                 place = NodePlace(self._document, node, attribute)
                 what = f"wrong value of '{feature.name}' of {obj.eClass.name}"
                 self._problems.report(fault.rule, place, f"{what}: {fault.reason}", fault.hint)

@@ -31,6 +31,10 @@ class NodePlace:
     node: Node
     attribute: XmlAttribute | None = None
 
+    def at(self, attribute: str) -> NodePlace:
+        """Returns the place of an attribute of the same element, which has no namespace."""
+        return NodePlace(self.document, self.node, ("", attribute))
+
     @property
     def location(self) -> Location:
         """The place as path, line and column."""
@@ -51,15 +55,12 @@ class Problems:
     """The findings of one run, and which features they concern.
 
     A feature with a finding is not checked further: one cause is one error.
-
-    Args:
-        rules: The rules of notations besides XMI, by id.
     """
 
     def __init__(self, rules: Mapping[str, RuleInfo] = MappingProxyType({})) -> None:
         self._rules = {**READER_RULES, **rules}
         self._drafts: list[_Draft] = []
-        self._spoilt: dict[int, set[str]] = {}
+        self._unread: dict[int, set[str]] = {}
 
     def report(
         self,
@@ -74,23 +75,18 @@ class Problems:
         """Reports a finding; its severity is that of the rule.
 
         Args:
-            rule: Id of the rule.
-            place: Where.
-            message: What is wrong.
-            hint: What to do about it, or empty.
-            related: Further places.
             hides: Whether any feature of the element may have another value than the one written;
-                else those do that are spoilt.
+                else those alone that are marked as unread.
         """
         self._drafts.append(_Draft(rule, place, message, hint, related, hides))
 
-    def spoil(self, obj: EObject, feature: str = "") -> None:
+    def mark_unread(self, obj: EObject, feature: str = "") -> None:
         """Notes that a feature of an element has a finding; without a name, that any may have."""
-        self._spoilt.setdefault(id(obj), set()).add(feature)
+        self._unread.setdefault(id(obj), set()).add(feature)
 
-    def is_spoilt(self, obj: EObject, feature: str) -> bool:
+    def is_unread(self, obj: EObject, feature: str) -> bool:
         """Tells whether a feature of an element has a finding."""
-        return not self._spoilt.get(id(obj), set()).isdisjoint({feature, ""})
+        return not self._unread.get(id(obj), set()).isdisjoint({feature, ""})
 
     def diagnostics(self, model: Model) -> list[Diagnostic]:
         """Returns the findings, sorted by place."""
@@ -101,7 +97,7 @@ class Problems:
     def _finish(self, draft: _Draft, severity: Severity, model: Model) -> Diagnostic:
         place = draft.place
         obj = None if isinstance(place, Location) else _nearest(place.node)
-        spoilt = self._spoilt.get(id(obj), set())
+        unread = self._unread.get(id(obj), set())
         return Diagnostic(
             draft.rule,
             severity,
@@ -111,7 +107,7 @@ class Problems:
             model.element_path(obj) if obj is not None else "",
             model.fragment(obj) if obj is not None else "",
             draft.related,
-            None if draft.hides or "" in spoilt else frozenset(spoilt),
+            None if draft.hides or "" in unread else frozenset(unread),
         )
 
 

@@ -16,13 +16,16 @@ from jausml.language.model.inputs import bounded, read_input
 from jausml.language.model.model import Model
 from jausml.language.model.names import NameFinder
 from jausml.language.model.notation import Explanation
-from jausml.language.model.reading.conformance import check_bounds
+from jausml.language.model.reading.classes import check_bounds
 from jausml.language.model.reading.elements import ElementBuilder, Mention
-from jausml.language.model.reading.known import KnownNames, in_order_of_import
+from jausml.language.model.reading.library_cache import NotShareableError
 from jausml.language.model.reading.problems import NodePlace, Problems
 from jausml.language.model.reading.references import Resolution
-from jausml.language.model.reading.references_by_name import NameResolution
-from jausml.language.model.reading.shelf import NotShareableError
+from jausml.language.model.reading.references_by_name import (
+    KnownNames,
+    NameResolution,
+    in_order_of_import,
+)
 from jausml.language.model.uris import FileTarget, UriFault, UriResolver, find_project_root
 from jausml.language.model.xmi.parsing import Node, parse
 
@@ -33,7 +36,7 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.notation import Fault, Notation, Written
     from jausml.language.model.reading.elements import Reference
-    from jausml.language.model.reading.shelf import Shelf
+    from jausml.language.model.reading.library_cache import LibraryCache
 
 _BESIDE = "JML103"
 """The rule of what is written beside the features of an element, which are read all the same."""
@@ -44,8 +47,6 @@ class LostReference:
     """A reference that leads to no element.
 
     Attributes:
-        owner: The element that refers.
-        feature: The reference.
         path: The file that is referred to, whether it is there or not; None for no file.
         fragment: The fragment or id in it, or the name of a reference by name.
     """
@@ -62,9 +63,7 @@ class ReadResult:
 
     Attributes:
         model: The elements that could be built, which is all of them when there are no errors.
-        diagnostics: The findings, sorted by file, line, column and rule.
         project_root: The folder that hrefs could not leave.
-        lost: The references that lead to no element.
     """
 
     model: Model
@@ -87,21 +86,20 @@ def read_models(
     metamodels: Metamodels | None = None,
     notations: Sequence[Notation] = (),
     contents: Mapping[Path, bytes] | None = None,
-    shelf: Shelf | None = None,
+    cache: LibraryCache | None = None,
 ) -> ReadResult:
     """Reads model files and all that they refer to.
 
     Every problem becomes a diagnostic with its place; nothing that a file holds raises.
 
     Args:
-        paths: The files.
         project_root: The folder that hrefs may not leave; see `find_project_root` for the default.
         allow_outside: True to let hrefs leave it.
         projects: Folders of Eclipse projects by name, for `platform:/resource/<name>/` hrefs.
         metamodels: The metamodels, by default the shipped ones.
         notations: What reads files that are no XMI, by the endings of their names.
         contents: What an editor holds of files, by real path; it is read instead of what is stored.
-        shelf: Where documents of the library are kept for the next reading with it. Whoever gives
+        cache: Where documents of the library are kept for the next reading with it. Whoever gives
             one must not change what was read. Without one all elements belong to the model alone.
 
     Returns:
@@ -116,7 +114,7 @@ def read_models(
     given = (metamodels or load_metamodels(), uris, notations, contents or {})
     with without_collector():
         try:
-            reading = _Reading(*given, shelf)
+            reading = _Reading(*given, cache)
             model, diagnostics = reading.run(names)
         except NotShareableError:
             reading = _Reading(*given, None)
@@ -133,12 +131,12 @@ class _Reading:
         uris: UriResolver,
         notations: Sequence[Notation],
         contents: Mapping[Path, bytes],
-        shelf: Shelf | None,
+        cache: LibraryCache | None,
     ) -> None:
         self._metamodels = metamodels
         self._notations = notations
         self._contents = contents
-        self._shelf = shelf
+        self._cache = cache
         self._taken: set[Document] = set()
         self._opened: dict[Document, dict[str, Document | None]] = {}
         self._uris = uris
@@ -155,9 +153,9 @@ class _Reading:
     def run(self, names: Sequence[str]) -> tuple[Model, list[Diagnostic]]:
         targets = [self._uris.given(name, self._contents) for name in names]
         if any(each.is_library for each in targets):
-            self._shelf = None  # what is checked itself is not what others refer to
-        if self._shelf is not None:
-            self._shelf.prepare(self._contents.keys())
+            self._cache = None  # what is checked itself is not what others refer to
+        if self._cache is not None:
+            self._cache.prepare(self._contents.keys())
         for target in targets:
             self._given(target)
         self._open_all()
@@ -171,9 +169,9 @@ class _Reading:
         read = [each for each in self._model.documents if each not in self._taken]
         check_bounds(read, self._model, self._problems)
         diagnostics = self._problems.diagnostics(self._model)
-        if self._shelf is not None:
+        if self._cache is not None:
             faulty = {each.location.path for each in diagnostics}
-            self._shelf.put(self._model, self._opened, faulty)
+            self._cache.put(self._model, self._opened, faulty)
         return self._model, diagnostics
 
     def _lost(self, reference: Reference) -> LostReference:
@@ -238,29 +236,29 @@ class _Reading:
     def _add(self, target: FileTarget, *, given: bool) -> Document:
         document = Document(target.path, target.display, is_library=target.is_library, given=given)
         is_xml = self._notation_of(target.path) is None
-        document.is_shared = self._shelf is not None and target.is_library and is_xml
+        document.is_shared = self._cache is not None and target.is_library and is_xml
         self._documents[target.path] = document
         self._model.documents.append(document)
         return document
 
     def _take(self, target: FileTarget) -> Document | None:
         """Returns a document that was read before, None when it was not."""
-        shelved = self._shelf.find(target) if self._shelf is not None else None
-        if shelved is None:
+        cached = self._cache.find(target) if self._cache is not None else None
+        if cached is None:
             return None
-        document = shelved.document
+        document = cached.document
         self._documents[target.path] = document
         self._model.documents.append(document)
-        self._model.share(shelved.origins)
+        self._model.share(cached.origins)
         self._taken.add(document)
         place = NodePlace(document, document.root_nodes[0])
-        self._references += [Mention(place, uri) for uri in shelved.uris]
+        self._references += [Mention(place, uri) for uri in cached.uris]
         return document
 
     def _load(self, document: Document) -> str | None:
         """Reads and builds a document; returns why its file cannot be read, else None."""
-        if self._shelf is not None and document.is_shared:
-            self._shelf.note(document.path)
+        if self._cache is not None and document.is_shared:
+            self._cache.note(document.path)
         try:
             held = self._contents.get(document.path)
             path = document.path
@@ -319,9 +317,9 @@ class _Reading:
             hides = not fault.feature and fault.rule != _BESIDE
             self._problems.report(fault.rule, place, fault.message, fault.hint, hides=hides)
             if fault.owner is not None and fault.feature:
-                self._problems.spoil(fault.owner.obj, fault.feature)
+                self._problems.mark_unread(fault.owner.obj, fault.feature)
             if fault.owner is not None and fault.hides and fault.owner.obj is not None:
-                self._problems.spoil(fault.owner.obj)
+                self._problems.mark_unread(fault.owner.obj)
 
     def _import(self, document: Document) -> None:
         written = self._written.get(document)

@@ -14,7 +14,7 @@ from jausml.language.model.diagnostics import Related
 from jausml.language.model.documents import Document
 from jausml.language.model.names import depth
 from jausml.language.model.reading.elements import Mention
-from jausml.language.model.reading.shelf import NotShareableError
+from jausml.language.model.reading.library_cache import NotShareableError
 from jausml.language.model.uris import UriFault
 from jausml.language.model.values import show
 from jausml.language.model.xmi.fragments import Found, FragmentFinder
@@ -45,14 +45,7 @@ class _Absent:
 
 
 class Resolution:
-    """Resolves the references of all documents.
-
-    Args:
-        model: The model whose documents are built.
-        problems: Where findings go.
-        open_document: How to get the document that a URI names.
-        names: How to find what is referred to by name.
-    """
+    """Resolves the references of all documents."""
 
     def __init__(
         self, model: Model, problems: Problems, open_document: Open, names: NameResolution
@@ -74,9 +67,6 @@ class Resolution:
         """Resolves references, in the order in which they are written.
 
         Single names wait for those of owners: they are looked for in what these mean.
-
-        Args:
-            references: They become more while names open documents of the library.
         """
         waiting: list[Reference] = []
         done = 0
@@ -100,7 +90,7 @@ class Resolution:
     def _resolve(self, reference: Reference) -> None:
         target = reference.direct or self._target(reference)
         if target is None:
-            self._problems.spoil(reference.owner, reference.feature.name)
+            self._problems.mark_unread(reference.owner, reference.feature.name)
             self.lost.append(reference)
         elif reference.feature.kind is FeatureKind.CONTAINMENT:
             self._contain(reference, target)
@@ -140,7 +130,7 @@ class Resolution:
         target: EObject | None = found.node.obj
         if found.node in self._circular:
             what = f"{show(reference.fragment)} of {_where(reference)}"
-            self._problems.spoil(reference.owner, reference.feature.name)
+            self._problems.mark_unread(reference.owner, reference.feature.name)
             self._report("JML202", reference, f"reference {what} {_ENDLESS}")
         if target is not None and not self._fits(reference, target):
             return None
@@ -187,7 +177,7 @@ class Resolution:
         owner: Any = reference.owner
         container = target.eContainer()
         if container is not None and reference.direct is None:
-            self._problems.spoil(reference.owner, reference.feature.name)
+            self._problems.mark_unread(reference.owner, reference.feature.name)
             self._report(
                 "JML207", reference, f"{_label(target)} is already contained in {_label(container)}"
             )
@@ -196,7 +186,7 @@ class Resolution:
             if owner is target:
                 message = f"{_where(reference)} makes {_label(target)} contain itself"
                 self._report("JML206", reference, message)
-                self._problems.spoil(reference.owner, reference.feature.name)
+                self._problems.mark_unread(reference.owner, reference.feature.name)
                 return
             owner = owner.eContainer()
         link(reference.owner, reference.feature, target)

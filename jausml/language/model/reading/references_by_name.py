@@ -1,21 +1,29 @@
-"""Resolution of references by name; names that mean nothing or too much are reported."""
+"""References by name: those that mean nothing or too much are reported, and names are known.
+
+What a document can refer to, so that a notation declares what nobody else knows, is asked here too.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from jausml.language.metamodel.classes import jaus
 from jausml.language.model.diagnostics import Related
 from jausml.language.model.documents import Document
-from jausml.language.model.names import NameFinder, qualified_name
+from jausml.language.model.names import NameFinder, library_codes, qualified_name
 from jausml.language.model.notation import Explanation
 from jausml.language.model.reading.classes import target_class
 from jausml.language.model.values import show
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.model import Model
     from jausml.language.model.reading.elements import Reference
     from jausml.language.model.reading.problems import Problems
+
 
 Explain = Callable[[Document, str, str], Explanation]
 """Tells why a document may know no element of a class by a name."""
@@ -25,13 +33,7 @@ _FEW_SUGGESTIONS = 50
 
 
 class NameResolution:
-    """Finds the elements that references by name mean.
-
-    Args:
-        names: Where they are looked for.
-        problems: Where findings go.
-        explain: What the notation of a document knows of names that mean nothing in it.
-    """
+    """Finds the elements that references by name mean."""
 
     def __init__(self, names: NameFinder, problems: Problems, explain: Explain) -> None:
         self._names = names
@@ -87,3 +89,54 @@ class NameResolution:
         near = self._names.alike(reference.name, wanted, document)
         meant = f"did you mean {' or '.join(map(show, near))}?" if near else ""
         return "; ".join(filter(None, (meant, explanation.hint)))
+
+
+_HEXADECIMAL = 16
+
+
+class KnownNames:
+    """Names that a document can use, as `jausml.language.model.notation.Known` says."""
+
+    def __init__(self, model: Model, names: NameFinder, document: Document) -> None:
+        self._model = model
+        self._names = names
+        self._document = document
+
+    def find(self, qualified_class: str, name: str) -> list[EObject]:
+        """Returns the elements of a class that a name means in the document."""
+        wanted = self._model.metamodels.classes[qualified_class]
+        return self._names.find(name, wanted, self._document, None)
+
+    def alike(self, qualified_class: str, name: str) -> list[str]:
+        """Returns known names of a class that are much like a name, the nearest first."""
+        wanted = self._model.metamodels.classes[qualified_class]
+        return self._names.alike(name, wanted, self._document)
+
+    def message_codes(self) -> set[int]:
+        """Returns the codes of the messages of the document, its imports and the library."""
+        codes = set(library_codes())
+        for document in in_order_of_import([self._document]):
+            for element in self._model.elements_of(document):
+                if isinstance(element, jaus.MessageDef) and element.code:
+                    codes.add(int(element.code, _HEXADECIMAL))
+        return codes
+
+
+def in_order_of_import(documents: Iterable[Document]) -> list[Document]:
+    """Returns documents and all that they import, each behind those that it imports.
+
+    Documents that import each other stand in the order in which they are reached.
+    """
+    done: dict[Document, None] = {}
+    seen: set[Document] = set()
+    # Without recursion: a chain of imports may be long.
+    pending = [(document, False) for document in reversed(list(documents))]
+    while pending:
+        document, is_ready = pending.pop()
+        if is_ready:
+            done[document] = None
+        elif document not in seen:
+            seen.add(document)
+            pending.append((document, True))
+            pending += [(each, False) for each in reversed(document.imports)]
+    return list(done)

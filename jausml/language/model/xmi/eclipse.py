@@ -19,11 +19,7 @@ _MOST_FOLDERS = 10_000
 
 
 def enclosing_project(path: Path) -> Path | None:
-    """Returns the nearest folder above a file that is an Eclipse project, None without one.
-
-    Args:
-        path: The file, with links resolved.
-    """
+    """Returns the nearest folder above a file that is an Eclipse project, None without one."""
     return next((each for each in path.parents if (each / _FILE).is_file()), None)
 
 

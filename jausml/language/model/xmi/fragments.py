@@ -31,8 +31,6 @@ class Found:
     """The element that a fragment names.
 
     Attributes:
-        document: Its document.
-        node: Its XML element; without a model element when that could not be built.
         by_name: True when the fragment uses names, which EMF does not resolve in models.
     """
 
@@ -42,12 +40,7 @@ class Found:
 
 
 class FragmentFinder:
-    """Finds elements by fragment.
-
-    Args:
-        metamodels: The metamodels of the elements.
-        follow: How to step over a child element that lies in another document.
-    """
+    """Finds elements by fragment."""
 
     def __init__(self, metamodels: Metamodels, follow: Follow) -> None:
         self._metamodels = metamodels
@@ -55,11 +48,6 @@ class FragmentFinder:
 
     def find(self, document: Document, fragment: str) -> Found | None:
         """Finds an element.
-
-        Args:
-            document: The document to look in.
-            fragment: An id (`_x1`), a path (`/`, `//@a.0/@b`, `/1`, `//@a[name='b']`), or names
-                from the root element on (`//Name`).
 
         Returns:
             The element, None when there is none.

@@ -1,7 +1,8 @@
 """Parser of XML text: light nodes with positions, by expat.
 
 The parse refuses what could read other files or exhaust memory (DOCTYPE, depth) and knows the
-usual accidents: merge conflict markers and Git LFS pointers in place of a model.
+usual accidents: merge conflict markers and Git LFS pointers in place of a model. The positions of
+attributes are found in the text of a start tag when somebody asks.
 """
 
 from __future__ import annotations
@@ -23,17 +24,7 @@ class Node:
 
     Attributes:
         namespace: Namespace URI, empty when it has none.
-        tag: Local name.
-        attributes: Names and values in turn, as expat yields them; a name with a namespace is
-            `uri local`.
-        prefixes: Namespace URIs by the prefixes in scope.
-        line: Line of the start tag, counted from 1.
-        column: Column of the start tag, counted from 1.
-        offset: Byte offset of the start tag.
-        parent: The enclosing element.
         children: Child elements in order.
-        text: Character data directly inside the element.
-        obj: The model element that was built from it, if any.
     """
 
     __slots__ = (
@@ -108,9 +99,6 @@ class _Refused(Exception):  # noqa: N818 -- leaves the callbacks, never this mod
 
 def parse(data: bytes) -> ParseResult:
     """Parses a document.
-
-    Args:
-        data: The file's bytes; the encoding is found as XML says (BOM, then declaration).
 
     Returns:
         Its root element, or the one fault that ended the parse. Never raises for bad input.
@@ -282,3 +270,48 @@ _ENCODING_ERRORS = frozenset(
         expat.errors.XML_ERROR_PARTIAL_CHAR,
     )
 )
+
+
+_CHUNK = 512
+_TOKEN = re.compile(r"""\s+([^\s=/>]+)\s*=\s*("[^"]*"|'[^']*')""")
+_NAME = re.compile(r"<[^\s/>]+")
+_WHOLE = re.compile(r"""<[^"'>]*(?:(?:"[^"]*"|'[^']*')[^"'>]*)*>""")
+
+
+def attribute_positions(
+    data: bytes, encoding: str, node: Node
+) -> dict[tuple[str, str], tuple[int, int]]:
+    """Returns line and column of the names of the attributes of an element.
+
+    Returns:
+        The places by namespace URI, empty for an attribute that has none, and local name.
+    """
+    tag = _start_tag(data, encoding, node.offset)
+    line, start = node.line, 1 - node.column
+    found: dict[tuple[str, str], tuple[int, int]] = {}
+    match = _NAME.match(tag)
+    at = match.end() if match else 0
+    while match := _TOKEN.match(tag, at):
+        prefix, _, local = match.group(1).rpartition(":")
+        written = node.prefixes.get(prefix, "") if prefix else ""
+        begin = match.start(1)
+        if newlines := tag.count("\n", at, begin):
+            line += newlines
+            start = tag.rfind("\n", at, begin) + 1
+        found.setdefault((written, local), (line, begin - start + 1))
+        if newlines := tag.count("\n", begin, match.end()):
+            line += newlines
+            start = tag.rfind("\n", begin, match.end()) + 1
+        at = match.end()
+    return found
+
+
+def _start_tag(data: bytes, encoding: str, offset: int) -> str:
+    """Decodes a start tag, whose end is the first `>` outside quotes."""
+    size = _CHUNK
+    while True:
+        text = data[offset : offset + size].decode(encoding, errors="ignore")
+        text = text.replace("\r\n", "\n").replace("\r", "\n")
+        if _WHOLE.match(text) or offset + size >= len(data):
+            return text
+        size *= 4

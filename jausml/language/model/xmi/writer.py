@@ -62,9 +62,7 @@ def write_model(roots: Sequence[EObject], model: Model, path: str | os.PathLike[
     """Writes root elements to a file, which is either old or new at any moment.
 
     Args:
-        roots: The root elements of the document.
         model: Knows their ids, and where elements of other documents stand.
-        path: The file.
 
     Raises:
         UnwritableError: As `to_xmi` says; the file is left alone.
@@ -247,13 +245,8 @@ def external_href(target: EObject, model: Model, folder: Path) -> str:
     """Returns the URI and fragment by which files name an element of another document.
 
     Args:
-        target: The element.
-        model: Knows its document.
         folder: The folder of the file, symbolic links followed. Within the shipped models, the
             library is named by a path.
-
-    Raises:
-        UnwritableError: No document of the model owns the element.
     """
     document = model.document_of(target)
     fragment = model.fragment(target)
@@ -269,12 +262,7 @@ def external_href(target: EObject, model: Model, folder: Path) -> str:
 
 
 def is_written(obj: EObject, feature: FeatureTable) -> bool:
-    """Tells whether a feature must be written: reading without it would not yield its value.
-
-    Args:
-        obj: An element.
-        feature: A feature of its class.
-    """
+    """Tells whether a feature must be written: reading without it would not yield its value."""
     if feature.many:
         return count(obj, feature) > 0
     if feature.unsettable:
@@ -290,12 +278,7 @@ def _differs(value: Any, default: Any) -> bool:
 
 
 def lexical(value: Any, feature: FeatureTable) -> str:
-    """Returns a value of an attribute as EMF writes it.
-
-    Args:
-        value: The value, as the reader makes it.
-        feature: The attribute.
-    """
+    """Returns a value of an attribute as EMF writes it."""
     kind = cast("DataTypeTable", feature.data_type).kind
     if kind is ValueKind.ENUMERATION:
         return str(value.literal or value.name) if hasattr(value, "name") else str(value)
@@ -307,11 +290,7 @@ def lexical(value: Any, feature: FeatureTable) -> str:
 
 
 def java_double(value: float) -> str:
-    """Returns a number as Java's `Double.toString` and so EMF writes it.
-
-    Args:
-        value: Any number.
-    """
+    """Returns a number as Java's `Double.toString` and so EMF writes it."""
     if math.isnan(value):
         return "NaN"
     if math.isinf(value):
@@ -330,20 +309,12 @@ def java_double(value: float) -> str:
 
 
 def attribute_text(text: str) -> str:
-    """Returns a text as it stands between the quotation marks of an XML attribute.
-
-    Raises:
-        UnwritableError: XML cannot hold one of its characters.
-    """
+    """Returns a text as it stands between the quotation marks of an XML attribute."""
     return _ESCAPED.sub(lambda match: _ESCAPES[match.group()], _checked(text))
 
 
 def element_text(text: str) -> str:
-    """Returns a text as it stands in an XML element.
-
-    Raises:
-        UnwritableError: XML cannot hold one of its characters.
-    """
+    """Returns a text as it stands in an XML element."""
     return _TEXT_ESCAPED.sub(lambda match: _TEXT_ESCAPES[match.group()], _checked(text))
 
 

@@ -18,6 +18,7 @@ from jausml.language.semantics.conversions.conversion import (
     Argument,
     ArgumentKind,
     Conversion,
+    Effect,
     NoValueError,
     UnitEffect,
 )
@@ -34,6 +35,7 @@ __all__ = [
     "Argument",
     "ArgumentKind",
     "Conversion",
+    "Effect",
     "NoValueError",
     "UnitEffect",
     "conversion_of",
@@ -53,12 +55,7 @@ def conversion_of(element: bridge.Conversion) -> Conversion:
 
 
 def conversions_between(inputs: Sequence[str], output: str) -> list[str]:
-    """Returns the names of the conversions that lead from some kinds to another.
-
-    Args:
-        inputs: Kinds of the values at hand.
-        output: The kind that is wanted.
-    """
+    """Returns the names of the conversions that lead from some kinds to another."""
     return [
         each.name
         for each in CONVERSIONS.values()

@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING
 
 from jausml.language.semantics.conversions.conversion import (
     DEGREE,
+    ENU,
+    NED,
     RADIAN,
+    TURN,
     Conversion,
+    Effect,
     linear_interval,
 )
-from jausml.language.semantics.conversions.orientations import TURN
-from jausml.language.semantics.frame_names import ENU, NED
 
 if TYPE_CHECKING:
     from jausml.language.attributes.intervals import Interval
@@ -32,7 +34,7 @@ class DegreesToRadians(Conversion):
     formula = "math.radians({0})"
     units = (DEGREE, RADIAN)
     inverse = "radians_to_degrees"
-    keeps_sign = keeps_quantity = True
+    effect = Effect.LINEAR
 
     def forward(self, value: float) -> float:
         """By half a turn."""
@@ -50,7 +52,7 @@ class RadiansToDegrees(Conversion):
     formula = "math.degrees({0})"
     units = (RADIAN, DEGREE)
     inverse = "degrees_to_radians"
-    keeps_sign = keeps_quantity = True
+    effect = Effect.LINEAR
 
     def forward(self, value: float) -> float:
         """By half a turn."""
@@ -70,7 +72,6 @@ class NedHeadingToEnuYaw(Conversion):
     takes_axes = gives_axes = ("z",)
     inverse = "enu_yaw_to_ned_heading"
     limits = (TURN,)
-    is_of_turns = True
 
     def forward(self, value: float) -> float:
         """The rest to a quarter turn."""
@@ -86,7 +87,6 @@ class EnuYawToNedHeading(Conversion):
     takes_axes = gives_axes = ("z",)
     inverse = "ned_heading_to_enu_yaw"
     limits = (TURN,)
-    is_of_turns = True
 
     def forward(self, value: float) -> float:
         """The rest to a quarter turn."""
@@ -97,11 +97,9 @@ class WrapAngle(Conversion):
     """An angle in radians wrapped to [-pi, pi]."""
 
     name = "wrap_angle"
-    is_of_need = True
     units = (RADIAN, RADIAN)
     limits = (TURN,)
-    is_of_turns = True
-    keeps_sign = keeps_quantity = True
+    effect = Effect.SAME
 
     def forward(self, value: float) -> float:
         """The angle of the vector that it points to."""

@@ -19,6 +19,7 @@ from jausml.language.semantics.conversions.conversion import (
     Argument,
     ArgumentKind,
     Conversion,
+    Effect,
     NoValueError,
     UnitEffect,
 )
@@ -40,7 +41,6 @@ class Formula:
     """An expression of the model.
 
     Attributes:
-        expression: The expression.
         names: What its names stand for: positions of inputs, -1 for a counter of list elements.
     """
 
@@ -55,8 +55,7 @@ class WithUnits(Conversion):
     arguments = (Argument("units", ArgumentKind.TEXT),)
     units = UnitEffect.STATED
     inverse = "with_units"
-    changes_nothing = is_in_place = True
-    keeps_sign = keeps_integers = keeps_quantity = True
+    effect = Effect.SAME
 
     def forward(self, value: float, _units: str = "") -> float:
         """The value itself."""
@@ -100,7 +99,6 @@ class Expression(Conversion):
     name = "expression"
     inputs = ("number+",)
     arguments = (Argument("expression", ArgumentKind.FORMULA),)
-    is_in_place = may_be_truth = True
 
     def forward(self, *given: Any) -> float:
         """The value for the inputs, then the formula."""
@@ -134,7 +132,6 @@ class User(Conversion):
     inputs = (f"{ANY}+",)
     outputs = (ANY,)
     arguments = (Argument("method", ArgumentKind.METHOD),)
-    is_in_place = True
 
     def forward(self, *_given: Any) -> Any:
         """Nobody but the user knows."""

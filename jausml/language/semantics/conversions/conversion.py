@@ -1,7 +1,8 @@
-"""Base of all conversions: what the toolchain knows of one."""
+"""Names of the `Frame` literals whose axes have directions."""
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from enum import Enum
@@ -15,15 +16,24 @@ from jausml.language.attributes.intervals import (
     product,
     total,
 )
-from jausml.language.semantics.attributes import BOOL, LIST, NUMBER, NUMBERS, TEXT
+from jausml.language.semantics.paths.attributes import BOOL, LIST, NUMBER, NUMBERS, TEXT, TIME_STAMP
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+
+FLU, FRD = "forwardLeftUp", "forwardRightDown"
+ENU, NED = "eastNorthUp", "northEastDown"
+UP, DOWN = "localUp", "localDown"
+
 
 ANY = "any"
 VALUE = "value"
 QUATERNION = "geometry_msgs/Quaternion"
 RADIAN, DEGREE, PERCENT, ONE = "radian", "degree", "percent", "1"
+TURN = (-math.pi, math.pi)
+"""One turn, within which an angle is given."""
+
 OWN = "same"
 """Stands for the unit of the quantity that a conversion refers to."""
 
@@ -49,12 +59,7 @@ _REFERRED = {ArgumentKind.NUMBER: "bridge.Quantity", ArgumentKind.TABLE: "bridge
 
 @dataclass(frozen=True, slots=True)
 class Argument:
-    """A parameter of a conversion; each is required.
-
-    Attributes:
-        name: How documentation and messages call it.
-        kind: What it is. A number may be a quantity of the map too.
-    """
+    """A parameter of a conversion; each is required."""
 
     name: str
     kind: ArgumentKind = ArgumentKind.NUMBER
@@ -89,6 +94,22 @@ class UnitEffect(Enum):
     STATED = "stated"
 
 
+class Effect(Enum):
+    """What a conversion makes of a number: how its sign, digits and meaning follow from it.
+
+    `SAME` is the number itself, where nothing is cut off and apart from whole turns; `LINEAR` is
+    it times a factor, perhaps with an offset.
+    """
+
+    SAME = "same"
+    NEGATED = "negated"
+    LINEAR = "linear"
+    OTHER = "other"
+
+
+_SIGNS = {Effect.SAME: 1, Effect.LINEAR: 1, Effect.NEGATED: -1}
+
+
 class Conversion(ABC):
     """What one literal of `bridge.ConversionKind` means.
 
@@ -97,30 +118,13 @@ class Conversion(ABC):
     of the runtime compare two computations.
 
     Attributes:
-        name: Name of the literal.
         inputs: Kinds of the values that it takes; a `+` behind one stands for one or more.
-        outputs: Kinds of the values that it yields.
-        arguments: Its parameters, in the order in which they are written.
         units: What becomes of the unit, or the units that it takes and yields.
         frames: Frames that it takes and yields, empty when it has nothing to do with frames.
         takes_axes: Axes of what a conversion between frames takes; empty text for an orientation.
-        gives_axes: Axes of what a conversion between frames yields.
+        effect: What becomes of a number, its unit left aside.
         inverse: Name of the conversion that leads back, with the same arguments; may be empty.
         limits: Ranges of the results when they do not depend on the inputs, else empty.
-        is_of_turns: Whether whole turns of its result do not count.
-        changes_nothing: Whether it only states something about the value.
-        keeps_sign: Whether a result has the sign of its input, or is zero.
-        keeps_integers: Whether it makes integers of integers.
-        keeps_size: Whether integers that it makes have no more digits than those that it gets.
-        keeps_quantity: Whether the result measures the same, perhaps in another unit: of a standard
-            deviation it makes no variance.
-        is_in_place: Whether generated code has something else than a call of the runtime for it.
-        needs_clock: Whether the function of the runtime is told the present time, as `near`.
-        may_be_truth: Whether a bool takes its result, as 1 or 0.
-        turns_sign: Whether it changes the sign and nothing else.
-        takes_factor: Whether its argument is a factor, which the author of a map alone knows.
-        is_of_need: Whether it is meant only where nothing simpler fits, since what it makes is no
-            longer the quantity or the order that the input has.
         formula: The arithmetic of the runtime's function, as Python text with `{0}` for the first
             of its parameters; empty where that is more than an expression.
     """
@@ -134,39 +138,19 @@ class Conversion(ABC):
     frames: ClassVar[tuple[str, ...]] = ()
     takes_axes: ClassVar[tuple[str, ...]] = ()
     gives_axes: ClassVar[tuple[str, ...]] = ()
+    effect: ClassVar[Effect] = Effect.OTHER
     inverse: ClassVar[str] = ""
     limits: ClassVar[tuple[Interval, ...]] = ()
-    is_of_turns: ClassVar[bool] = False
-    changes_nothing: ClassVar[bool] = False
-    keeps_sign: ClassVar[bool] = False
-    keeps_integers: ClassVar[bool] = False
-    keeps_size: ClassVar[bool] = True
-    keeps_quantity: ClassVar[bool] = False
-    is_in_place: ClassVar[bool] = False
-    needs_clock: ClassVar[bool] = False
-    may_be_truth: ClassVar[bool] = False
-    turns_sign: ClassVar[bool] = False
-    takes_factor: ClassVar[bool] = False
-    is_of_need: ClassVar[bool] = False
 
     @abstractmethod
     def forward(self, *given: Any, **named: Any) -> Any:
-        """Returns the result: a tuple of parts for messages and for several outputs.
-
-        Args:
-            given: The inputs, then the arguments.
-            named: The present time, where the conversion needs it.
-
-        Raises:
-            NoValueError: There is none.
-        """
+        """Returns the result: a tuple of parts for messages and for several outputs."""
 
     def interval(self, *_given: Any, **_named: Any) -> Interval:
         """Returns the range of the result, never narrower than the truth.
 
         Args:
             _given: Ranges of the inputs, none of which is empty, then the arguments.
-            _named: Nothing.
         """
         return EVERYTHING
 
@@ -175,31 +159,54 @@ class Conversion(ABC):
 
         Args:
             _given: The result, then the arguments.
-            _named: Nothing.
         """
         raise NoValueError(self.name)
 
     def leads_back(self, *_arguments: Any) -> bool:
         """Tells whether each number that it yields comes from one number alone."""
-        is_plain = self.inputs == self.outputs == (NUMBER,) and not self.is_of_turns
-        return bool(self.inverse) and is_plain
+        return bool(self.inverse) and self._is_plain
 
     def loses(self, *_given: Any, **_named: Any) -> bool:
         """Tells whether it takes something of an input away on purpose.
 
         Args:
             _given: The inputs, then the arguments.
-            _named: Nothing.
         """
         return False
 
     def sign(self, *_arguments: Any) -> int | None:
         """Returns what it makes of the sign of a number: 1, -1, or None where nothing is known."""
-        return 1 if self.keeps_sign else None
+        return _SIGNS.get(self.effect)
 
     def fault(self, *_arguments: Any, **_named: Any) -> str:
         """Says what is wrong with finite arguments; empty when nothing is."""
         return ""
+
+    @property
+    def changes_nothing(self) -> bool:
+        """Whether it only states something about the value."""
+        return self.units is UnitEffect.STATED
+
+    @property
+    def is_of_turns(self) -> bool:
+        """Whether whole turns of its result do not count."""
+        return self.limits == (TURN,)
+
+    @property
+    def keeps_integers(self) -> bool:
+        """Whether it makes integers of integers."""
+        is_exact = self.effect in (Effect.SAME, Effect.NEGATED)
+        return self._is_plain and (is_exact or self.units is UnitEffect.SQUARE)
+
+    @property
+    def keeps_size(self) -> bool:
+        """Whether integers that it makes have no more digits than those that it gets."""
+        return self.units is not UnitEffect.SQUARE
+
+    @property
+    def needs_clock(self) -> bool:
+        """Whether its function is told the present time, as `near`: no TimeStamp has a month."""
+        return TIME_STAMP in self.inputs
 
     @property
     def numbers(self) -> tuple[Argument, ...]:
@@ -235,7 +242,6 @@ class Conversion(ABC):
 
         Args:
             known: Ranges of the inputs; those of what is no number are infinite.
-            arguments: The arguments.
         """
         if self.limits:
             return list(self.limits)
@@ -252,6 +258,11 @@ class Conversion(ABC):
             known = [NUMBER if kind == BOOL else kind for kind in kinds]
             return bool(kinds) and all(_matches(kind, self.inputs[0][:-1]) for kind in known)
         return len(kinds) == len(self.inputs) and all(map(_matches, kinds, self.inputs))
+
+    @property
+    def _is_plain(self) -> bool:
+        """Whether it makes a number of a number, both of which count in full."""
+        return self.inputs == self.outputs == (NUMBER,) and not self.is_of_turns
 
     @property
     def _takes_several(self) -> bool:

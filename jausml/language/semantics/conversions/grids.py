@@ -6,8 +6,8 @@ import math
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from jausml.language.semantics.attributes import NUMBER, NUMBERS
 from jausml.language.semantics.conversions.conversion import Conversion, NoValueError, UnitEffect
+from jausml.language.semantics.paths.attributes import NUMBER, NUMBERS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -64,7 +64,6 @@ class ReverseRows(Conversion):
     """
 
     name = "reverse_rows"
-    is_of_need = True
     inputs = (NUMBERS, NUMBER)
     outputs = (NUMBERS,)
     units = UnitEffect.SAME

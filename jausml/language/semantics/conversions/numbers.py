@@ -6,17 +6,18 @@ import math
 
 from jausml.language.attributes import intervals
 from jausml.language.attributes.intervals import EVERYTHING, Interval
-from jausml.language.semantics.attributes import NUMBER
 from jausml.language.semantics.conversions.conversion import (
     MAXIMUM,
     OWN,
     PERCENT,
     Argument,
     Conversion,
+    Effect,
     NoValueError,
     UnitEffect,
     linear_interval,
 )
+from jausml.language.semantics.paths.attributes import NUMBER
 
 
 class Negate(Conversion):
@@ -27,11 +28,10 @@ class Negate(Conversion):
     """
 
     name = "negate"
-    turns_sign = True
     formula = "-{0}"
     units = UnitEffect.SAME
     inverse = "negate"
-    keeps_integers = keeps_quantity = True
+    effect = Effect.NEGATED
 
     def forward(self, value: float) -> float:
         """-1 times the value."""
@@ -41,19 +41,14 @@ class Negate(Conversion):
         """Both ends change places."""
         return intervals.negated(value)
 
-    def sign(self) -> int:
-        """The opposite one."""
-        return -1
-
 
 class Scale(Conversion):
     """The value times a factor."""
 
     name = "scale"
-    takes_factor = True
     formula = "{0} * {1}"
     arguments = (Argument("factor"),)
-    keeps_quantity = True
+    effect = Effect.LINEAR
 
     def forward(self, value: float, factor: float) -> float:
         """The product."""
@@ -82,7 +77,7 @@ class Linear(Conversion):
     name = "linear"
     formula = "{0} * {1} + {2}"
     arguments = (Argument("factor"), Argument("offset"))
-    keeps_quantity = True
+    effect = Effect.LINEAR
 
     def forward(self, value: float, factor: float, offset: float) -> float:
         """The sum."""
@@ -111,7 +106,7 @@ class Clamp(Conversion):
     name = "clamp"
     arguments = (Argument("minimum"), Argument("maximum"))
     units = UnitEffect.SAME
-    keeps_sign = keeps_integers = keeps_quantity = True
+    effect = Effect.SAME
 
     def forward(self, value: float, minimum: float, maximum: float) -> float:
         """The one in the middle; not a number stays so."""
@@ -138,7 +133,7 @@ class Limit(Conversion):
     name = "limit"
     arguments = (MAXIMUM,)
     units = (OWN, OWN)
-    keeps_sign = keeps_quantity = True
+    effect = Effect.SAME
 
     def forward(self, value: float, maximum: float) -> float:
         """The one in the middle; not a number stays so."""
@@ -166,7 +161,7 @@ class Deadband(Conversion):
     name = "deadband"
     arguments = (Argument("width"),)
     units = UnitEffect.SAME
-    keeps_sign = keeps_integers = keeps_quantity = True
+    effect = Effect.SAME
 
     def forward(self, value: float, width: float) -> float:
         """The value, unless it is near zero."""
@@ -190,11 +185,8 @@ class Square(Conversion):
     """The value squared: root mean square to variance."""
 
     name = "square"
-    is_of_need = True
     formula = "{0} * {0}"
     units = UnitEffect.SQUARE
-    keeps_integers = True
-    keeps_size = False
 
     def forward(self, value: float) -> float:
         """The product with itself."""
@@ -212,7 +204,6 @@ class SquareRoot(Conversion):
     """
 
     name = "square_root"
-    is_of_need = True
     units = UnitEffect.ROOT
 
     def forward(self, value: float) -> float:
@@ -234,7 +225,6 @@ class CovarianceToRms(Conversion):
     """
 
     name = "covariance_to_rms"
-    is_of_need = True
     inputs = (NUMBER, NUMBER, NUMBER)
     units = UnitEffect.ROOT
 
@@ -255,11 +245,10 @@ class ValueToPercent(Conversion):
     """The value in percent of a maximum."""
 
     name = "value_to_percent"
-    takes_factor = True
     arguments = (MAXIMUM,)
     units = (OWN, PERCENT)
     inverse = "percent_to_value"
-    keeps_sign = True
+    effect = Effect.LINEAR
 
     def forward(self, value: float, maximum: float) -> float:
         """A hundred times the part of the maximum."""
@@ -284,12 +273,11 @@ class PercentToValue(Conversion):
     """Percent of a maximum to the value."""
 
     name = "percent_to_value"
-    takes_factor = True
     formula = "{0} / 100.0 * {1}"
     arguments = (MAXIMUM,)
     units = (PERCENT, OWN)
     inverse = "value_to_percent"
-    keeps_sign = True
+    effect = Effect.LINEAR
 
     def forward(self, value: float, maximum: float) -> float:
         """The hundredth of the product."""

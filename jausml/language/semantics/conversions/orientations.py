@@ -9,11 +9,20 @@ from __future__ import annotations
 
 import math
 
-from jausml.language.semantics.attributes import NUMBER
-from jausml.language.semantics.conversions.conversion import ONE, QUATERNION, RADIAN, Conversion
-from jausml.language.semantics.frame_names import ENU, FLU, FRD, NED
+from jausml.language.semantics.conversions.conversion import (
+    ENU,
+    FLU,
+    FRD,
+    NED,
+    ONE,
+    QUATERNION,
+    RADIAN,
+    TURN,
+    Conversion,
+    Effect,
+)
+from jausml.language.semantics.paths.attributes import NUMBER
 
-TURN = (-math.pi, math.pi)
 QUARTER = (-math.pi / 2, math.pi / 2)
 
 Parts = tuple[float, float, float, float]
@@ -85,7 +94,7 @@ class OrientationIfKnown(Conversion):
     name = "orientation_if_known"
     inputs = (QUATERNION, NUMBER)
     outputs = (QUATERNION,)
-    keeps_sign = True
+    effect = Effect.SAME
 
     def forward(self, parts: Parts, variance: float) -> Parts:
         """All parts, or none of them."""

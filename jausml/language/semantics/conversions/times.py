@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from datetime import datetime, timedelta, timezone
 
-from jausml.language.semantics.attributes import TIME, TIME_STAMP
 from jausml.language.semantics.conversions.conversion import Conversion, NoValueError
+from jausml.language.semantics.paths.attributes import TIME, TIME_STAMP
 
 Instant = tuple[int, int]
 Stamp = tuple[int, int, int, int, int]
@@ -27,7 +27,6 @@ class TimestampToTime(Conversion):
     inputs = (TIME_STAMP,)
     outputs = (TIME,)
     inverse = "time_to_timestamp"
-    needs_clock = True
 
     def forward(self, stamp: Stamp, *, near: Instant) -> Instant:
         """The nearest of all instants around with this day and time; any day for day 0."""

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from jausml.language.model.names import qualified_name
 from jausml.language.model.uris import LIBRARY_URI
-from jausml.language.semantics.ways import EVENT, MESSAGE, TO_JAUS, TO_ROS
-from jausml.language.text.reading.declaring.messages import message_feature
+from jausml.language.semantics.connections.exchanges import EVENT, MESSAGE, TO_JAUS, TO_ROS
+from jausml.language.text.reading.declarations.messages import message_feature
 from jausml.language.text.root_names import system_name
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from jausml.language.model.notation import Known
     from jausml.language.model.xmi.parsing import Node
     from jausml.language.text.bridge_options import BridgeOfMaps
-    from jausml.language.text.reading.declaring.declaring import Declarer
+    from jausml.language.text.reading.declarations.declarer import Declarer
     from jausml.language.text.reading.maps import WrittenEnd
     from jausml.language.text.reading.nodes import NodeMaker
     from jausml.language.text.tree import Span
@@ -57,14 +57,6 @@ def add_bridge(
 
     The bridge provides the services whose messages it reports or takes, and finds components that
     provide those of which it needs the other end.
-
-    Args:
-        options: What the bridge is.
-        ends: The ends of the maps of the text.
-        declarer: Knows which messages the text declares.
-        known: Knows the other messages.
-        nodes: Makes the nodes.
-        metamodels: The metamodels of the elements.
     """
     maps = list(_maps(ends, declarer, known))
     if not maps:

@@ -34,7 +34,6 @@ def attach(document: SyntaxTree, comments: Sequence[Token]) -> None:
 
     Args:
         document: The document, without comments.
-        comments: All its comments, in order.
     """
     far = (1 << 60, 0)
     _distribute(_Body(document.items, document.closing, (1, 1), far), list(comments))
@@ -93,8 +92,6 @@ def _lead(item: Item, comments: Sequence[Token], line: int) -> None:
     """Puts the comments before an item to it.
 
     Args:
-        item: The item.
-        comments: The comments.
         line: Where the item before it ends; 0 for the first.
     """
     first = (comments[0].line if comments else item.span.line) or 1

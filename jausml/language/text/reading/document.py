@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 from jausml.language.model.notation import Fault, ImportedDocument
 from jausml.language.text.reading import imports
 from jausml.language.text.reading.bridge_of_maps import add_bridge
-from jausml.language.text.reading.declaring.declaring import Declarer
+from jausml.language.text.reading.declarations.declarer import Declarer
 from jausml.language.text.reading.elements import ElementReader
-from jausml.language.text.reading.explaining import explain
+from jausml.language.text.reading.exchanges import infer_exchanges
+from jausml.language.text.reading.imports import explain
 from jausml.language.text.reading.maps import MapReader
 from jausml.language.text.reading.members import MemberCheck
 from jausml.language.text.reading.nodes import NodeMaker
 from jausml.language.text.reading.roots import RootReader
-from jausml.language.text.reading.ways import settle_connections
 from jausml.language.text.tree import Element, End, Import, Span, lists_of
 
 if TYPE_CHECKING:
@@ -34,19 +34,7 @@ SERVICE = "service"
 
 
 class TextDocument:
-    """The nodes of a text, and what is declared and checked once its surroundings are known.
-
-    Attributes:
-        tree: The syntax tree.
-        imports: The documents that it imports.
-
-    Args:
-        document: The syntax tree.
-        faults: What the parser found.
-        path: The file.
-        metamodels: The metamodels of the elements.
-        bridge: What a bridge of all its maps is, None for none.
-    """
+    """The nodes of a text, and what is declared and checked once its surroundings are known."""
 
     def __init__(
         self,
@@ -117,7 +105,7 @@ class TextDocument:
         ends = [each for each in self._maps.ends if not self._declarer.declares(each.end)]
         check = MemberCheck(self._declarer.types)
         unclear = [*check.run(ends), *self._unused()]
-        return [*unclear, *settle_connections(self._nodes.classes.items())]
+        return [*unclear, *infer_exchanges(self._nodes.classes.items())]
 
     def _placed(self, fault: Fault) -> Fault:
         """Returns a syntax error with the element of which it may hide anything."""

@@ -36,12 +36,7 @@ DOCUMENTATION = "documentation"
 
 
 class ElementReader:
-    """Makes the nodes of elements from their blocks.
-
-    Args:
-        metamodels: The metamodels of the elements.
-        nodes: Makes the nodes.
-    """
+    """Makes the nodes of elements from their blocks."""
 
     def __init__(self, metamodels: Metamodels, nodes: NodeMaker) -> None:
         self._metamodels = metamodels
@@ -81,8 +76,6 @@ class ElementReader:
         """Gives an element the name, documentation and contents that its block has.
 
         Args:
-            node: The node of the element.
-            block: Its block.
             item: What the documentation stands before, None for the block itself.
         """
         table = self._nodes.classes[node]
@@ -184,8 +177,8 @@ class ElementReader:
         if feature is None:
             near = suggest(item.name.text, table.features)
             what = f"unknown feature {show(item.name.text)} of {table.name}"
-            spoilt = nearest(item.name.text, table.features)
-            self._nodes.fault("JML103", item.name.span, what, near, owner=node, feature=spoilt)
+            meant = nearest(item.name.text, table.features)
+            self._nodes.fault("JML103", item.name.span, what, near, owner=node, feature=meant)
             return
         blocks = [each for each in item.values if isinstance(each, Element)]
         if item.documentation and not (len(item.values) == len(blocks) == 1):

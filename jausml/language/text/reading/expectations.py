@@ -40,8 +40,6 @@ def describe(accepted: Collection[str], tokens: Sequence[Token], position: int) 
     """Returns what was expected behind what, and what was found.
 
     Args:
-        accepted: Types of the tokens that could have come.
-        tokens: The tokens of the text.
         position: Of the token that was found; behind the last at the end of the text.
     """
     behind = f" behind {shown(tokens[position - 1])}" if position else ""
@@ -51,13 +49,7 @@ def describe(accepted: Collection[str], tokens: Sequence[Token], position: int) 
 
 
 def suggestion(accepted: Collection[str], tokens: Sequence[Token], position: int) -> str:
-    """Returns what was probably meant, or an empty text.
-
-    Args:
-        accepted: Types of the tokens that could have come.
-        tokens: The tokens of the text.
-        position: Of the token that was found; behind the last at the end of the text.
-    """
+    """Returns what was probably meant, or an empty text."""
     if position >= len(tokens):
         return ""
     found = tokens[position]

@@ -1,11 +1,15 @@
-"""Targets of imports: files beside the text, or those of the shipped library."""
+"""Imports, the maps of the library, and what a name means that an import would explain."""
 
 from __future__ import annotations
 
+import re
+from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
-from jausml.language.model.notation import Fault, ImportedDocument
+from jausml.language.model.inputs import read_text
+from jausml.language.model.notation import Explanation, Fault, ImportedDocument
 from jausml.language.model.uris import LIBRARY_URI, library_root
 from jausml.language.model.values import show, suggest
 from jausml.language.text.tree import Text
@@ -13,17 +17,15 @@ from jausml.language.text.tree import Text
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from jausml.language.text.reading.declarations.messages import OwnService
     from jausml.language.text.tree import Import
+
 
 _SUFFIXES = (".xmi", ".ros2jaus")
 
 
 def resolve(item: Import) -> ImportedDocument | Fault:
-    """Returns the document that an import names.
-
-    Args:
-        item: `import "robot.xmi"`, or `import mappings.global_pose` for the library.
-    """
+    """Returns the document that an import names."""
     target = item.target
     line, column = target.span.line, target.span.column
     if isinstance(target, Text):
@@ -48,3 +50,59 @@ def library_files() -> Mapping[str, str]:
     root = library_root()
     paths = sorted(path.relative_to(root) for path in root.rglob("*") if path.suffix in _SUFFIXES)
     return {".".join(path.with_suffix("").parts): path.as_posix() for path in paths}
+
+
+_MAP = re.compile(
+    r"^(\w+) \{\n(?:(?!\}).*\n)*?    JAUS (?:\w+\.)*(\w+).*\n(?:(?!\}).*\n)*?    ROS ([\w/]+)",
+    re.MULTILINE,
+)
+_TEXT = ".ros2jaus"
+
+
+@dataclass(frozen=True, slots=True)
+class LibraryMap:
+    """A map of the shipped library."""
+
+    name: str
+    module: str
+    message: str
+    type: str
+
+
+@cache
+def library_maps() -> tuple[LibraryMap, ...]:
+    """Returns the maps of the library; its texts are looked through at the first call."""
+    found = []
+    for module, path in library_files().items():
+        if path.endswith(_TEXT):
+            text = read_text(library_root() / path)
+            found += [LibraryMap(name, module, *ends) for name, *ends in _MAP.findall(text)]
+    return tuple(found)
+
+
+_DECLARED = ("jaus.MessageDef", "ros.MessageType")
+_NAME = re.compile("[A-Za-z][A-Za-z0-9_]*")
+
+
+def explain(qualified_class: str, name: str, service: OwnService) -> Explanation:
+    """Returns what to write where a name means nothing."""
+    if qualified_class == "bridge.AttributeMap":
+        wanted = name.rpartition(".")[2]
+        modules = [each.module for each in library_maps() if each.name == wanted]
+        imports = " or ".join(f"import {each}" for each in modules)
+        return Explanation(f"the library has it: {imports}" if imports else "", bool(imports))
+    if qualified_class == "jaus.Service" and service.node is not None and service.written is None:
+        hint = f"the messages of this file belong to '{service.name}', named after the file"
+        return Explanation(f"{hint}: 'service {name}' gives it a name that stays")
+    if qualified_class in _DECLARED and not _NAME.fullmatch(name.rpartition("/")[2]):
+        hint = "the name of a new one has letters from A to z, digits and underscores"
+        return Explanation(f"{hint}, with a letter first")
+    if qualified_class == "jaus.MessageDef":
+        hint = f"list its members to declare it: {name} ( uint16 x )"
+        return Explanation(f"{hint}; jausml import jsidl reads service sets")
+    package, _, type_name = name.replace("/msg/", "/").rpartition("/")
+    is_shipped = bool(package) and (library_root() / "ros" / f"{package}.xmi").is_file()
+    if qualified_class == "ros.MessageType" and not is_shipped:
+        hint = f"list its members to declare it: {package or 'my_msgs'}/{type_name} ( float64 x )"
+        return Explanation(f"{hint}; jausml import ros reads packages")
+    return Explanation()

@@ -46,13 +46,7 @@ class WrittenEnd:
 
 
 class MapReader:
-    """Makes the nodes of what only attribute maps have.
-
-    Args:
-        metamodels: The metamodels of the elements.
-        nodes: Makes the nodes.
-        elements: Reads features and blocks.
-    """
+    """Makes the nodes of what only attribute maps have."""
 
     def __init__(self, metamodels: Metamodels, nodes: NodeMaker, elements: ElementReader) -> None:
         self._classes = metamodels.classes

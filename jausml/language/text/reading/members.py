@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.notation import Fault
 from jausml.language.model.values import nearest, show
-from jausml.language.semantics.layouts import attributes, class_name
+from jausml.language.semantics.jaus.layouts import attributes, class_name
 from jausml.language.text.keywords import snake_case
-from jausml.language.text.reading.declaring.common import DEEPEST
-from jausml.language.text.reading.declaring.jaus import VALUE
-from jausml.language.text.reading.declaring.types import (
+from jausml.language.text.reading.declarations.jaus import VALUE
+from jausml.language.text.reading.declarations.types import (
     ANY,
     BOOL,
+    DEEPEST,
     STRING,
     Size,
     shown_type,
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from jausml.language.model.xmi.parsing import Node
-    from jausml.language.semantics.attributes import JausPart, Part
-    from jausml.language.text.reading.declaring.common import Types
+    from jausml.language.semantics.paths.attributes import JausPart, Part
+    from jausml.language.text.reading.declarations.types import Types
     from jausml.language.text.reading.maps import WrittenEnd
     from jausml.language.text.tree import End, Member, Span
 
@@ -38,14 +38,7 @@ _SIZES = {"fixedArray": True, "boundedSequence": False, "unboundedSequence": Fal
 
 @dataclass(frozen=True, slots=True)
 class MemberKind:
-    """The kind of a member of a known message.
-
-    Attributes:
-        word: Its type word.
-        also: Further words that may stand for it.
-        size: How many elements it has, None for one.
-        inner: Its members, None when it has none.
-    """
+    """The kind of a member of a known message."""
 
     word: str
     also: frozenset[str] = frozenset()
@@ -60,22 +53,14 @@ class MemberKind:
 
 
 class MemberCheck:
-    """Checks listed members.
-
-    Args:
-        types: The named types of the text; those of members are added to the used ones.
-    """
+    """Checks listed members."""
 
     def __init__(self, types: Types) -> None:
         self._types = types
         self._faults: list[Fault] = []
 
     def run(self, ends: Sequence[WrittenEnd]) -> list[Fault]:
-        """Returns what ends say wrongly about messages that are known.
-
-        Args:
-            ends: Ends that declare nothing, with the nodes of their maps, built.
-        """
+        """Returns what ends say wrongly about messages that are known."""
         for written in ends:
             if written.node.obj is None:
                 continue

@@ -22,9 +22,6 @@ class NodeMaker:
     """Makes the nodes of one document, and keeps what is found on the way.
 
     Each value of a feature is a child node of its own, so that everything has its place.
-
-    Args:
-        metamodels: The metamodels of the elements.
     """
 
     def __init__(self, metamodels: Metamodels) -> None:
@@ -40,13 +37,7 @@ class NodeMaker:
         """Where each value and each reference is written."""
 
     def root(self, table: ClassTable, span: Span, source: Source | None = None) -> Node:
-        """Returns the node of a root element.
-
-        Args:
-            table: Its class.
-            span: Where it is written.
-            source: What of the tree stands for it, None for one that is implied.
-        """
+        """Returns the node of a root element."""
         node = self._node(f"{table.package.ns_uri} {table.name}", None, span)
         self.classes[node] = table
         return self._placed(node, span, source)
@@ -62,10 +53,6 @@ class NodeMaker:
         """Returns the node of an element that another one owns.
 
         Args:
-            owner: The node of the owner.
-            feature: The feature that owns it.
-            table: Its class.
-            span: Where it is written.
             source: What of the tree stands for it, None for one that follows from something else.
         """
         node = self._node(feature, owner, span)

@@ -13,12 +13,11 @@ from typing import Any
 
 from lark import Token, UnexpectedToken
 
-from jausml.language.text.bounds import DEEPEST, LONGEST
 from jausml.language.text.reading.comments import attach
 from jausml.language.text.reading.expectations import describe, shown, suggestion
 from jausml.language.text.reading.scanning import SyntaxFault, language, scan
 from jausml.language.text.reading.shaping import Items, span_of
-from jausml.language.text.tree import Span, SyntaxTree
+from jausml.language.text.tree import DEEPEST, LONGEST, Span, SyntaxTree
 
 __all__ = ["MOST_FAULTS", "Parsed", "SyntaxFault", "parse"]
 
@@ -37,8 +36,6 @@ class Parsed:
     """The outcome of parsing a text.
 
     Attributes:
-        document: The tree of what could be understood.
-        faults: The syntax errors, in the order of the text.
         tokens: The tokens of the text, without comments.
     """
 
@@ -47,17 +44,13 @@ class Parsed:
     tokens: list[Token] = field(default_factory=list)
 
 
-def parse(text: str) -> Parsed:
-    """Reads a text; never raises.
-
-    Args:
-        text: The text, perhaps with a byte order mark.
-    """
+def parse(text: str, first_line: int = 1) -> Parsed:
+    """Reads a text, perhaps with a byte order mark, that begins on some line; never raises."""
     text = text.removeprefix("\ufeff")
     if len(text) > LONGEST:
         fault = SyntaxFault(Span(), f"the text is longer than {LONGEST:,} characters")
         return Parsed(SyntaxTree(), [fault])
-    scanned = scan(text)
+    scanned = scan(text, first_line)
     run = _Run(scanned.tokens)
     document = run.document()
     attach(document, scanned.comments)

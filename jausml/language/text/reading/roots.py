@@ -22,14 +22,7 @@ _ROOT_FEATURE = "root"
 
 
 class RootReader:
-    """Makes the root elements of a document.
-
-    Args:
-        metamodels: The metamodels of the elements.
-        nodes: Makes the nodes.
-        elements: Reads blocks.
-        path: The file, which gives names to implicit roots.
-    """
+    """Makes the root elements of a document."""
 
     def __init__(
         self, metamodels: Metamodels, nodes: NodeMaker, elements: ElementReader, path: Path

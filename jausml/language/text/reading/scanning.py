@@ -41,13 +41,7 @@ _INSTEAD = {
 
 
 class SyntaxFault(NamedTuple):
-    """A syntax error.
-
-    Attributes:
-        span: Where.
-        message: What was expected and what was found.
-        hint: What to do about it, or empty.
-    """
+    """A syntax error."""
 
     span: Span
     message: str
@@ -56,13 +50,7 @@ class SyntaxFault(NamedTuple):
 
 @dataclass(slots=True)
 class Scan:
-    """The tokens and comments of a text, with what is no token.
-
-    Attributes:
-        tokens: The tokens that the parser reads, in order.
-        comments: The comments, in order.
-        faults: What is no token.
-    """
+    """The tokens and comments of a text, with what is no token."""
 
     tokens: list[Token] = field(default_factory=list)
     comments: list[Token] = field(default_factory=list)
@@ -97,15 +85,13 @@ def with_line_feeds(text: str) -> str:
     return _LONE_RETURN.sub("\n", text)
 
 
-def scan(text: str) -> Scan:
+def scan(text: str, first_line: int = 1) -> Scan:
     """Returns the tokens, comments and wrong characters of a text.
 
     Lines end with LF, CR and LF, or CR alone: else a comment could swallow the file.
-
-    Args:
-        text: Any text.
     """
     parser = language().parse_interactive(with_line_feeds(text))
+    parser.lexer_thread.state.line_ctr.line = first_line
     result = Scan()
     before: Token | None = None
     for token in parser.lexer_thread.lex(parser.parser_state):

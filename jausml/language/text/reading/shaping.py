@@ -49,7 +49,6 @@ class Items(list[T]):
 
     Attributes:
         start: Line and column of the bracket before the items; None when no bracket was seen.
-        end: Line and column of the bracket behind them.
     """
 
     start: tuple[int, int] | None = None
@@ -57,11 +56,7 @@ class Items(list[T]):
 
 
 def unescape(text: str) -> str:
-    r"""Returns a text with its escapes resolved: `\"`, `\\`, `\n`, `\t`, `\r`, `\uXXXX`.
-
-    Args:
-        text: What stands between the quotation marks.
-    """
+    r"""Returns a text with its escapes resolved: `\"`, `\\`, `\n`, `\t`, `\r`, `\uXXXX`."""
     plain = _ESCAPE.sub(_resolved, text)
     if any("\ud800" <= each <= "\udfff" for each in plain):
         # Two escapes make one character beyond the first 65,536, as in JSON.
@@ -77,11 +72,7 @@ def _resolved(match: re.Match[str]) -> str:
 
 
 def word_text(word: str) -> str:
-    """Returns a word without its back quotes.
-
-    Args:
-        word: The word as it is written.
-    """
+    """Returns a word without its back quotes."""
     return _QUOTED.sub(lambda match: unescape(match.group(1)), word) if "`" in word else str(word)
 
 

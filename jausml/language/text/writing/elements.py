@@ -7,12 +7,17 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel import FeatureKind
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.xmi.writer import is_written
-from jausml.language.semantics.ways import FEATURES, unstated
+from jausml.language.semantics.connections.exchanges import FEATURES, unstated
 from jausml.language.text.keywords import owning_features, snake_case
 from jausml.language.text.tree import BlockItem, Element, Feature, Name, Text, Value, is_map
-from jausml.language.text.writing.heads import IN_THE_HEAD, documented, head_name, needs_feature
-from jausml.language.text.writing.literals import attribute_value
-from jausml.language.text.writing.spacing import space
+from jausml.language.text.writing.layout import space
+from jausml.language.text.writing.spelling import (
+    IN_THE_HEAD,
+    attribute_value,
+    documented,
+    head_name,
+    needs_feature,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -34,12 +39,7 @@ _STANDING = frozenset(
 
 
 class ElementWriter:
-    """Makes the blocks of one document.
-
-    Args:
-        metamodels: The metamodels of the elements.
-        names: How the document refers to elements.
-    """
+    """Makes the blocks of one document."""
 
     def __init__(self, metamodels: Metamodels, names: DocumentNames) -> None:
         self._metamodels = metamodels
@@ -64,13 +64,7 @@ class ElementWriter:
         return documented(block, obj)
 
     def values(self, obj: EObject, *, without: frozenset[str]) -> Iterator[Feature]:
-        """Yields the attributes and references of an element as features.
-
-        Args:
-            obj: The element.
-            without: Features that are said elsewhere, unless they are a name or documentation that
-                only a feature can hold.
-        """
+        """Yields the attributes and references of an element as features."""
         following = unstated(obj) if isinstance(obj, bridge.Connection) else None
         for feature in self._metamodels.class_of(obj).features.values():
             said_here = feature.name not in without or needs_feature(obj, feature.name)

@@ -8,6 +8,7 @@ and assignments do not. One empty line is kept where the text has any.
 from __future__ import annotations
 
 import re
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from jausml.language.text.tree import (
@@ -38,6 +39,7 @@ from jausml.language.text.writing.spelling import documentation, feature_name, p
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+
 WIDTH = 100
 """Columns within which a list may stand on the line of its item."""
 
@@ -48,33 +50,18 @@ _BOUNDED = re.compile(r"(.+)<=(\d+)")
 
 
 def lay_out(document: SyntaxTree) -> str:
-    """Returns a document as text.
-
-    Args:
-        document: The document.
-    """
+    """Returns a document as text."""
     lines = _list(document.items, document.closing, WIDTH)
     return "".join(f"{line}\n" for line in lines)
 
 
 def lines_of(item: Item, room: int) -> list[str]:
-    """Returns the lines of one item with its comments.
-
-    Args:
-        item: The item.
-        room: Columns that there are.
-    """
+    """Returns the lines of one item with its comments."""
     return _list([item], (), room)
 
 
 def _list(items: Sequence[Item], closing: Sequence[str], room: int) -> list[str]:
-    """Returns the lines of a list of items.
-
-    Args:
-        items: The items.
-        closing: Comments behind them.
-        room: Columns that there are.
-    """
+    """Returns the lines of a list of items."""
     return _stacked(items, [_lines(item, room) for item in items], closing, room)
 
 
@@ -295,3 +282,36 @@ _LAYOUTS: dict[type[Item], Callable[[Any, int], list[str]]] = {
     Vector: _vector,
     VectorEntry: _vector_entry,
 }
+
+
+_MUCH = 5
+"""Values from which on a block stands apart."""
+
+
+def space(items: Sequence[Item]) -> None:
+    """Sets apart what says much, and the elements that follow values."""
+    for before, item in pairwise(items):
+        follows_values = isinstance(before, Feature) and _values(before) == 1
+        if follows_values and (isinstance(item, Feature) or not _says_much(item)):
+            item.spaced = bool(item.documentation)
+        else:
+            item.spaced = _says_much(before) or _says_much(item)
+
+
+def space_document(items: Sequence[Item]) -> None:
+    """Sets all that stands on top level apart, but not imports from each other."""
+    for before, item in pairwise(items):
+        item.spaced = not (isinstance(before, Import) and isinstance(item, Import))
+
+
+def _says_much(item: Item) -> bool:
+    return _values(item) >= _MUCH
+
+
+def _values(item: Item) -> int:
+    """Returns how many values an item holds, roughly the lines that it takes."""
+    if isinstance(item, Element):
+        return 1 + sum(map(_values, item.items))
+    if isinstance(item, Feature):
+        return sum(_values(each) if isinstance(each, Element) else 1 for each in item.values[:1])
+    return _MUCH if isinstance(item, Direction) else 1

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.xmi.writer import is_written
 from jausml.language.semantics.conversions import conversion_of
-from jausml.language.semantics.paths import has_source
+from jausml.language.semantics.paths.scopes import has_source
 from jausml.language.text.tree import (
     Assignment,
     BlockItem,
@@ -29,8 +29,15 @@ from jausml.language.text.tree import (
     Vector,
     VectorEntry,
 )
-from jausml.language.text.writing.heads import IN_THE_HEAD, documented, is_comment
-from jausml.language.text.writing.literals import constant, is_name, number, word_or_constant
+from jausml.language.text.writing.spelling import (
+    IN_THE_HEAD,
+    constant,
+    documented,
+    is_comment,
+    is_name,
+    number,
+    word_or_constant,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -48,13 +55,7 @@ _BY_ARROW = frozenset({"target", "source", "value", "conversions", "assignments"
 
 
 class MapWriter:
-    """Writes the maps of one document.
-
-    Args:
-        elements: Writes uniform blocks.
-        names: How the document refers to elements.
-        metamodels: The metamodels of the elements.
-    """
+    """Writes the maps of one document."""
 
     def __init__(
         self, elements: ElementWriter, names: DocumentNames, metamodels: Metamodels

@@ -21,7 +21,7 @@ from jausml.language.model.uris import LIBRARY_URI, UriFault, library_root
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.model.xmi.writer import external_href
 from jausml.language.text.tree import Href, Name, Text
-from jausml.language.text.writing.literals import is_name
+from jausml.language.text.writing.spelling import is_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -41,7 +41,6 @@ class DocumentNames:
 
     Args:
         model: Knows where elements of other documents stand.
-        document: The document, with its imports.
     """
 
     def __init__(self, model: Model, document: Document) -> None:
@@ -52,28 +51,12 @@ class DocumentNames:
         self._finder = NameFinder(model, self._open_library)
 
     def name(self, owner: EObject, target: EObject, feature: FeatureTable) -> Name | Href:
-        """Returns how an element is referred to: by its shortest name, else by file and fragment.
-
-        Args:
-            owner: The element that refers.
-            target: The element referred to.
-            feature: The reference.
-
-        Raises:
-            UnwritableError: The element stands nowhere.
-        """
+        """Returns how to refer to an element: by its shortest name, else by file and fragment."""
         found = self.short_name(owner, target, feature)
         return Name(found) if found is not None else self.href(target)
 
     def href(self, target: EObject) -> Href:
-        """Returns how an element is referred to by file and fragment.
-
-        Args:
-            target: The element.
-
-        Raises:
-            UnwritableError: The element stands nowhere.
-        """
+        """Returns how an element is referred to by file and fragment."""
         place = self._place(target)
         if place is not None:
             return Href(f"#{place}")
@@ -132,13 +115,7 @@ class DocumentNames:
 
 
 class ReferenceNames(DocumentNames):
-    """Names elements for a document that is to be written.
-
-    Args:
-        roots: The root elements of the document.
-        model: Knows where elements of other documents stand.
-        path: The file of the document.
-    """
+    """Names elements for a document that is to be written."""
 
     def __init__(self, roots: Sequence[EObject], model: Model, path: Path) -> None:
         document = Document(Path(os.path.realpath(path)), str(path), is_library=False, given=True)

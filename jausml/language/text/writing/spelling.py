@@ -1,11 +1,20 @@
-"""Spelling of words, texts and documentation, so that they are read as what they are."""
+"""How names, values, documentation and the heads of elements are spelt."""
 
 from __future__ import annotations
 
+import math
 import re
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
+from jausml.language.metamodel import FeatureTable, ValueKind
 from jausml.language.text.comments import documentation_text, is_documentation
 from jausml.language.text.keywords import KEYWORDS
+from jausml.language.text.tree import Href, Item, Name, Number, Text
+
+if TYPE_CHECKING:
+    from jausml.language.metamodel import DataTypeTable
+    from jausml.language.metamodel.classes.ecore import EObject
+
 
 _STEP = r"\w+(?:\[\d+\])*"
 _PATH = re.compile(rf"/?(?!\d){_STEP}(?:[./]{_STEP})*|\.")
@@ -16,48 +25,28 @@ _SHORT = {"\n": "\\n", "\t": "\\t", "\r": "\\r", "\\": "\\\\"}
 
 
 def word(text: str) -> str:
-    """Returns a name as it is written: in back quotes where it is no plain word.
-
-    Args:
-        text: Any text.
-    """
+    """Returns a name as it is written: in back quotes where it is no plain word."""
     plain = _PATH.fullmatch(text) and not text.endswith("]") and text not in KEYWORDS
     return text if plain else f"`{_escaped(text, '`')}`"
 
 
 def path(text: str) -> str:
-    """Returns a path as it is written; unlike a name it may end with an index.
-
-    Args:
-        text: Any text.
-    """
+    """Returns a path as it is written; unlike a name it may end with an index."""
     return text if text.endswith("]") and _PATH.fullmatch(text) else word(text)
 
 
 def feature_name(text: str) -> str:
-    """Returns the name of a feature, which may be a keyword.
-
-    Args:
-        text: Any text.
-    """
+    """Returns the name of a feature, which may be a keyword."""
     return text if text in KEYWORDS else word(text)
 
 
 def quoted(text: str) -> str:
-    """Returns a text in quotation marks.
-
-    Args:
-        text: Any text.
-    """
+    """Returns a text in quotation marks."""
     return f'"{_escaped(text, chr(34))}"'
 
 
 def can_document(text: str) -> bool:
-    """Tells whether a documentation comment can hold a text to the letter.
-
-    Args:
-        text: Any text.
-    """
+    """Tells whether a documentation comment can hold a text to the letter."""
     comment = "\n".join(documentation(text, _ANY_WIDTH))
     return is_documentation(comment) and documentation_text(comment) == text
 
@@ -99,3 +88,97 @@ def _escape(character: str) -> str:
         return character
     units = character.encode("utf-16-be", "surrogatepass")
     return "".join(f"\\u{units[at : at + 2].hex()}" for at in range(0, len(units), 2))
+
+
+NO_VALUE = Href("")
+"""Stands where a feature that has a default has no value, which XMI writes as `xsi:nil`."""
+
+_NUMBER = re.compile(r"-?[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?|0x[0-9A-Fa-f]+")
+_ADDRESS = re.compile(r"[0-9]+\.[0-9]+\.[0-9]+")
+_WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:\.[A-Za-z_][A-Za-z0-9_]*)*")
+_PROSE = frozenset({"documentation", "holdReason", "units"})
+
+
+def is_number(text: str) -> bool:
+    """Tells whether a text is a number as the language writes it."""
+    return _NUMBER.fullmatch(text) is not None
+
+
+def number(value: float) -> Number | Text:
+    """Returns a real number without a needless fraction; as text where it is no number."""
+    if not math.isfinite(value):
+        return Text("NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity")
+    return Number(repr(float(value)).removesuffix(".0"))
+
+
+def constant(text: str) -> Name | Number | Text:
+    """Returns a text that stands for a number, for true or false, or for itself."""
+    if text in ("true", "false"):
+        return Name(text)
+    return Number(text) if is_number(text) else Text(text)
+
+
+def word_or_constant(text: str) -> Name | Number | Text:
+    """Returns a text without quotation marks where it is a number or a word."""
+    return Name(text) if _WORD.fullmatch(text) else constant(text)
+
+
+def attribute_value(value: Any, feature: FeatureTable) -> Name | Number | Text | Href:
+    """Returns one value of an attribute."""
+    if value is None:
+        return NO_VALUE
+    kind = cast("DataTypeTable", feature.data_type).kind
+    if kind is ValueKind.ENUMERATION:
+        return Name(str(value.literal or value.name) if hasattr(value, "name") else str(value))
+    if kind is ValueKind.BOOLEAN:
+        return Name("true" if value else "false")
+    if kind is ValueKind.INTEGER:
+        return Number(str(value))
+    if kind is ValueKind.REAL:
+        return number(value)
+    if feature.name in _PROSE:
+        return Text(value)
+    return Number(value) if _ADDRESS.fullmatch(value) else word_or_constant(value)
+
+
+def is_name(text: str | None) -> bool:
+    """Tells whether a text can stand as a name, with or without back quotes.
+
+    Names of several steps are names too (`geometry_msgs/Twist`, `Receiving.Ready`), but no step of
+    them may be empty; a topic may begin with "/".
+    """
+    if not text or "`" in text or not text.isprintable() or text != text.strip():
+        return False
+    return all(re.split("[./]", text.removeprefix("/")))
+
+
+IN_THE_HEAD = frozenset({"name", "documentation"})
+"""Features that stand before the block, where a name and a comment can hold them."""
+
+_AnyItem = TypeVar("_AnyItem", bound=Item)
+
+
+def head_name(obj: EObject) -> Name | None:
+    """Returns the name that stands behind the keyword of an element, None where none can."""
+    name = getattr(obj, "name", None)
+    return Name(name) if name is not None and is_name(name) else None
+
+
+def is_comment(text: str | None) -> bool:
+    """Tells whether a documentation comment says exactly a text, and shows all of it."""
+    return text is not None and text.replace("\n", "").isprintable() and can_document(text)
+
+
+def needs_feature(obj: EObject, feature: str) -> bool:
+    """Tells whether a name or documentation is one that only a feature can hold."""
+    if feature == "name":
+        return not is_name(getattr(obj, "name", None))
+    return feature == "documentation" and not is_comment(getattr(obj, "documentation", None))
+
+
+def documented(item: _AnyItem, obj: EObject) -> _AnyItem:
+    """Returns an item with the documentation of its element, where a comment can hold it."""
+    text = getattr(obj, "documentation", None)
+    if text is not None and is_comment(text):
+        item.documentation = text
+    return item

@@ -8,14 +8,22 @@ from typing import TYPE_CHECKING
 from jausml.language.model.names import name_of
 from jausml.language.model.xmi.writer import UnwritableError, is_written
 from jausml.language.semantics.memory import remembering
-from jausml.language.text.bounds import DEEPEST, LONGEST
 from jausml.language.text.root_names import system_name
-from jausml.language.text.tree import BlockItem, Element, Import, Item, SyntaxTree, lists_of
+from jausml.language.text.tree import (
+    DEEPEST,
+    LONGEST,
+    BlockItem,
+    Element,
+    Import,
+    Item,
+    SyntaxTree,
+    lists_of,
+)
 from jausml.language.text.writing import layout
 from jausml.language.text.writing.elements import ElementWriter
+from jausml.language.text.writing.layout import space_document
 from jausml.language.text.writing.maps import MAP, MapWriter
 from jausml.language.text.writing.references import ReferenceNames
-from jausml.language.text.writing.spacing import space_document
 
 if TYPE_CHECKING:
     import os
@@ -36,8 +44,6 @@ def to_text(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]
     """Returns root elements with all that they own as ros2jaus text in its canonical layout.
 
     Args:
-        roots: The root elements of the document.
-        model: Knows where elements of other documents stand.
         path: The file that the text is meant for. Imports are relative to it, and a system or map
             library of its name is left to be implied.
 
@@ -56,16 +62,7 @@ def to_text(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]
 
 
 def to_tree(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]) -> SyntaxTree:
-    """Returns root elements with all that they own as a syntax tree.
-
-    Args:
-        roots: The root elements of the document.
-        model: Knows where elements of other documents stand.
-        path: The file that the text is meant for.
-
-    Raises:
-        UnwritableError: A reference leads nowhere, as `to_text` says.
-    """
+    """Returns root elements with all that they own as a syntax tree."""
     names = ReferenceNames(roots, model, Path(path))
     elements = ElementWriter(model.metamodels, names)
     elements.special[MAP] = MapWriter(elements, names, model.metamodels).items

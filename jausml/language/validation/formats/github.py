@@ -19,9 +19,6 @@ def render(report: Report) -> str:
     """Returns a workflow command for each finding that GitHub shows, and the rest as plain lines.
 
     The errors come first. Related places and hints stand in the text of the annotation.
-
-    Args:
-        report: The report.
     """
     commands: list[str] = []
     rest: list[Diagnostic] = []

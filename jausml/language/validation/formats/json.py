@@ -14,11 +14,7 @@ SCHEMA = 1
 
 
 def render(report: Report) -> str:
-    """Returns a JSON object with `schema`, `files`, `diagnostics` and `setAside`.
-
-    Args:
-        report: The report.
-    """
+    """Returns a JSON object with `schema`, `files`, `diagnostics` and `setAside`."""
     content = {
         "schema": SCHEMA,
         "files": list(report.files),

@@ -1,13 +1,14 @@
-"""Reports for build servers: JUnit XML, one test suite for each file."""
+"""JUnit: suites of cases, as build servers show them, and findings as such cases."""
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
+from dataclasses import dataclass, field
 from itertools import groupby
 from operator import attrgetter
 from typing import TYPE_CHECKING
 
 from jausml.language.model.diagnostics import Severity
-from jausml.language.validation.formats.suites import Case, Suite, junit_document
 from jausml.language.validation.formats.text import lines_of, one_line
 
 if TYPE_CHECKING:
@@ -17,14 +18,90 @@ if TYPE_CHECKING:
     from jausml.language.validation.report import Report
 
 
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A test case. Texts may hold anything; what XML cannot hold is escaped.
+
+    Attributes:
+        failure: Why it failed, on one line; None where it did not.
+        details: More about the failure, on several lines.
+        output: What else is to be known of it, on several lines.
+        seconds: How long it took; None where nothing was measured.
+    """
+
+    group: str
+    name: str
+    failure: str | None = None
+    kind: str = ""
+    details: str = ""
+    skipped: str | None = None
+    output: str = ""
+    seconds: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Suite:
+    """Test cases that belong together."""
+
+    name: str
+    cases: Sequence[Case] = field(default=())
+
+
+def junit_document(name: str, suites: Iterable[Suite]) -> str:
+    """Returns suites as an XML document."""
+    suites = list(suites)
+    root = _totalled("testsuites", name, [case for suite in suites for case in suite.cases])
+    for suite in suites:
+        element = _totalled("testsuite", suite.name, suite.cases)
+        element.extend(_case(each) for each in suite.cases)
+        root.append(element)
+    ET.indent(root)
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{ET.tostring(root, encoding="unicode")}\n'
+
+
+def _totalled(tag: str, name: str, cases: Sequence[Case]) -> ET.Element:
+    """Returns an element with the totals of some cases."""
+    element = ET.Element(
+        tag,
+        name=_printable(name),
+        tests=str(len(cases)),
+        failures=str(sum(each.failure is not None for each in cases)),
+        errors="0",
+        skipped=str(sum(each.skipped is not None for each in cases)),
+    )
+    measured = [each.seconds for each in cases if each.seconds is not None]
+    if measured:
+        element.set("time", f"{sum(measured):.3f}")
+    return element
+
+
+def _case(case: Case) -> ET.Element:
+    names = {"classname": _printable(case.group), "name": _printable(case.name)}
+    element = ET.Element("testcase", names)
+    if case.seconds is not None:
+        element.set("time", f"{case.seconds:.3f}")
+    if case.failure is not None:
+        failure = ET.SubElement(element, "failure", message=_printable(case.failure))
+        if case.kind:
+            failure.set("type", case.kind)
+        failure.text = _printable(case.details)
+    if case.skipped is not None:
+        ET.SubElement(element, "skipped", message=_printable(case.skipped))
+    if case.output:
+        ET.SubElement(element, "system-out").text = _printable(case.output)
+    return element
+
+
+def _printable(text: str) -> str:
+    """Returns text with all but line breaks and printable characters escaped."""
+    return "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in text)
+
+
 def render(report: Report) -> str:
     """Returns an XML document that build servers read as test results.
 
     A test case is one rule that has findings in the file; it fails when one of them is an error.
     A file without findings has one test case that passes: an empty suite would read as no test.
-
-    Args:
-        report: The report.
     """
     by_file: dict[str, list[Diagnostic]] = {path: [] for path in report.files}
     for each in report.diagnostics:
@@ -36,11 +113,11 @@ def render(report: Report) -> str:
 def _suite(path: str, findings: Sequence[Diagnostic]) -> Suite:
     ordered = sorted(findings, key=attrgetter("rule"))
     by_rule = groupby(ordered, key=attrgetter("rule"))
-    cases = [_case(path, rule, list(group)) for rule, group in by_rule]
+    cases = [_finding_case(path, rule, list(group)) for rule, group in by_rule]
     return Suite(path, cases or [Case(path, "no findings")])
 
 
-def _case(path: str, rule: str, findings: Sequence[Diagnostic]) -> Case:
+def _finding_case(path: str, rule: str, findings: Sequence[Diagnostic]) -> Case:
     errors = [each for each in findings if each.severity is Severity.ERROR]
     others = _lines(each for each in findings if each.severity is not Severity.ERROR)
     if not errors:

@@ -37,7 +37,6 @@ def render(report: Report, help_uri: str | None = None) -> str:
     Paths are written as the user gave them: give them relative to the root of the repository.
 
     Args:
-        report: The report.
         help_uri: Where the page of all rules is, for a link to the part of each; None for none.
     """
     rules = [_rule(each, help_uri) for each in catalogue(TEXT_RULES)]

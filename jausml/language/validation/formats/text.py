@@ -13,20 +13,12 @@ if TYPE_CHECKING:
 
 
 def render(report: Report) -> str:
-    """Returns the findings, each on one line, with their related places on lines after it.
-
-    Args:
-        report: The report.
-    """
+    """Returns the findings, each on one line, with their related places on lines after it."""
     return "".join(f"{line}\n" for each in report.diagnostics for line in lines_of(each))
 
 
 def summary(report: Report) -> str:
-    """Returns one line that says how many findings there are, and how many do not count.
-
-    Args:
-        report: The report.
-    """
+    """Returns one line that says how many findings there are, and how many do not count."""
     files = _count(len(report.files), "file")
     counts = [
         _count(report.count(severity), noun)
@@ -43,21 +35,13 @@ def summary(report: Report) -> str:
 
 
 def lines_of(diagnostic: Diagnostic) -> list[str]:
-    """Returns the lines of one finding: its own, and one for each related place.
-
-    Args:
-        diagnostic: The finding.
-    """
+    """Returns the lines of one finding: its own, and one for each related place."""
     notes = (f"{note.location}: note: {note.message}" for note in diagnostic.related)
     return [one_line(str(diagnostic)), *map(one_line, notes)]
 
 
 def one_line(text: str) -> str:
-    """Returns text with everything that could move a terminal's cursor escaped.
-
-    Args:
-        text: Text that may come from a model.
-    """
+    """Returns text with everything that could move a terminal's cursor escaped."""
     if text.isprintable():
         return text
     return "".join(char if char.isprintable() else _escape(char) for char in text)

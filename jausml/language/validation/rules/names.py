@@ -8,17 +8,17 @@ from jausml.language.attributes.guards import GuardError, conditions, parse_guar
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.model.diagnostics import Severity
 from jausml.language.model.words import snake_case
-from jausml.language.semantics.inherited_machines import DEEPEST, too_deep
-from jausml.language.semantics.machines import behaviours
+from jausml.language.semantics.jaus.inherited_machines import DEEPEST, too_deep
+from jausml.language.semantics.jaus.machines import behaviours
+from jausml.language.semantics.jaus.services import with_inherited
 from jausml.language.semantics.names import DEVICES, is_identifier, package_key, taken
-from jausml.language.semantics.services import with_inherited
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.machines import Behaviour
+    from jausml.language.semantics.jaus.machines import Behaviour
     from jausml.language.semantics.subject import Subject
 
     Named = jaus.NamedElement | ros.NamedElement | bridge.NamedElement | system.NamedElement

@@ -8,7 +8,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from jausml.language.semantics.answers import PRESENCE_VECTOR
+from jausml.language.semantics.jaus.answers import PRESENCE_VECTOR
 from jausml.live.messages import EncodeError, MessageError
 from jausml.live.messages.containers import PRESENCE
 from jausml.live.peers.conformance.check import Check

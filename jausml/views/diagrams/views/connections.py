@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from jausml.language.semantics.ros_paths import ros_name
-from jausml.language.semantics.topics import resolve_topic
+from jausml.language.semantics.connections.topics import resolve_topic
+from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.views.diagrams.graph import JAUS_COLUMN, ROS_COLUMN, Edge, End, Node, Port
 from jausml.views.diagrams.views import exchanges
 from jausml.views.diagrams.views.context import details, name_of, number

@@ -8,8 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from jausml.language.model.keys import Keys
-from jausml.language.model.refs import ref_of
+from jausml.language.model.refs import Keys, ref_of
 from jausml.views.diagrams.graph import Edge, Finding, Group, Node, Port
 
 if TYPE_CHECKING:

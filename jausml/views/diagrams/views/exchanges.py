@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
-from jausml.language.semantics import stops
-from jausml.language.semantics.paths import target_paths
+from jausml.language.semantics.connections import stops
+from jausml.language.semantics.paths.scopes import target_paths
 from jausml.views.diagrams.views.context import number
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import jaus
-from jausml.language.semantics.inherited_machines import CORE_STATES, DEEPEST, machine_with
+from jausml.language.semantics.jaus.inherited_machines import CORE_STATES, DEEPEST, machine_with
 from jausml.views.diagrams.graph import Edge, End, Finding, Graph, Group, Node, Port
 from jausml.views.diagrams.views.building import Builder
 from jausml.views.diagrams.views.context import details, name_of
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from jausml.language.model.model import Model
-    from jausml.language.semantics.inherited_machines import Machine
+    from jausml.language.semantics.jaus.inherited_machines import Machine
     from jausml.views.diagrams.views.context import Context
 
 

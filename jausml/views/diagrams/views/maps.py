@@ -7,8 +7,8 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
-from jausml.language.semantics.paths import COUNTERS, source_paths, target_paths
-from jausml.language.semantics.ros_paths import ros_name
+from jausml.language.semantics.paths.ros_paths import ros_name
+from jausml.language.semantics.paths.scopes import COUNTERS, source_paths, target_paths
 from jausml.views.diagrams.graph import (
     JAUS_COLUMN,
     ROS_COLUMN,

@@ -7,16 +7,16 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import jaus, ros
-from jausml.language.semantics.attributes import UNSTATED, Attribute
-from jausml.language.semantics.jaus_paths import JausPlace, message_place
-from jausml.language.semantics.ros_paths import RosPlace, ros_name
+from jausml.language.semantics.paths.attributes import UNSTATED, Attribute
+from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
+from jausml.language.semantics.paths.ros_paths import RosPlace, ros_name
 from jausml.views.diagrams.graph import Port
 from jausml.views.diagrams.views.context import details, number
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping
 
-    from jausml.language.semantics.attributes import Part
+    from jausml.language.semantics.paths.attributes import Part
     from jausml.views.diagrams.views.context import Context
 
 DEEPEST = 12

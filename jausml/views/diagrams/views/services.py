@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import jaus
-from jausml.language.semantics.services import lineage, query_name
+from jausml.language.semantics.jaus.services import lineage, query_name
 from jausml.views.diagrams.graph import Edge, End, Graph, Group, Node, Port
 from jausml.views.diagrams.views.building import Builder
 from jausml.views.diagrams.views.context import details, name_of

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.metamodel.classes import system as systems
 from jausml.language.semantics.hosts import host_of
-from jausml.language.semantics.ros_paths import ros_name
+from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.views.diagrams.graph import (
     BRIDGE_COLUMN,
     JAUS_COLUMN,

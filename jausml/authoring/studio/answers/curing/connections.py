@@ -11,12 +11,12 @@ from jausml.authoring.studio.answers.curing.found import unset
 from jausml.authoring.studio.answers.shapes import Cure
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.names import name_of
-from jausml.language.semantics.attributes import NUMBER, Attribute
-from jausml.language.semantics.jaus_paths import JausPlace
-from jausml.language.semantics.paths import outer_scope, target_paths
-from jausml.language.semantics.rates import fills_rates_alone
-from jausml.language.semantics.ros_paths import RosPlace
-from jausml.language.semantics.services import find_same, inputs, outputs
+from jausml.language.semantics.assignments.units import fills_rates_alone
+from jausml.language.semantics.jaus.services import find_same, inputs, outputs
+from jausml.language.semantics.paths.attributes import NUMBER, Attribute
+from jausml.language.semantics.paths.jaus_paths import JausPlace
+from jausml.language.semantics.paths.ros_paths import RosPlace
+from jausml.language.semantics.paths.scopes import outer_scope, target_paths
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -13,9 +13,9 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
 from jausml.language.model.words import snake_case
 from jausml.language.semantics.conversions import CONVERSIONS
-from jausml.language.semantics.jaus_paths import JausPlace
-from jausml.language.semantics.paths import place
-from jausml.language.semantics.ros_paths import RosPlace
+from jausml.language.semantics.paths.jaus_paths import JausPlace
+from jausml.language.semantics.paths.ros_paths import RosPlace
+from jausml.language.semantics.paths.scopes import place
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -13,8 +13,8 @@ from jausml.authoring.studio.answers.shapes import Cure
 from jausml.authoring.studio.answers.targets import everywhere
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.names import name_of
+from jausml.language.semantics.connections.topics import topic_fault
 from jausml.language.semantics.names import is_identifier
-from jausml.language.semantics.topics import topic_fault
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

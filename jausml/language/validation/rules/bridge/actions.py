@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.attributes import PathFault
-from jausml.language.semantics.list_drivers import driver_messages, knows_speed, takes
-from jausml.language.semantics.ros_paths import RosPlace, ros_name
-from jausml.language.semantics.services import is_known, lineage, services_of
-from jausml.language.semantics.topics import topic_fault
+from jausml.language.semantics.connections.list_drivers import driver_messages, knows_speed, takes
+from jausml.language.semantics.connections.topics import topic_fault
+from jausml.language.semantics.jaus.services import is_known, lineage, services_of
+from jausml.language.semantics.paths.attributes import PathFault
+from jausml.language.semantics.paths.ros_paths import RosPlace, ros_name
 from jausml.language.validation.rule import Finding, Note, rule
 from jausml.language.validation.rules.jaus.components import provider_name
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.language.metamodel.classes import jaus, ros
-    from jausml.language.semantics.services import Provider
+    from jausml.language.semantics.jaus.services import Provider
     from jausml.language.semantics.subject import Subject
 
 GREATEST_SPEED = 327.67

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.commands import is_command
-from jausml.language.semantics.flows import find_loops, flow_of
-from jausml.language.semantics.layouts import attributes
-from jausml.language.semantics.services import (
+from jausml.language.semantics.connections.exchanges import FEATURES, possible_exchanges
+from jausml.language.semantics.connections.flows import find_loops, flow_of
+from jausml.language.semantics.jaus.commands import is_command
+from jausml.language.semantics.jaus.layouts import attributes
+from jausml.language.semantics.jaus.services import (
     find_input,
     find_output,
     find_query,
     is_known,
     provides_access_control,
 )
-from jausml.language.semantics.ways import FEATURES, possible_ways
 from jausml.language.validation.rule import Finding, Note, rule
 from jausml.language.validation.rules.jaus.components import (
     missing_query,
@@ -29,7 +29,7 @@ from jausml.language.validation.rules.jaus.components import (
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.language.semantics.services import Provider
+    from jausml.language.semantics.jaus.services import Provider
     from jausml.language.semantics.subject import Subject
 
 _ENDS = ("name", "map", "direction", "exchange", "peers", "search", "query", "control")
@@ -247,7 +247,7 @@ def _other_ways(subject: Subject, connection: bridge.Connection) -> str:
     """Returns how to state what the connection can be instead, with what it then does."""
     present = {name: str(getattr(connection, name).name) for name in FEATURES}
     hints = []
-    for way in possible_ways(connection):
+    for way in possible_exchanges(connection):
         wanted = {"direction": way.direction, "exchange": way.exchange}
         other = {name: text for name, text in wanted.items() if text != present[name]}
         if other:

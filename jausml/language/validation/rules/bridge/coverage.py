@@ -7,19 +7,19 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.directions import directions
-from jausml.language.semantics.jaus_paths import JausPlace
-from jausml.language.semantics.paths import parse_path, target_paths
-from jausml.language.semantics.stops import with_constants
+from jausml.language.semantics.connections.stops import with_constants
+from jausml.language.semantics.paths.directions import directions
+from jausml.language.semantics.paths.jaus_paths import JausPlace
+from jausml.language.semantics.paths.scopes import parse_path, target_paths
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.attributes import JausPart
-    from jausml.language.semantics.directions import Direction
-    from jausml.language.semantics.paths import PathPlace, Placed
+    from jausml.language.semantics.paths.attributes import JausPart
+    from jausml.language.semantics.paths.directions import Direction
+    from jausml.language.semantics.paths.scopes import PathPlace, Placed
     from jausml.language.semantics.subject import Subject
 
     Owner = bridge.AttributeMap | bridge.Stop | bridge.ListAssignment | bridge.Connection

@@ -1,20 +1,25 @@
-"""Rules about what a bridge is once it runs: its endpoints in ROS, its parameters."""
+"""Rules about where bridges run, and who may reach them."""
 
 from __future__ import annotations
 
+import ipaddress
+import math
 from collections import defaultdict
 from typing import TYPE_CHECKING
 
-from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes import bridge, system
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.topics import endpoints
+from jausml.language.semantics.connections.topics import endpoints
+from jausml.language.semantics.hosts import host_of
+from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.language.semantics.connections.topics import Endpoint
     from jausml.language.semantics.subject import Subject
-    from jausml.language.semantics.topics import Endpoint
+
 
 PARAMETERS = frozenset(
     {
@@ -116,3 +121,152 @@ def parameter_names(subject: Subject) -> Iterator[Finding]:
         if quantity.name in PARAMETERS:
             message = f"every bridge has a parameter '{quantity.name}'"
             yield Finding(quantity, message, "name", "choose another name")
+
+
+LEAST_RATE = 0.001
+"""Least rate in hertz that a cap can have, as the runtime has it."""
+
+
+@rule("JML477", Severity.ERROR, "allowed host that is none")
+def allowed_hosts(subject: Subject) -> Iterator[Finding]:
+    """An allowed host is an IPv4 address, or a network of such addresses.
+
+    A network is written as its first address and the number of bits that its addresses share.
+
+    Bad: `<allowedHosts>10.0.0.7/24</allowedHosts>`
+
+    Good: `<allowedHosts>10.0.0.0/24</allowedHosts>`
+    """
+    for owner in subject.instances(bridge.Bridge, needs=("name", "allowedHosts")):
+        for text in owner.allowedHosts:
+            fault = _fault(text)
+            if fault:
+                message = f"allowedHosts {text!a} of '{owner.name}' {fault}"
+                yield Finding(owner, message, "allowedHosts")
+
+
+def _fault(text: str) -> str:
+    try:
+        ipaddress.IPv4Network(text)
+    except ValueError:
+        pass
+    else:
+        return ""
+    try:
+        meant = ipaddress.IPv4Network(text, strict=False)
+    except ValueError:
+        return "is no IPv4 address and no network"
+    return f"is an address within the network {meant}, not the network"
+
+
+@rule("JML478", Severity.WARNING, "sources that nobody looks at")
+def sources_known(subject: Subject) -> Iterator[Finding]:
+    """A bridge that says where messages may come from speaks JAUS over UDP or TCP itself.
+
+    A node manager does not pass on where a message comes from.
+
+    Bad: a bridge with `fixedSources="true"` on a host with `transport="nodeManager"`
+
+    Good: the same host with `transport="judp"`
+    """
+    for whole in subject.instances(system.System):
+        for owner in whole.bridges:
+            host = host_of(whole, owner)
+            if host is None or host.transport.name != "nodeManager":
+                continue
+            note = Note(host, f"'{host.name}' has nodeManager")
+            for feature in ("allowedHosts", "fixedSources"):
+                if getattr(owner, feature):
+                    message = f"{feature} of '{owner.name}' has no effect behind a node manager"
+                    yield Finding(owner, message, feature, related=(note,))
+
+
+@rule("JML479", Severity.INFO, "command of anybody in control")
+def commanders_known(subject: Subject) -> Iterator[Finding]:
+    """A model states who may command the ROS side.
+
+    JAUS has no authentication: the first component that requests control of the bridge gets it, or
+    one with a higher authority, and may then send any command that the bridge accepts. `peers` or
+    `search` of the connection restrict the components, and `allowedHosts` of the bridge the hosts.
+    A documentation of the connection that says why anybody may command also silences the rule.
+
+    Bad: a connection from SetWrenchEffort to a topic, without peers
+
+    Good: the same with `peers="operator"`
+    """
+    needs = ("name", "direction", "exchange", "map", "peers", "search", "documentation")
+    for connection in subject.instances(bridge.Connection, needs=needs):
+        owner = connection.eContainer()
+        used = connection.map
+        if (
+            isinstance(owner, bridge.Bridge)
+            and connection.direction.name == "jausToRos"
+            and connection.exchange.name == "message"
+            and not (connection.peers or connection.search or connection.documentation)
+            and not owner.allowedHosts
+            and used is not None
+            and used.message is not None
+            and is_command(used.message)
+        ):
+            message = f"'{connection.name}' takes {used.message.name} of anybody in control"
+            yield Finding(connection, message, "peers", "name peers, or allowedHosts of the bridge")
+
+
+@rule("JML480", Severity.ERROR, "cap of what one source sends")
+def rate_caps(subject: Subject) -> Iterator[Finding]:
+    """A rateCap is 0 or at least 0.001 Hz, and is for unrequested messages.
+
+    The rate of the event or of the query determines how many reports come; for messages from ROS,
+    the bridge cannot distinguish the sources.
+
+    Bad: `direction="rosToJaus" rateCap="100"`
+
+    Good: `direction="jausToRos" exchange="message" rateCap="100"`
+    """
+    needs = ("name", "direction", "exchange", "rateCap")
+    for each in subject.instances(bridge.Connection, needs=needs):
+        if each.rateCap == 0:
+            continue
+        if not (math.isfinite(each.rateCap) and each.rateCap >= LEAST_RATE):
+            message = f"rateCap {each.rateCap:g} of '{each.name}' is neither 0 nor"
+            yield Finding(each, f"{message} {LEAST_RATE:g} or more", "rateCap")
+        if (each.direction.name, each.exchange.name) != ("jausToRos", "message"):
+            message = f"'{each.name}' takes nothing unasked that a rateCap could be for"
+            yield Finding(each, message, "rateCap", "state a maxRate")
+
+
+_BUDGETS: dict[str, tuple[float, float]] = {
+    "amplificationLimit": (3, 1000),
+    "maxPeers": (16, 65535),
+    "maxConnections": (4, 4096),
+    "idleTimeout": (1, 86400),
+    "maxEvents": (1, 255),
+    "eventRateBudget": (1, 278460),
+}
+"""Ranges of what strangers get, as the runtime has them."""
+
+_NO_LIMIT = ("amplificationLimit", "idleTimeout")
+"""Budgets for which 0 means that there is none."""
+
+
+@rule("JML489", Severity.ERROR, "budget out of range")
+def budgets(subject: Subject) -> Iterator[Finding]:
+    """What a bridge lends to strangers leaves room for those that it is for.
+
+    amplificationLimit is 0 or 3..1000: with less, a peer could not even be asked for a proof.
+    idleTimeout is 0 or 1..86400 s, maxPeers 16..65535, maxConnections 4..4096, maxEvents 1..255,
+    and eventRateBudget 1..278460 reports a second.
+
+    Bad: `amplificationLimit="1"`
+
+    Good: `amplificationLimit="3"`
+    """
+    for owner in subject.instances(bridge.Bridge, needs=("name",)):
+        for name, (lower, upper) in _BUDGETS.items():
+            value = getattr(owner, name)
+            if lower <= value <= upper or (name in _NO_LIMIT and value == 0):
+                continue
+            allowed = f"{lower}..{upper}"
+            allowed = f"0 or {allowed}" if name in _NO_LIMIT else allowed
+            message = f"{name} {value:g} of '{owner.name}' is not in {allowed}"
+            yield Finding(owner, message, name)

@@ -6,21 +6,29 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics import frames
+from jausml.language.semantics.assignments import frames
+from jausml.language.semantics.assignments.frames import (
+    BODY,
+    EARTH,
+    FAMILIES,
+    IS_DOWN,
+    LOCAL,
+    Axis,
+    Passage,
+)
+from jausml.language.semantics.assignments.steps import steps_of
+from jausml.language.semantics.assignments.units import attribute_measure, units_clash
+from jausml.language.semantics.conversions.conversion import DOWN, ENU, NED, UP
 from jausml.language.semantics.conversions.numbers import Negate
-from jausml.language.semantics.directions import directions
-from jausml.language.semantics.frame_names import DOWN, ENU, NED, UP
-from jausml.language.semantics.frames import BODY, EARTH, FAMILIES, IS_DOWN, LOCAL, Axis, Passage
-from jausml.language.semantics.steps import steps_of
-from jausml.language.semantics.units import attribute_measure, units_clash
+from jausml.language.semantics.paths.directions import directions
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from jausml.language.semantics.attributes import Found
     from jausml.language.semantics.conversions import Conversion
-    from jausml.language.semantics.paths import Placed
+    from jausml.language.semantics.paths.attributes import Found
+    from jausml.language.semantics.paths.scopes import Placed
     from jausml.language.semantics.subject import Subject
 
 _OPPOSITE = "have opposite signs"

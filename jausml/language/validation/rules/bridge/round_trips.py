@@ -8,21 +8,20 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.attributes import NUMBER, Attribute
-from jausml.language.semantics.conversions import UnitEffect, conversion_of
+from jausml.language.semantics.assignments.ranges import sent_through, source_range
+from jausml.language.semantics.assignments.units import units_clash
+from jausml.language.semantics.conversions import Effect, NoValueError, UnitEffect, conversion_of
 from jausml.language.semantics.conversions.numbers import Square, SquareRoot
-from jausml.language.semantics.directions import directions
-from jausml.language.semantics.ranges import source_range
-from jausml.language.semantics.samples import NoValueError, sent_through
-from jausml.language.semantics.units import units_clash
+from jausml.language.semantics.paths.attributes import NUMBER, Attribute
+from jausml.language.semantics.paths.directions import directions
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from jausml.language.semantics.attributes import Found
-    from jausml.language.semantics.directions import Direction
-    from jausml.language.semantics.paths import Placed
+    from jausml.language.semantics.paths.attributes import Found
+    from jausml.language.semantics.paths.directions import Direction
+    from jausml.language.semantics.paths.scopes import Placed
     from jausml.language.semantics.subject import Subject
 
 # Where a field has no range, numbers of everyday size tell a wrong factor or sign.
@@ -228,7 +227,10 @@ def _square_findings(
     placed: Placed[bridge.FieldAssignment], source: tuple[str, Found], target: tuple[str, Found]
 ) -> Iterator[Finding]:
     conversions = placed.assignment.conversions
-    if not all(conversion_of(each).keeps_quantity for each in conversions) or units_clash(placed):
+    # A standard deviation that is made something else is no variance by mistake.
+    if any(conversion_of(each).effect is Effect.OTHER for each in conversions):
+        return
+    if units_clash(placed):
         return
     if _is_deviation(source[1]) and _matrix_size(target[1]):
         message = f"'{source[0]}' is a root mean square, but '{target[0]}' is a variance"

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics import stops
-from jausml.language.semantics.freshness import holds_state, is_report
+from jausml.language.semantics.connections import stops
+from jausml.language.semantics.connections.freshness import holds_state, is_report
+from jausml.language.semantics.paths.directions import sound_connections
 from jausml.language.validation.rule import Finding, rule
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ def queries_unshaped(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with `rate="5"` alone
     """
-    for each in _sound_connections(subject):
+    for each in sound_connections(subject):
         if each.exchange.name != "query" or each.direction.name != "jausToRos":
             continue
         for feature, is_said in (
@@ -74,7 +75,7 @@ def rates_reached(subject: Subject) -> Iterator[Finding]:
 
     Good: `exchange="periodicEvent" rate="10"`
     """
-    for each in _sound_connections(subject):
+    for each in sound_connections(subject):
         owner = each.eContainer()
         if each.exchange.name != "periodicEvent" or each.direction.name != "jausToRos":
             continue
@@ -98,7 +99,7 @@ def last_words_kept(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with `maxRate="5"`
     """
-    for each in _sound_connections(subject):
+    for each in sound_connections(subject):
         changes = each.exchange.name == "everyChangeEvent" and each.direction.name == "jausToRos"
         is_command = stops.is_command(each)
         is_state = changes or (is_report(each) and holds_state(each)) or _is_latched(each)
@@ -115,11 +116,3 @@ def _is_latched(connection: bridge.Connection) -> bool:
         each.join is None and each.qos is not None and each.qos.durability.name != "volatile"
         for each in connection.topics
     )
-
-
-def _sound_connections(subject: Subject) -> list[bridge.Connection]:
-    return [
-        each
-        for each in subject.instances(bridge.Connection)
-        if each.map is not None and subject.is_intact(each.map.message, each.map.type)
-    ]

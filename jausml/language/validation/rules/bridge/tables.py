@@ -6,19 +6,25 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.attributes import BOOL, NUMBER, TEXT, Attribute
 from jausml.language.semantics.conversions.authored import LookUp
-from jausml.language.semantics.directions import directions
-from jausml.language.semantics.named_values import compared, named_values, table_text
-from jausml.language.semantics.values import constant_fault, is_real
+from jausml.language.semantics.paths.attributes import (
+    BOOL,
+    NUMBER,
+    TEXT,
+    Attribute,
+    constant_fault,
+    is_real,
+)
+from jausml.language.semantics.paths.directions import directions
+from jausml.language.semantics.paths.named_values import compared, named_values, table_text
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.named_values import Comparison
-    from jausml.language.semantics.paths import Placed
+    from jausml.language.semantics.paths.named_values import Comparison
+    from jausml.language.semantics.paths.scopes import Placed
     from jausml.language.semantics.subject import Subject
 
 _VALUES = (NUMBER, BOOL, TEXT)

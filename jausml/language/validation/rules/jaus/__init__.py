@@ -1,13 +1,5 @@
 """Rules about JAUS components, services, messages and state machines."""
 
-from jausml.language.validation.rules.jaus import (
-    components,
-    control,
-    machines,
-    messages,
-    places,
-    searches,
-    services,
-)
+from jausml.language.validation.rules.jaus import components, control, machines, messages, searches
 
-MODULES = (components, control, machines, messages, places, searches, services)
+MODULES = (components, control, machines, messages, searches)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.commands import needs_control
-from jausml.language.semantics.services import (
+from jausml.language.semantics.jaus.commands import needs_control
+from jausml.language.semantics.jaus.services import (
     find_output,
     find_query,
     is_known,
@@ -22,7 +22,7 @@ from jausml.language.validation.rule import Finding, Note, rule
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.language.semantics.services import Provider
+    from jausml.language.semantics.jaus.services import Provider
     from jausml.language.semantics.subject import Subject
 
     AnyConnection = jaus.ServiceConnection | bridge.Connection
@@ -283,13 +283,7 @@ def provider_name(provider: Provider) -> str:
 def missing_query(
     connection: AnyConnection, message: jaus.MessageDef, provider: Provider
 ) -> Finding:
-    """Returns the finding about a connection whose provider takes no query for the report.
-
-    Args:
-        connection: The connection.
-        message: The report.
-        provider: Who should take the query.
-    """
+    """Returns the finding about a connection whose provider takes no query for the report."""
     query = connection.query
     wanted = query.name if query is not None else query_name(message)
     note = (Note(provider, provider_name(provider)),)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from jausml.language.attributes.guards import Guard, GuardError, conditions, parse_guard
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.core_services import CORE, SERVED_BY_RUNTIME
-from jausml.language.semantics.inherited_machines import (
+from jausml.language.semantics.jaus.core_services import CORE, SERVED_BY_RUNTIME
+from jausml.language.semantics.jaus.inherited_machines import (
     CORE_EVENTS,
     CORE_MACHINE,
     CORE_STATES,
@@ -17,13 +17,18 @@ from jausml.language.semantics.inherited_machines import (
     core_leaf,
     event_name,
 )
-from jausml.language.semantics.machines import (
+from jausml.language.semantics.jaus.machines import (
     Behaviour,
     behaviours,
     described,
     trigger,
 )
-from jausml.language.semantics.services import ACCESS_CONTROL, find_same, lineage, with_inherited
+from jausml.language.semantics.jaus.services import (
+    ACCESS_CONTROL,
+    find_same,
+    lineage,
+    with_inherited,
+)
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:

@@ -9,22 +9,26 @@ from collections import defaultdict
 from typing import TYPE_CHECKING
 
 from jausml.language.interfaces.definitions import TEXTS, FieldType
-from jausml.language.interfaces.values import ValueTextError, write_value
+from jausml.language.interfaces.literals import ValueTextError, write_value
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.diagnostics import Severity
 from jausml.language.model.values import show
-from jausml.language.semantics.attributes import primitive
-from jausml.language.semantics.names import DEVICES
-from jausml.language.semantics.ros_paths import ros_name
-from jausml.language.semantics.topics import (
+from jausml.language.semantics.connections.topics import (
     Endpoint,
     endpoints,
     is_latched,
     namespace_fault,
     topic_fault,
 )
+from jausml.language.semantics.names import DEVICES
+from jausml.language.semantics.paths.attributes import (
+    constant_fault,
+    is_integer,
+    is_real,
+    primitive,
+)
+from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.semantics.type_extents import excesses
-from jausml.language.semantics.values import constant_fault, is_integer, is_real
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from jausml.language.validation.formats.suites import Case, Suite, junit_document
+from jausml.language.validation.formats.junit import Case, Suite, junit_document
 from jausml.live.peers.conformance.formats.text import evidence_lines
 from jausml.live.peers.conformance.verdicts import Verdict
 

@@ -1,0 +1,177 @@
+"""Axes: the direction that a number has in its frame, and what conversions make of it.
+
+Body, local and earth axes are three families. Within one, each frame has the same directions, some
+of them with the opposite sign: left of forward-left-up is right of forward-right-down. Between
+east-north-up and north-east-down x and y change places, and angles about z have another zero.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from jausml.language.semantics.assignments.units import attribute_measure
+from jausml.language.semantics.conversions import CONVERSIONS, Conversion
+from jausml.language.semantics.conversions.conversion import DOWN, ENU, FLU, FRD, NED, UP
+from jausml.language.semantics.paths.attributes import NUMBER, UNSTATED, Attribute
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from jausml.language.semantics.assignments.steps import Step
+
+BODY, LOCAL, EARTH = "body", "local", "earth"
+
+FAMILIES = {FLU: BODY, FRD: BODY, UP: LOCAL, DOWN: LOCAL, ENU: EARTH, NED: EARTH}
+IS_DOWN = {FLU: False, FRD: True, UP: False, DOWN: True, ENU: False, NED: True}
+
+_AXES = {
+    **dict.fromkeys(("x", "roll"), "x"),
+    **dict.fromkeys(("y", "pitch"), "y"),
+    **dict.fromkeys(("z", "yaw", "heading", "bearing"), "z"),
+}
+_ANGLES = frozenset({"roll", "pitch", "yaw", "heading", "bearing"})
+_NOT_ANGLES = frozenset({"rate", "velocity", "acceleration", "effort", "torque"})
+_WITHOUT_SIGN = frozenset({"rms", "variance", "covariance", "tolerance", "error", "limit"})
+_RADIANS = (("rad", Fraction(1)),)
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """The direction of a number.
+
+    Attributes:
+        name: `x`, `y` or `z`; empty for a whole orientation.
+        is_angle: Whether it is an angle about the axis, and no rate or length.
+        sign: 1 or -1: what conversions made of its sign.
+    """
+
+    frame: str
+    name: str
+    is_angle: bool
+    sign: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Passage:
+    """The way of axes through an assignment, from its sources to its targets.
+
+    Attributes:
+        sources: Axes of the sources, None where nothing is known.
+        conversion: The conversion between frames on the way, None when there is none.
+        sign: What the other conversions make of the sign; None when nothing is known of it.
+    """
+
+    sources: tuple[Axis | None, ...]
+    conversion: Conversion | None
+    sign: int | None
+
+
+def axis_of(attribute: Attribute) -> Axis | None:
+    """Returns the axis of a number, or of the angles that a quaternion stands for."""
+    if attribute.frame not in FAMILIES:
+        return None
+    if attribute.kind == "geometry_msgs/Quaternion":
+        return Axis(attribute.frame, "", is_angle=True)
+    owner = attribute.field.eContainer() if attribute.field is not None else None
+    if getattr(owner, "name", None) == "Quaternion":
+        return None
+    words = _words(attribute.label)
+    name = _axis_name(words)
+    if not name:
+        return None
+    return Axis(attribute.frame, name, is_angle=_is_angle(attribute, words))
+
+
+def passage(steps: Iterable[Step], sources: Iterable[Attribute]) -> Passage | None:
+    """Returns what becomes of the axes of sources; None when a conversion hides it."""
+    axes = tuple(axis_of(each) for each in sources)
+    between, sign = None, 1
+    for step in steps:
+        if step.conversion.frames:
+            if between is not None:
+                return None
+            between = step.conversion
+            continue
+        factor = step.sign
+        if factor is None:
+            return None
+        sign *= factor
+    return Passage(axes, between, sign)
+
+
+def of_other_frames(conversion: Conversion) -> Conversion | None:
+    """Returns what does the same as a conversion between two frames between two others."""
+    found = (
+        each
+        for each in CONVERSIONS.values()
+        if each is not conversion
+        and each.frames
+        and IS_DOWN[each.frames[0]] == IS_DOWN[conversion.frames[0]]
+        and _shape(each) == _shape(conversion)
+    )
+    return next(found, None)
+
+
+def of_an_angle(taken: str, given: str) -> Conversion | None:
+    """Returns the conversion of an angle from one frame to another."""
+    found = (
+        each
+        for each in CONVERSIONS.values()
+        if each.frames == (taken, given) and each.inputs == each.outputs == (NUMBER,)
+    )
+    return next(found, None)
+
+
+def _shape(conversion: Conversion) -> tuple[tuple[str, ...], ...]:
+    return (
+        conversion.inputs,
+        conversion.outputs,
+        conversion.takes_axes,
+        conversion.gives_axes,
+    )
+
+
+def direction(axis: Axis) -> tuple[str, int]:
+    """Returns the direction of an axis within its family, and its sign there."""
+    if FAMILIES[axis.frame] == EARTH and not axis.is_angle and axis.name != "z":
+        is_east = (axis.name == "x") == (axis.frame == ENU)
+        return ("east" if is_east else "north"), axis.sign
+    turned = IS_DOWN[axis.frame] and axis.name != "x"
+    return axis.name, -axis.sign if turned else axis.sign
+
+
+def with_sign(axis: Axis, sign: int) -> Axis:
+    """Returns an axis after conversions of its number."""
+    return replace(axis, sign=axis.sign * sign)
+
+
+def is_stated(frame: str) -> bool:
+    """Tells whether a frame says anything."""
+    return frame not in ("", UNSTATED)
+
+
+@lru_cache(maxsize=1024)
+def _words(label: str) -> tuple[str, ...]:
+    parts = re.findall("[A-Z]+(?![a-z])|[A-Z][a-z]*|[a-z]+|[0-9]+", label)
+    return tuple(each.lower() for each in parts)
+
+
+@lru_cache(maxsize=1024)
+def _axis_name(words: tuple[str, ...]) -> str:
+    if not words or not _WITHOUT_SIGN.isdisjoint(words):
+        return ""
+    turning = [each for each in words if each in _ANGLES]
+    if turning:
+        return _AXES[turning[0]]
+    return words[-1] if words[-1] in ("x", "y", "z") else ""
+
+
+def _is_angle(attribute: Attribute, words: tuple[str, ...]) -> bool:
+    known = attribute_measure(attribute)
+    if known is not None:
+        return known.unit.dimension == _RADIANS
+    return not _ANGLES.isdisjoint(words) and _NOT_ANGLES.isdisjoint(words)

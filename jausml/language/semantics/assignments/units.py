@@ -1,0 +1,250 @@
+"""Units along assignments, and rates: quantities, such as velocities, that zero stops."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from jausml.language.attributes.units import Unit, UnitError, conversion_between, parse_unit
+from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics.conversions import UnitEffect, conversion_of
+from jausml.language.semantics.conversions.conversion import OWN
+from jausml.language.semantics.conversions.numbers import Linear, Scale
+from jausml.language.semantics.memory import remembered
+from jausml.language.semantics.paths.attributes import (
+    BOOL,
+    NUMBER,
+    NUMBERS,
+    TEXT,
+    TIME,
+    TIME_STAMP,
+    Attribute,
+)
+from jausml.language.semantics.paths.jaus_paths import JausPlace
+from jausml.language.semantics.paths.ros_paths import RosPlace
+from jausml.language.semantics.paths.scopes import outer_scope, place, source_paths, target_paths
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.semantics.paths.attributes import Found
+    from jausml.language.semantics.paths.scopes import Placed
+
+
+_NUMERIC = (NUMBER, NUMBERS)
+_OF_ONE_UNIT = (UnitEffect.SAME, UnitEffect.SQUARE, UnitEffect.ROOT)
+
+
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """A unit that is known."""
+
+    text: str
+    unit: Unit
+
+
+@dataclass(frozen=True, slots=True)
+class UnitFault:
+    """Units of an assignment that do not go together."""
+
+    element: EObject
+    message: str
+    hint: str = ""
+
+
+def measure(text: str) -> Measure | None:
+    """Returns the unit that a text names, None when it names none or is empty."""
+    unit = _unit(text)
+    return Measure(text, unit) if unit is not None else None
+
+
+def unit_step(
+    attribute_map: bridge.AttributeMap, assignment: bridge.FieldAssignment, *, to_ros: bool
+) -> tuple[float, float] | None:
+    """Returns what turns the result of the conversions into the unit of the target.
+
+    Returns:
+        Factor and offset; None when nothing is to be done, because the units are the same or one
+        of them is not known.
+    """
+    placed = place(attribute_map, assignment, to_ros=to_ros)
+    return result_step(placed) if placed is not None else None
+
+
+def result_step(placed: Placed[bridge.FieldAssignment]) -> tuple[float, float] | None:
+    """Returns what `unit_step` does, of an assignment with its places."""
+    result = result_measure(placed)
+    if not isinstance(result, Measure):
+        return None
+    for _, found in placed.targets:
+        wanted = attribute_measure(found)
+        if wanted is None or not wanted.unit.is_compatible(result.unit):
+            continue
+        step = conversion_between(result.unit, wanted.unit)
+        return step if step != (1.0, 0.0) else None
+    return None
+
+
+@remembered
+def result_measure(placed: Placed[bridge.FieldAssignment]) -> Measure | UnitFault | None:
+    """Returns the unit in which the last conversion of an assignment yields its result.
+
+    Returns:
+        None when nothing is known, a fault when a conversion cannot take what it gets.
+    """
+    measures = [attribute_measure(found) for _, found in placed.sources]
+    fault = _source_fault(placed, [each for each in measures if each is not None])
+    if fault is not None:
+        return fault
+    current = _common(measures)
+    for conversion in placed.assignment.conversions:
+        following = _converted(conversion, current)
+        if following is None or isinstance(following, Measure):
+            current = following
+        else:
+            return following
+    return current
+
+
+@remembered
+def units_clash(placed: Placed[bridge.FieldAssignment]) -> bool:
+    """Tells whether an assignment makes one thing of another, so that axes and ranges are lost."""
+    result = result_measure(placed)
+    if not isinstance(result, Measure):
+        return result is not None
+    wanted = [attribute_measure(found) for _, found in placed.targets]
+    return any(each is not None and not each.unit.is_compatible(result.unit) for each in wanted)
+
+
+def attribute_measure(found: Found) -> Measure | None:
+    """Returns the unit of what a path leads to, when it is a number with a known one."""
+    if isinstance(found, Attribute) and found.kind in _NUMERIC:
+        return measure(found.units)
+    return None
+
+
+def _source_fault(placed: Placed[bridge.FieldAssignment], known: list[Measure]) -> UnitFault | None:
+    """What is wrong with several sources, which a conversion takes in one unit."""
+    first = next(iter(placed.assignment.conversions), None)
+    if first is None or len(placed.sources) < 2:
+        return None
+    effect = conversion_of(first).units
+    if isinstance(effect, tuple):
+        results = (_between(first, each, *effect) for each in known)
+        faults = (each for each in results if isinstance(each, UnitFault))
+        return next((UnitFault(first, each.message) for each in faults), None)
+    if effect in _OF_ONE_UNIT and len({each.unit for each in known}) > 1:
+        units = " and ".join(dict.fromkeys(each.text for each in known))
+        return UnitFault(first, f"{first.kind.name} takes one unit, but gets {units}")
+    return None
+
+
+def _common(measures: list[Measure | None]) -> Measure | None:
+    """The unit of several sources, when all have the same."""
+    first = measures[0] if measures else None
+    same = first is not None and all(each and each.unit == first.unit for each in measures)
+    return first if same else None
+
+
+def _converted(
+    conversion: bridge.Conversion, current: Measure | None
+) -> Measure | UnitFault | None:
+    effect = conversion_of(conversion).units
+    if isinstance(effect, tuple):
+        return _between(conversion, current, *effect)
+    if effect is UnitEffect.STATED:
+        return measure(conversion.units or "")
+    if current is None or effect not in _OF_ONE_UNIT:
+        return None
+    if effect is UnitEffect.SQUARE:
+        return Measure(f"({current.text})^2", current.unit.squared())
+    if effect is UnitEffect.ROOT:
+        return Measure(f"square root of {current.text}", current.unit.root())
+    return current
+
+
+def _between(
+    conversion: bridge.Conversion, current: Measure | None, taken: str, given: str
+) -> Measure | UnitFault | None:
+    """The result of a conversion that takes one unit and gives another."""
+    quantity = conversion.quantity
+    own = measure(quantity.units or "") if quantity is not None else None
+    wanted = own if taken == OWN else measure(taken)
+    if current is not None and wanted is not None and current.unit != wanted.unit:
+        return _unexpected(conversion, current, wanted)
+    if given == OWN:
+        return current if own is None and taken == OWN else own
+    return measure(given)
+
+
+def _unexpected(conversion: bridge.Conversion, current: Measure, wanted: Measure) -> UnitFault:
+    name = conversion.kind.name
+    if conversion.quantity is not None and wanted.text == conversion.quantity.units:
+        message = f"{name} compares {current.text} with '{conversion.quantity.name}' in"
+        message += f" {wanted.text}"
+        return UnitFault(conversion, message, f"state the quantity in {current.text}")
+    message = f"{name} takes {wanted.text}, but gets {current.text}"
+    if not current.unit.is_compatible(wanted.unit):
+        return UnitFault(conversion, message)
+    factor, offset = conversion_between(current.unit, wanted.unit)
+    step = f"{Linear.name}({factor:.17g}, {offset:.17g})"
+    step = step if offset else f"{Scale.name}({factor:.17g})"
+    return UnitFault(conversion, message, f"convert it before, by {step}")
+
+
+@lru_cache(maxsize=1024)
+def _unit(text: str) -> Unit | None:
+    try:
+        return parse_unit(text) if text else None
+    except UnitError:
+        return None
+
+
+_WITHOUT_NUMBERS = (BOOL, TEXT, TIME, TIME_STAMP)
+
+
+def fills_rates_alone(used: bridge.AttributeMap, *, to_ros: bool) -> bool:
+    """Tells whether each number that a map fills is a rate, so that zeros stop what it commands.
+
+    A map that fills a number of unknown unit, or none, does not.
+    """
+    found = list(_units(used, to_ros=to_ros))
+    return bool(found) and all(each is not None and is_rate(each) for each in found)
+
+
+def is_rate(unit: Unit) -> bool:
+    """Tells whether a unit is that of a change in time: m/s, rad/s, and 1/s."""
+    return dict(unit.dimension).get("s") == Fraction(-1)
+
+
+def _units(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[Unit | None]:
+    """Yields the unit of each number that is filled: that of the target, else of its source.
+
+    Of lists, and of wholes of numbers such as an orientation, it is none.
+    """
+    scope = outer_scope(used, to_ros=to_ros)
+    for each in used.toRos if to_ros else used.toJaus:
+        if isinstance(each, bridge.ListAssignment):
+            yield None
+        if not isinstance(each, bridge.FieldAssignment):
+            continue
+        sources = [scope.find_source(path) for path in source_paths(each)]
+        known = next(filter(None, (_known_unit(_attribute(place)) for place in sources)), None)
+        for path in target_paths(each):
+            found = _attribute(scope.find_target(path))
+            if found is None or found.kind not in (*_NUMERIC, *_WITHOUT_NUMBERS):
+                yield None
+            elif found.kind in _NUMERIC:
+                yield _known_unit(found) or known
+
+
+def _attribute(place: object) -> Attribute | None:
+    return place.attribute() if isinstance(place, JausPlace | RosPlace) else None
+
+
+def _known_unit(found: Attribute | None) -> Unit | None:
+    known = measure(found.units) if found is not None else None
+    return known.unit if known is not None else None

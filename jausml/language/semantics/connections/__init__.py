@@ -1,0 +1,1 @@
+"""What connections carry, to whom, how often, and what stops them."""

@@ -1,0 +1,116 @@
+"""Joined reports: where those of a connection from JAUS to ROS come from."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics.jaus.services import find_input, inputs, query_name
+from jausml.language.semantics.paths.scopes import source_paths
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from jausml.language.metamodel.classes import jaus
+    from jausml.language.semantics.jaus.services import Provider
+
+
+@dataclass(frozen=True)
+class JoinedReport:
+    """A joined report of a connection."""
+
+    connection: bridge.Connection
+    join: bridge.ReportJoin
+    source: bridge.ReportSource | None
+
+    @property
+    def exchange(self) -> str:
+        """Literal of Exchange."""
+        return "periodicEvent" if self.source is None else str(self.source.exchange.name)
+
+    @property
+    def has_own_peers(self) -> bool:
+        """Whether the connection states for it who sends it."""
+        return self.source is not None and bool(self.source.peers)
+
+    @property
+    def peers(self) -> list[Provider]:
+        """Who sends it: those that are named, or whatever the connection searches for."""
+        if self.source is not None and self.source.peers:
+            return list(self.source.peers)
+        found: list[Provider] = list(self.connection.peers)
+        search = self.connection.search
+        return found if search is None else [*found, search]
+
+    @property
+    def rate(self) -> float:
+        """Reports each second that are asked for; 0 when nothing is, or every change."""
+        if self.exchange not in {"periodicEvent", "query"}:
+            return 0.0
+        own = self.source.rate if self.source is not None else 0.0
+        owner = self.connection.eContainer()
+        frequency = owner.frequency if owner is not None else 0.0
+        return float(own or self.connection.rate or frequency)
+
+    @property
+    def stated_query(self) -> jaus.MessageDef | None:
+        """The query that the connection states."""
+        return self.source.query if self.source is not None else None
+
+    def query_of(self, provider: Provider) -> jaus.MessageDef | None:
+        """Returns the query among the inputs of who is asked; None when it takes none."""
+        if self.stated_query is not None:
+            return find_input(self.stated_query, provider)
+        wanted = query_name(self.join.message)
+        return next((each for each in inputs(provider) if each.name == wanted), None)
+
+
+def joined_reports(connection: bridge.Connection) -> list[JoinedReport]:
+    """Returns the joined reports of a connection; none from ROS to JAUS."""
+    if connection.direction.name != "jausToRos":
+        return []
+    stated = {each.join: each for each in reversed(connection.sources)}
+    return [JoinedReport(connection, join, stated.get(join)) for join in connection.map.reportJoins]
+
+
+def report_join_of(
+    path: str, joins: Iterable[bridge.ReportJoin]
+) -> tuple[bridge.ReportJoin | None, str]:
+    """Returns the join that a source path starts with, and the rest of the path.
+
+    Returns:
+        None and the path when it starts with none; `.` is the whole report.
+    """
+    first, _, rest = path.lstrip("/").partition(".")
+    join = next((each for each in joins if each.name == first), None)
+    return (None, path) if join is None else (join, rest or ".")
+
+
+def requested_fields(owner: bridge.Bridge) -> Mapping[jaus.MessageDef, frozenset[str]]:
+    """Returns by report the fields that some connection of a bridge reads."""
+    incoming = (c.map for c in owner.bridgeConnections if c.direction.name == "jausToRos")
+    fields: dict[jaus.MessageDef, set[str]] = defaultdict(set)
+    for each in dict.fromkeys(incoming):
+        for path in _read_paths(each.toRos):
+            join, rest = report_join_of(path, each.reportJoins)
+            message = each.message if join is None else join.message
+            fields[message].add(rest.split(".")[0].partition("[")[0])
+    return {message: frozenset(names) for message, names in fields.items()}
+
+
+def requested_in(used: bridge.AttributeMap | None) -> frozenset[str]:
+    """Returns the fields of its message that a map reads; none without a map."""
+    paths = () if used is None else _read_paths(used.toRos)
+    return frozenset(path.split(".")[0].partition("[")[0] for path in paths)
+
+
+def _read_paths(assignments: Iterable[bridge.Assignment]) -> Iterator[str]:
+    """Yields the source paths that start at the message, those in lists included."""
+    for assignment in assignments:
+        yield from source_paths(assignment)
+        nested = assignment.assignments if isinstance(assignment, bridge.ListAssignment) else ()
+        for inner in _read_paths(nested):
+            if inner.startswith("/"):
+                yield inner[1:]

@@ -1,0 +1,116 @@
+"""Stops: what a connection sends when the source of a command is lost, or why nothing."""
+
+from __future__ import annotations
+
+import re
+from difflib import SequenceMatcher
+from typing import TYPE_CHECKING
+
+from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics.jaus import commands
+from jausml.language.semantics.paths.scopes import parse_path, target_paths
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+SILENCE_TIMEOUT = 1.0
+"""Seconds of silence that a command with a safe value stands when nobody says how long.
+
+Whoever steers repeats the command several times a second; one second forgives a few lost datagrams,
+and in it a vehicle at walking pace goes little more than a metre.
+"""
+
+
+TOOL_REASON = "it stands until the next one see that something stops the vehicle on its way"
+"""What tools once wrote as a reason, without punctuation: nobody has decided anything."""
+
+_ALIKE = 0.8
+"""From which likeness on, of 1 for the same words, a text is taken for an edited copy of another.
+
+A sentence of another cause that shares its form, such as that of a waypoint which SetTravelSpeed
+stops, has 0.76; one word replaced leaves 0.93.
+"""
+
+
+def is_reason(text: str) -> bool:
+    """Tells whether a text can be the reason of a person why a last command may stand.
+
+    Args:
+        text: The text. What tools have written is none, nor are some of its words, or nearly all.
+    """
+    own, of_tool = re.findall(r"\w+", text.casefold()), TOOL_REASON.split()
+    likeness = SequenceMatcher(None, own, of_tool, autojunk=False).ratio()
+    return not {*own} <= {*of_tool} and likeness < _ALIKE
+
+
+def is_command(connection: bridge.Connection) -> bool:
+    """Tells whether a connection carries commands, which set something in motion."""
+    return connection.exchange.name == "message" and commands.is_command(connection.map.message)
+
+
+def holds(connection: bridge.Connection) -> bool:
+    """Tells whether the last command stands when its source is lost, for a reason.
+
+    What sets nothing in motion may stand: its definition says so, nobody has to decide it.
+    """
+    if connection.onSilence.name == "hold":
+        return True
+    has_stop = connection.safeValue or stop_of_map(connection) is not None
+    return not has_stop and not connection.map.message.moves
+
+
+def hold_reason(connection: bridge.Connection) -> str:
+    """Returns why the last command may stand; empty when nobody says it."""
+    message = connection.map.message
+    return connection.holdReason or ("" if message.moves else f"{message.name} moves nothing")
+
+
+def stop_of_map(connection: bridge.Connection) -> bridge.Stop | None:
+    """Returns the stop of the map for the direction of a connection."""
+    used = connection.map
+    return used.stopRos if connection.direction.name == "jausToRos" else used.stopJaus
+
+
+def has_stop(connection: bridge.Connection) -> bool:
+    """Tells whether a connection sends something when its source is lost."""
+    if connection.safeValue:
+        return True
+    return is_command(connection) and not holds(connection) and stop_of_map(connection) is not None
+
+
+def silence_timeout(connection: bridge.Connection) -> float:
+    """Returns the seconds of silence that count as a loss of the source; 0 is never."""
+    if connection.silenceTimeout is not None:
+        return float(connection.silenceTimeout)
+    if not is_command(connection) or not has_stop(connection):
+        return 0.0
+    stop = stop_of_map(connection)
+    return SILENCE_TIMEOUT if stop is None else float(stop.silenceTimeout)
+
+
+def stop_assignments(connection: bridge.Connection) -> tuple[bridge.Assignment, ...]:
+    """Returns what fills the stop or safe value of a connection.
+
+    What its map fills without a source, with constants and the clock, comes before the values of
+    the stop itself, which may say otherwise.
+    """
+    stop = stop_of_map(connection)
+    values: Iterable[bridge.ConstantAssignment] = connection.safeValue
+    if not values and stop is not None:
+        values = stop.values
+    to_ros = connection.direction.name == "jausToRos"
+    return with_constants(connection.map, values, to_ros=to_ros)
+
+
+def with_constants(
+    used: bridge.AttributeMap, values: Iterable[bridge.ConstantAssignment], *, to_ros: bool
+) -> tuple[bridge.Assignment, ...]:
+    """Returns the values of a stop behind what the map fills without a source."""
+    said = {parse_path(path) for value in values for path in target_paths(value)}
+    constants = (
+        each
+        for each in (used.toRos if to_ros else used.toJaus)
+        if isinstance(each, (bridge.ConstantAssignment, bridge.ClockAssignment))
+        and not said & {parse_path(path) for path in target_paths(each)}
+    )
+    return (*constants, *values)

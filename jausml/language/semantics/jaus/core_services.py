@@ -1,0 +1,173 @@
+"""Core services: codes, what the runtime serves, and what a component provides unsaid (AS5710)."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING
+
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import library_root, read_models
+from jausml.language.semantics.memory import remembered
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+
+CORE = "urn:jaus:jss:core:"
+"""Prefix of the URNs of the core services (AS5710)."""
+
+SERVED_BY_RUNTIME = frozenset(
+    [
+        CORE + "AccessControl",
+        CORE + "Discovery",
+        CORE + "Events",
+        CORE + "ListManager",
+        CORE + "Liveliness",
+        CORE + "Liveness",
+        CORE + "Management",
+        CORE + "Time",
+        CORE + "Transport",
+        "urn:jaus:jss:iop:UnsolicitedHeartbeat",
+        "urn:jaus:jss:manipulator:ListManager",
+        "urn:jaus:jss:mobility:ListManager",
+    ]
+)
+"""Services whose messages and behaviour the runtime itself takes care of."""
+
+CORE_MESSAGES = {
+    "SetAuthority": 0x0001,
+    "Shutdown": 0x0002,
+    "Standby": 0x0003,
+    "Resume": 0x0004,
+    "Reset": 0x0005,
+    "SetEmergency": 0x0006,
+    "ClearEmergency": 0x0007,
+    "RequestControl": 0x000D,
+    "ReleaseControl": 0x000E,
+    "ConfirmControl": 0x000F,
+    "RejectControl": 0x0010,
+    "SetTime": 0x0011,
+    "CreateEvent": 0x01F0,
+    "UpdateEvent": 0x01F1,
+    "CancelEvent": 0x01F2,
+    "ConfirmEventRequest": 0x01F3,
+    "RejectEventRequest": 0x01F4,
+    "CreateCommandEvent": 0x01F6,
+    "SetElement": 0x041A,
+    "DeleteElement": 0x041B,
+    "ConfirmElementRequest": 0x041C,
+    "RejectElementRequest": 0x041D,
+    "RegisterServices": 0x0B00,
+    "QueryAuthority": 0x2001,
+    "QueryStatus": 0x2002,
+    "QueryTimeout": 0x2003,
+    "QueryControl": 0x200D,
+    "QueryTime": 0x2011,
+    "QueryEvents": 0x21F0,
+    "QueryEventTimeout": 0x21F2,
+    "QueryHeartbeatPulse": 0x2202,
+    "QueryElement": 0x241A,
+    "QueryElementList": 0x241B,
+    "QueryElementCount": 0x241C,
+    "QueryIdentification": 0x2B00,
+    "QueryConfiguration": 0x2B01,
+    "QuerySubsystemList": 0x2B02,
+    "QueryServices": 0x2B03,
+    "QueryServiceList": 0x2B04,
+    "ReportAuthority": 0x4001,
+    "ReportStatus": 0x4002,
+    "ReportTimeout": 0x4003,
+    "ReportControl": 0x400D,
+    "ReportTime": 0x4011,
+    "ReportEvents": 0x41F0,
+    "Event": 0x41F1,
+    "ReportEventTimeout": 0x41F2,
+    "CommandEvent": 0x41F6,
+    "ReportHeartbeatPulse": 0x4202,
+    "ReportElement": 0x441A,
+    "ReportElementList": 0x441B,
+    "ReportElementCount": 0x441C,
+    "ReportIdentification": 0x4B00,
+    "ReportConfiguration": 0x4B01,
+    "ReportSubsystemList": 0x4B02,
+    "ReportServices": 0x4B03,
+    "ReportServiceList": 0x4B04,
+}
+"""Codes of the messages that the runtime brings as `jausml_runtime.messages`, by name."""
+
+
+def is_core_message(message: jaus.MessageDef) -> bool:
+    """Tells whether the runtime brings the class of a message."""
+    owner = message.eContainer()
+    of_core = owner is not None and str(owner.urn).startswith(CORE)
+    return of_core and CORE_MESSAGES.get(str(message.name)) == int(str(message.code), 16)
+
+
+NEWEST_SET = "core-1.1.xmi"
+"""The service set of the library that has the newest core services (AS5710A)."""
+
+STANDARD = ("Discovery", "Liveness", "Management")
+"""Services that are added; Events, AccessControl and Transport come along by inheritance."""
+
+_OTHER_NAMES = {f"{CORE}Liveliness": f"{CORE}Liveness"}
+"""URNs under which service sets know a core service too."""
+
+
+@remembered
+def with_standard(component: jaus.Component) -> list[jaus.Service]:
+    """Returns the services that a component provides itself: named ones, then standard ones.
+
+    A service that the model names, or that a named one inherits, is not added in another version.
+    """
+    named = list(component.provides)
+    if component.external or component.coreServices.name == "none":
+        return named
+    urns = {_OTHER_NAMES.get(str(each.urn), str(each.urn)) for each in _closure(named)}
+    return [*named, *(each for each in standard_services() if str(each.urn) not in urns)]
+
+
+def is_discovered(component: jaus.Component) -> bool:
+    """Tells whether a component answers those who look for others (AS5710, Discovery)."""
+    return any(each.urn == f"{CORE}Discovery" for each in _closure(with_standard(component)))
+
+
+def answers_for_subsystem(component: jaus.Component, system: Iterable[jaus.Component]) -> bool:
+    """Tells whether Discovery of a component answers for its subsystem.
+
+    It is component 1 of node 1 by convention, else the one with the lowest address. In a subsystem
+    with external components somebody else answers, unless the component is 1.1.
+    """
+    subsystem, *rest = _numbers(component)
+    if not is_discovered(component):
+        return False
+    if rest == [1, 1]:
+        return True
+    others = [each for each in system if each.address and _numbers(each)[0] == subsystem]
+    if any(each.external for each in others):
+        return False
+    return all(_numbers(component) <= _numbers(each) for each in others if is_discovered(each))
+
+
+def _numbers(component: jaus.Component) -> list[int]:
+    return [int(part) for part in str(component.address).split(".")]
+
+
+def _closure(services: Iterable[jaus.Service]) -> set[jaus.Service]:
+    found: set[jaus.Service] = set()
+    for start in services:
+        service: jaus.Service | None = start
+        while service is not None and service not in found:
+            found.add(service)
+            service = service.inherits
+    return found
+
+
+@cache
+def standard_services() -> tuple[jaus.Service, ...]:
+    """Returns the standard services as the library has them, read at the first call.
+
+    Models that refer to the same file have elements of their own; what counts is the URN.
+    """
+    model = read_models([library_root() / "jaus" / NEWEST_SET]).model
+    by_name = {str(each.name): each for each in model.instances(jaus.Service)}
+    return tuple(by_name[name] for name in STANDARD)

@@ -1,0 +1,271 @@
+"""State machines put together: those of one name along the inheritance of services.
+
+A state has a path: the names from the outermost state, joined by dots. A name may be a path
+itself, so that enclosing states of which nothing is to be said need not be written: one state
+`Receiving.Ready.Controlled.Available.Ready` is the same as five, each inside the other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from jausml.language.semantics.jaus.services import lineage
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from jausml.language.metamodel.classes import jaus
+
+CORE_MACHINE = "ReceiveFSM"
+"""Machine of the core services, which a machine of this name extends (AS5710, Transport)."""
+
+DEEPEST = 20
+"""States around each other; more is no machine that a person wrote."""
+
+CORE_EVENTS = frozenset(["Timedout", "Initialized", "Failure"])
+"""Internal events of AccessControl and Management (AS5710)."""
+
+_CORE_TREE = """
+Receiving
+Receiving.Ready
+Receiving.Ready.NotControlled
+Receiving.Ready.NotControlled.Available
+Receiving.Ready.NotControlled.Available.Standby
+Receiving.Ready.NotControlled.NotAvailable
+Receiving.Ready.NotControlled.NotAvailable.Init
+Receiving.Ready.NotControlled.NotAvailable.Failure
+Receiving.Ready.NotControlled.NotAvailable.Shutdown
+Receiving.Ready.NotControlled.NotAvailable.Emergency
+Receiving.Ready.Controlled
+Receiving.Ready.Controlled.Available
+Receiving.Ready.Controlled.Available.Standby
+Receiving.Ready.Controlled.Available.Ready
+Receiving.Ready.Controlled.NotAvailable
+Receiving.Ready.Controlled.NotAvailable.Emergency
+"""
+CORE_STATES = tuple(_CORE_TREE.split())
+"""States of the core services, the initial one of each group first (AS5710 v1.1, Management)."""
+
+CORE_LEAVES = frozenset(
+    path for path in CORE_STATES if not any(p.startswith(f"{path}.") for p in CORE_STATES)
+)
+"""Those of them that enclose no other core state."""
+
+ENTERED_BY_SERVICES = frozenset(
+    [
+        "Receiving.Ready.NotControlled.Available.Standby",
+        "Receiving.Ready.NotControlled.NotAvailable.Failure",
+        "Receiving.Ready.NotControlled.NotAvailable.Shutdown",
+        "Receiving.Ready.Controlled.Available.Standby",
+    ]
+)
+"""Core states that a service may enter by itself; the others take a message of another."""
+
+# AS6009 puts a state around those of Management that its v1.1 does not have.
+_GROUPS = ("Receiving.Ready.NotControlled.StateA", "Receiving.Ready.Controlled.StateB")
+
+
+@dataclass
+class Node:
+    """A state of a machine.
+
+    Attributes:
+        elements: The states of the model that describe it, those of heirs first.
+    """
+
+    path: str
+    elements: list[jaus.State] = field(default_factory=list)
+
+    @property
+    def is_initial(self) -> bool:
+        """Whether an element says that it is initial."""
+        return any(element.initial for element in self.elements)
+
+
+@dataclass
+class Machine:
+    """Machines of one name along inheritance.
+
+    Attributes:
+        elements: The machines of the model, those of heirs last.
+    """
+
+    name: str
+    elements: list[jaus.StateMachine] = field(default_factory=list)
+    nodes: dict[str, Node] = field(default_factory=dict)
+    _inside: dict[str, dict[str, None]] = field(default_factory=dict, init=False, repr=False)
+    _initial: dict[str, str | None] = field(default_factory=dict, init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        for path in CORE_STATES if self.extends_core else ():
+            self._enclose(path)
+
+    @property
+    def extends_core(self) -> bool:
+        """Whether its outer states are those of the core services."""
+        return self.name == CORE_MACHINE
+
+    @property
+    def service_name(self) -> str:
+        """Name of the service that has it, of several the one that the others inherit."""
+        service = self.elements[0].eContainer()
+        return "" if service is None else service.name
+
+    def add(self, element: jaus.StateMachine) -> None:
+        """Adds a machine of an heir."""
+        self.elements.append(element)
+        self._initial.clear()
+        for path, state in states_of(element):
+            self.enter(path).elements.insert(0, state)
+
+    def enter(self, path: str) -> Node:
+        """Returns the state of a path, which is there from now on with those that enclose it."""
+        names = path.split(".")
+        for length in range(1, len(names) + 1):
+            enclosing = ".".join(names[:length])
+            if enclosing not in self.nodes:
+                self.nodes[enclosing] = Node(enclosing)
+                self._enclose(enclosing)
+        return self.nodes[path]
+
+    def children(self, path: str) -> list[str]:
+        """Returns the states directly inside a state, or the outermost ones of an empty path."""
+        return list(self._inside.get(path, ()))
+
+    def initial(self, path: str) -> str | None:
+        """Returns the state that entering a state enters, None without one.
+
+        Args:
+            path: The enclosing state; empty for the machine.
+        """
+        if path not in self._initial:
+            self._initial[path] = self._find_initial(path)
+        return self._initial[path]
+
+    def _find_initial(self, path: str) -> str | None:
+        inside = self.children(path)
+        if self.extends_core and inside and inside[0] in CORE_STATES:
+            return inside[0]
+        marked = [each for each in inside if self.nodes[each].is_initial]
+        if not marked and len(inside) == 1:
+            return inside[0]
+        return marked[0] if marked else None
+
+    def innermost(self, path: str) -> str:
+        """Returns the state that a machine is in after entering a state."""
+        inside = self.initial(path)
+        while inside is not None:
+            path, inside = inside, self.initial(inside)
+        return path
+
+    def resolve(self, source: str, target: str) -> str | None:
+        """Returns the path of the state that a target means, None when there is none.
+
+        A target is a path from the outermost state, or from a state that the source encloses,
+        stands beside, or lies in: the nearest is meant.
+        """
+        full = canonical(target) if self.extends_core else target
+        if self._has(full):
+            return full
+        outer = source
+        while outer:
+            if self._has(f"{outer}.{target}"):
+                return f"{outer}.{target}"
+            outer = outer.rpartition(".")[0]
+        return None
+
+    def _enclose(self, path: str) -> None:
+        if path:
+            self._inside.setdefault(path.rpartition(".")[0], {})[path] = None
+
+    def _has(self, path: str) -> bool:
+        return path in self.nodes or (self.extends_core and path in CORE_STATES)
+
+
+def machines_of(services: Iterable[jaus.Service]) -> list[Machine]:
+    """Returns the machines of services, those of one name along inheritance put together.
+
+    Two services extend the core each for itself, unless one inherits the other.
+    """
+    found: list[Machine] = []
+    by_service: dict[jaus.Service | None, dict[str, Machine]] = {}
+    for service in services:
+        inherited = dict(by_service.get(service.inherits, {}))
+        for element in service.machines:
+            machine = inherited.get(element.name)
+            if machine is None:
+                machine = inherited[element.name] = Machine(str(element.name))
+                found.append(machine)
+            machine.add(element)
+        by_service[service] = inherited
+    return found
+
+
+def machine_with(element: jaus.StateMachine) -> Machine | None:
+    """Returns a machine put together with those that it extends.
+
+    Returns:
+        None where it stands in no service.
+    """
+    chain = reversed(lineage(element.eContainer()))
+    return next((each for each in machines_of(chain) if element in each.elements), None)
+
+
+def states_of(machine: jaus.StateMachine) -> Iterator[tuple[str, jaus.State]]:
+    """Yields the states of a machine with their paths, enclosing ones first."""
+    aliased = machine.name == CORE_MACHINE
+    pending = [("", state) for state in reversed(machine.states)]
+    while pending:
+        outer, state = pending.pop()
+        path = f"{outer}.{state.name}" if outer else str(state.name)
+        yield (canonical(path) if aliased else path), state
+        pending += [(path, inner) for inner in reversed(state.states)]
+
+
+def too_deep(machine: jaus.StateMachine) -> Iterator[jaus.State]:
+    """Yields the states that lie more than `DEEPEST` states deep, the outermost of each branch."""
+    pending = [(0, state) for state in reversed(machine.states)]
+    while pending:
+        outer, state = pending.pop()
+        depth = outer + str(state.name).count(".") + 1
+        if depth > DEEPEST:
+            yield state
+        else:
+            pending += [(depth, inner) for inner in reversed(state.states)]
+
+
+def canonical(path: str) -> str:
+    """Returns the path of a state of ReceiveFSM without the groups that only AS6009 has.
+
+    Its StateA and StateB stand for all states of NotControlled and Controlled.
+    """
+    for group in _GROUPS:
+        outer = group.rpartition(".")[0]
+        if path == group:
+            return outer
+        if path.startswith(f"{group}."):
+            inner = path.removeprefix(f"{group}.")
+            for available in ("Available", "NotAvailable"):
+                whole = f"{outer}.{available}.{inner}"
+                if whole in CORE_STATES or whole.rpartition(".")[0] in CORE_LEAVES:
+                    return whole
+    return path
+
+
+def core_leaf(path: str) -> str | None:
+    """Returns the innermost core state that a state is or lies in, None when there is none."""
+    while path:
+        if path in CORE_LEAVES:
+            return path
+        path = path.rpartition(".")[0]
+    return None
+
+
+def event_name(text: str | None) -> str:
+    """Returns the name of an internal event without the service that AS5684 puts before it.
+
+    Args:
+        text: Feature `event` of a transition, e.g. `accessControl.Timedout`.
+    """
+    return (text or "").rpartition(".")[2].strip()

@@ -1,0 +1,137 @@
+"""State machines as rules see them: put together along inheritance, with their transitions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.language.metamodel.classes import jaus
+from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
+from jausml.language.semantics.jaus.inherited_machines import (
+    CORE_LEAVES,
+    CORE_STATES,
+    Machine,
+    event_name,
+    machines_of,
+    states_of,
+    too_deep,
+)
+from jausml.language.semantics.jaus.services import lineage
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.language.semantics.subject import Subject
+
+
+@dataclass(frozen=True)
+class Behaviour:
+    """A machine of a service."""
+
+    service: jaus.Service
+    element: jaus.StateMachine
+    machine: Machine
+
+    def states(self) -> list[tuple[str, jaus.State]]:
+        """Returns the states of the service's own machine with their paths."""
+        return list(states_of(self.element))
+
+    def transitions(self) -> Iterator[tuple[str, jaus.Transition]]:
+        """Yields the transitions of the service's own machine with the paths of their states."""
+        for path, state in self.states():
+            for transition in (*state.transitions, *state.defaults):
+                yield path, transition
+
+    def actions(self) -> Iterator[jaus.Action]:
+        """Yields the actions of the service's own machine."""
+        for _, state in self.states():
+            yield from (*state.entry, *state.exit)
+            for transition in (*state.transitions, *state.defaults):
+                yield from transition.actions
+
+    def target(self, path: str, transition: jaus.Transition) -> str | None:
+        """Returns the state that a transition enters in the end, None without a known target."""
+        if not transition.target:
+            return None
+        found = self.machine.resolve(path, transition.target)
+        return None if found is None else self.machine.innermost(found)
+
+    def entered(self) -> set[str]:
+        """Returns the innermost states that the machine can be in."""
+        machine = self.machine
+        starts = CORE_LEAVES if machine.extends_core else {""}
+        pending = [state for path in starts for state in self._innermost(path)]
+        found: set[str] = set()
+        while pending:
+            state = pending.pop()
+            if state in found:
+                continue
+            found.add(state)
+            outer = state
+            while outer:
+                node = machine.nodes.get(outer)
+                for each in node.elements if node is not None else ():
+                    for transition in (*each.transitions, *each.defaults):
+                        target = self.target(outer, transition)
+                        if target is not None:
+                            pending += self._innermost(target)
+                outer = outer.rpartition(".")[0]
+        return found
+
+    def _innermost(self, path: str) -> list[str]:
+        """Returns the states that entering one leads to: several where not one is initial."""
+        found = []
+        pending = [path]
+        while pending:
+            inside = self.machine.children(outer := pending.pop())
+            if not inside:
+                found.append(outer)
+            elif self.machine.extends_core and inside[0] in CORE_STATES:
+                pending.append(inside[0])
+            else:
+                nodes = self.machine.nodes
+                pending += [each for each in inside if nodes[each].is_initial] or inside
+        return found
+
+
+def behaviours(subject: Subject) -> list[Behaviour]:
+    """Returns the machines of services that could be read, those of the core services left out.
+
+    Machines whose states lie too deep are left out too: JML506 names them.
+    """
+    return subject.once(_behaviours)
+
+
+def _behaviours(subject: Subject) -> list[Behaviour]:
+    return list(_found(subject))
+
+
+def _found(subject: Subject) -> Iterator[Behaviour]:
+    for service in subject.instances(jaus.Service):
+        if service.urn in SERVED_BY_RUNTIME or not service.machines:
+            continue
+        chain = [each for each in reversed(lineage(service)) if each.urn not in SERVED_BY_RUNTIME]
+        if not all(subject.is_intact(each) for each in chain):
+            continue
+        if any(True for each in chain for machine in each.machines for _ in too_deep(machine)):
+            continue
+        machines = machines_of(chain)
+        for element in service.machines:
+            whole = next((each for each in machines if element in each.elements), None)
+            if whole is not None:
+                yield Behaviour(service, element, whole)
+
+
+def trigger(transition: jaus.Transition) -> tuple[str, str]:
+    """Returns what triggers a transition, to be compared: kind and name or code."""
+    message = transition.message
+    if message is not None:
+        return "message", str(message.code).lower()
+    return "event", event_name(transition.event)
+
+
+def described(transition: jaus.Transition) -> str:
+    """Returns how messages name what triggers a transition."""
+    if transition.message is not None:
+        return str(transition.message.name)
+    return event_name(transition.event) or "anything else"

@@ -1,0 +1,213 @@
+"""Messages that a component takes and sends, inherited services included."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.language.metamodel.classes import jaus
+from jausml.language.semantics.jaus.core_services import with_standard
+from jausml.language.semantics.jaus.layouts import signature
+from jausml.language.semantics.memory import remembered
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from jausml.language.metamodel.classes import bridge
+    from jausml.language.semantics.subject import Subject
+
+    Provider = jaus.Component | jaus.PeerSearch
+    """Who provides services: a component, or whatever a search finds."""
+
+ACCESS_CONTROL = "AccessControl"
+
+_PROVIDING = ("name", "external", "coreServices", "provides", "services")
+
+
+def lineage(service: jaus.Service | None) -> list[jaus.Service]:
+    """Returns a service and those that it inherits, nearest first; a cycle ends the list."""
+    found: dict[jaus.Service, None] = {}
+    while service is not None and service not in found:
+        found[service] = None
+        service = service.inherits
+    return list(found)
+
+
+def with_inherited(services: Iterable[jaus.Service]) -> list[jaus.Service]:
+    """Returns services and those that they inherit, each once."""
+    found: dict[jaus.Service, None] = {}
+    for start in services:
+        service: jaus.Service | None = start
+        # What a service that was found inherits was found with it.
+        while service is not None and service not in found:
+            found[service] = None
+            service = service.inherits
+    return list(found)
+
+
+def along_inheritance(services: Iterable[jaus.Service]) -> Iterator[tuple[jaus.Service, bool]]:
+    """Visits services and those that they inherit in one walk down the trees of inheritance.
+
+    Every service is visited once, so that a walk costs no more than there are services, however
+    deep they inherit. Services on a cycle, and their heirs, are left out.
+
+    Yields:
+        A service and True before its heirs, the service and False after them.
+    """
+    heirs: dict[jaus.Service, list[jaus.Service]] = {}
+    roots = []
+    for start in services:
+        service = start
+        while service not in heirs:
+            heirs[service] = []
+            parent = service.inherits
+            if parent is None:
+                roots.append(service)
+                break
+            service = parent
+    for service in heirs:
+        if service.inherits is not None:
+            heirs[service.inherits].append(service)
+    visits = [(root, True) for root in reversed(roots)]
+    while visits:
+        service, entering = visits.pop()
+        yield service, entering
+        if entering:
+            visits.append((service, False))
+            visits += [(heir, True) for heir in reversed(heirs[service])]
+
+
+@remembered
+def provided_services(component: jaus.Component) -> list[jaus.Service]:
+    """Returns the services that a component provides, each once.
+
+    Those that they inherit are among them, and the standard core services.
+    """
+    return with_inherited(with_standard(component))
+
+
+def is_known(subject: Subject, provider: Provider | None) -> bool:
+    """Tells whether all that a provider provides could be read.
+
+    Only then is the absence of a message a finding of its own.
+    """
+    if provider is None or not subject.is_read(provider, _PROVIDING):
+        return False
+    return subject.is_intact(*services_of(provider))
+
+
+def searched_services(search: jaus.PeerSearch) -> list[jaus.Service]:
+    """Returns the services that whatever a search finds provides, inherited ones included."""
+    return with_inherited(search.services)
+
+
+@remembered
+def inputs_by_name(service: jaus.Service) -> dict[str, jaus.MessageDef]:
+    """Returns the messages that a service takes itself, of several with one name the first."""
+    return {str(each.name): each for each in reversed(service.inputs)}
+
+
+@remembered
+def outputs_by_name(service: jaus.Service) -> dict[str, jaus.MessageDef]:
+    """Returns the messages that a service sends itself, of several with one name the first."""
+    return {str(each.name): each for each in reversed(service.outputs)}
+
+
+@remembered
+def inputs(provider: Provider) -> list[jaus.MessageDef]:
+    """Returns the messages that the services of a provider take."""
+    return [each for service in services_of(provider) for each in service.inputs]
+
+
+@remembered
+def outputs(provider: Provider) -> list[jaus.MessageDef]:
+    """Returns the messages that the services of a provider send."""
+    return [each for service in services_of(provider) for each in service.outputs]
+
+
+@remembered
+def services_of(provider: Provider) -> list[jaus.Service]:
+    """Returns the services of a component, or of whatever a search finds."""
+    if isinstance(provider, jaus.PeerSearch):
+        return searched_services(provider)
+    return provided_services(provider)
+
+
+def find_input(message: jaus.MessageDef, provider: Provider) -> jaus.MessageDef | None:
+    """Returns the message that a provider takes which is the same on the wire, or None."""
+    return find_same(message, _inputs_by_code(provider).get(code(message), ()))
+
+
+def find_output(message: jaus.MessageDef, provider: Provider) -> jaus.MessageDef | None:
+    """Returns the message that a provider sends which is the same on the wire, or None."""
+    return find_same(message, _outputs_by_code(provider).get(code(message), ()))
+
+
+@remembered
+def _inputs_by_code(provider: Provider) -> dict[int, list[jaus.MessageDef]]:
+    return _by_code(inputs(provider))
+
+
+@remembered
+def _outputs_by_code(provider: Provider) -> dict[int, list[jaus.MessageDef]]:
+    return _by_code(outputs(provider))
+
+
+def _by_code(messages: Iterable[jaus.MessageDef]) -> dict[int, list[jaus.MessageDef]]:
+    found: dict[int, list[jaus.MessageDef]] = {}
+    for each in messages:
+        found.setdefault(code(each), []).append(each)
+    return found
+
+
+@remembered
+def _inputs_by_name(provider: Provider) -> dict[str | None, jaus.MessageDef]:
+    return {each.name: each for each in reversed(inputs(provider))}
+
+
+def find_same(
+    message: jaus.MessageDef, candidates: Iterable[jaus.MessageDef]
+) -> jaus.MessageDef | None:
+    """Returns the candidate that is the same message on the wire, or None.
+
+    Service sets repeat a message when several services take it: the code and the layout count.
+    """
+    for candidate in candidates:
+        if candidate is message:
+            return candidate
+        if same_code(candidate, message) and signature(candidate) == signature(message):
+            return candidate
+    return None
+
+
+def same_code(first: jaus.MessageDef, second: jaus.MessageDef) -> bool:
+    """Tells whether two messages have the same message code."""
+    return code(first) == code(second)
+
+
+def code(message: jaus.MessageDef) -> int:
+    """Returns the message code as a number, -1 when it has none."""
+    text = message.code
+    return int(text, 16) if text else -1
+
+
+def provides_access_control(provider: Provider) -> bool:
+    """Tells whether a provider can be controlled (AS5710, AccessControl)."""
+    return any(service.name == ACCESS_CONTROL for service in services_of(provider))
+
+
+def query_name(message: jaus.MessageDef) -> str:
+    """Returns the name of the query that asks for a report: QueryX for ReportX, or X."""
+    return f"Query{(message.name or '').removeprefix('Report')}"
+
+
+def find_query(
+    connection: jaus.ServiceConnection | bridge.Connection, provider: Provider
+) -> jaus.MessageDef | None:
+    """Returns the query of a connection among the inputs of the provider, or None."""
+    if connection.query is not None:
+        return find_input(connection.query, provider)
+    if isinstance(connection, jaus.ServiceConnection):
+        wanted = query_name(connection.message)
+    else:
+        wanted = query_name(connection.map.message)
+    return _inputs_by_name(provider).get(wanted)

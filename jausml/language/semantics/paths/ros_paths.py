@@ -1,0 +1,214 @@
+"""Attribute paths through ROS message types."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from jausml.language.metamodel.classes import ros
+from jausml.language.semantics.memory import remembered
+from jausml.language.semantics.paths.attributes import (
+    LIST,
+    NUMBER,
+    NUMBERS,
+    OCTETS,
+    TEXT,
+    UNSTATED,
+    Attribute,
+    PathFault,
+    nearest_name,
+    primitive,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Container
+
+_COVARIANCES = {
+    "geometry_msgs/PoseWithCovariance": ("m^2", "rad^2"),
+    "geographic_msgs/GeoPoseWithCovariance": ("m^2", "rad^2"),
+    "geometry_msgs/TwistWithCovariance": ("m^2/s^2", "rad^2/s^2"),
+    "geometry_msgs/AccelWithCovariance": ("m^2/s^4", "rad^2/s^4"),
+}
+"""Units of the 6x6 matrix `covariance`: of x, y and z, and of the angles about them."""
+
+_STEP = re.compile(r"(?P<name>.*?)(?P<indices>(?:\[[0-9]{1,9}\])*)", re.DOTALL)
+
+
+@dataclass(frozen=True, slots=True)
+class RosPlace:
+    """A place in a ROS message, from which paths go on.
+
+    Attributes:
+        type: The `ros.MessageType` of the message that stands here; None for primitive values and
+            for arrays as a whole.
+        field: The `ros.Field`, None for the whole message.
+        is_array: Whether it is an array as a whole.
+        label: Name of the innermost field.
+        indexed: Whether the elements of sequences may be named by index, as in test vectors.
+    """
+
+    type: ros.MessageType | None = None
+    field: ros.Field | None = None
+    is_array: bool = False
+    units: str = ""
+    frame: str = UNSTATED
+    label: str = ""
+    constants: tuple[tuple[str, str], ...] = ()
+    indexed: bool = False
+
+    def follow(self, path: str) -> RosPlace | PathFault | None:
+        """Returns the place that a path leads to; None when a part of it was not read."""
+        place: RosPlace | PathFault | None = self
+        for step in [] if path == "." else path.split("."):
+            if not isinstance(place, RosPlace):
+                return place
+            place = place.step(step)
+        return place
+
+    def element(self) -> RosPlace | None:
+        """Returns an element of the array at this place."""
+        inner = self.field.messageType if isinstance(self.field, ros.MessageField) else None
+        return replace(self, type=inner, is_array=False)
+
+    def attribute(self) -> Attribute:
+        """Returns what an assignment finds here."""
+        if self.field is None:
+            return Attribute("", f"a {ros_name(self.type)}" if self.type is not None else "nothing")
+        value = self._array(self.field) if self.is_array else self._single(self.field)
+        return replace(
+            value,
+            units=self.units,
+            frame=self.frame,
+            label=self.label,
+            is_ros=True,
+            field=self.field,
+        )
+
+    def step(self, step: str) -> RosPlace | PathFault | None:
+        """Returns the place behind one name, an index included."""
+        if self.is_array and self.field is not None:
+            return _unindexed(self.field)
+        if self.type is None:
+            if not isinstance(self.field, ros.PrimitiveField):
+                return None
+            return PathFault(
+                f"'{self.field.name}' is a {self.field.type.name}, it has no attributes"
+            )
+        fields = fields_by_name(self.type)
+        name, indices = _split(step, fields)
+        field = fields.get(name)
+        if field is None:
+            message = f"{ros_name(self.type)} has no field '{name}'"
+            return PathFault(message, nearest_name(name, self.type.fields))
+        fault = _index_fault(field, indices, is_free=self.indexed)
+        if fault is not None:
+            return fault
+        place = self._inside(field, is_element=bool(indices))
+        place = replace(place, constants=named_constants(self.type))
+        if indices and field.name == "covariance" and not field.units:
+            return replace(place, units=_covariance_units(self.type, indices[0]))
+        return place
+
+    def _inside(self, field: ros.Field, *, is_element: bool) -> RosPlace:
+        is_array = field.arrayKind.name != "single" and not is_element
+        inner = field.messageType if isinstance(field, ros.MessageField) else None
+        frame = field.frame.name
+        return RosPlace(
+            type=inner if not is_array else None,
+            field=field,
+            is_array=is_array,
+            units=field.units or self.units,
+            frame=frame if frame != UNSTATED else self.frame,
+            label=field.name,
+            indexed=self.indexed,
+        )
+
+    def _array(self, field: ros.Field) -> Attribute:
+        element = self._single(field)
+        kind = field.arrayKind.name
+        count = field.arraySize if kind == "fixedArray" else None
+        name = f"an array of {element.name.removeprefix('a ')}"
+        if isinstance(field, ros.PrimitiveField):
+            if field.type.name == "uint8" and kind == "unboundedSequence":
+                return Attribute(OCTETS, "a sequence of uint8")
+            if element.kind == NUMBER:
+                return replace(element, kind=NUMBERS, name=name, count=count)
+        return Attribute(LIST, name, count=count)
+
+    def _single(self, field: ros.Field) -> Attribute:
+        if not isinstance(field, ros.PrimitiveField):
+            target = field.messageType if isinstance(field, ros.MessageField) else None
+            name = ros_name(target) if target is not None else "a message"
+            return Attribute(name, f"a {name}")
+        if field.type.name in ("string", "wstring"):
+            return Attribute(TEXT, "text", length=field.stringBound or None)
+        value = replace(primitive(field.type.name), constants=self.constants)
+        if value.kind == NUMBER and field.minimum < field.maximum:
+            return replace(value, lower=field.minimum, upper=field.maximum)
+        return value
+
+
+def ros_name(message_type: ros.MessageType | ros.ServiceType | ros.ActionType) -> str:
+    """Returns the full name of a ROS type: `geometry_msgs/Pose`, `std_srvs/SetBool.request`."""
+    owner = message_type.eContainer()
+    if isinstance(owner, ros.ServiceType | ros.ActionType):
+        return f"{ros_name(owner)}.{message_type.eContainmentFeature().name}"
+    prefix = f"{owner.name}/" if owner is not None and owner.name else ""
+    return f"{prefix}{message_type.name}"
+
+
+@remembered
+def fields_by_name(message_type: ros.MessageType) -> dict[str, ros.Field]:
+    """Returns the fields of a type, of several with one name the first."""
+    return {str(each.name): each for each in reversed(message_type.fields)}
+
+
+@remembered
+def named_constants(message_type: ros.MessageType) -> tuple[tuple[str, str], ...]:
+    """Returns the names of the constants of a type, with their values as text."""
+    return tuple((str(each.name), str(each.value)) for each in message_type.constants)
+
+
+def _covariance_units(owner: ros.MessageType, index: int) -> str:
+    """Returns the unit of an element of a 6x6 covariance matrix; empty where it is of two kinds."""
+    units = _COVARIANCES.get(ros_name(owner))
+    row, column = divmod(index, 6)
+    if units is None or (row < 3) is not (column < 3):
+        return ""
+    return units[0] if row < 3 else units[1]
+
+
+def _split(step: str, known: Container[str]) -> tuple[str, list[int]]:
+    """Splits `name[3]`; a name that holds brackets itself wins."""
+    match = _STEP.fullmatch(step)
+    if step in known or match is None:
+        return step, []
+    return match["name"], [int(each) for each in re.findall("[0-9]+", match["indices"])]
+
+
+def _index_fault(field: ros.Field, indices: list[int], *, is_free: bool) -> PathFault | None:
+    if not indices:
+        return None
+    if field.arrayKind.name == "single":
+        return PathFault(f"'{field.name}' is not an array, it has no [{indices[0]}]")
+    if field.arrayKind.name != "fixedArray":
+        if is_free and len(indices) == 1:
+            return None
+        return PathFault(
+            f"'{field.name}' is a sequence whose length is not known beforehand",
+            "translate it as a whole by a ListAssignment",
+        )
+    if len(indices) > 1:
+        return PathFault(f"'{field.name}' has one dimension")
+    if indices[0] >= field.arraySize:
+        size = field.arraySize
+        return PathFault(f"'{field.name}' has {size} elements, counted from 0: no [{indices[0]}]")
+    return None
+
+
+def _unindexed(field: ros.Field) -> PathFault:
+    if field.arrayKind.name == "fixedArray":
+        return PathFault(f"'{field.name}' is an array", f"name one element: {field.name}[0]")
+    hint = "translate its elements by a ListAssignment"
+    return PathFault(f"'{field.name}' is an array", hint)

@@ -1,0 +1,242 @@
+"""Attribute paths of assignments: where each of them starts, and where it leads."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING, Generic, TypeGuard, TypeVar
+
+from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.semantics.paths.attributes import NUMBER, Attribute, Found, PathFault
+from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
+from jausml.language.semantics.paths.ros_paths import RosPlace
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+    from typing import TypeAlias
+
+    from typing_extensions import TypeIs
+
+    from jausml.language.metamodel.classes.ecore import EObject
+
+    WithSource: TypeAlias = (
+        bridge.FieldAssignment | bridge.ListAssignment | bridge.MessageAssignment
+    )
+
+PathPlace = JausPlace | RosPlace
+FoundPlace = PathPlace | PathFault | None
+
+COUNTERS = ("index", "count")
+
+
+class Followed:
+    """Paths that were followed: those of one type are the same in each map.
+
+    It holds as long as nothing of the model changes.
+    """
+
+    def __init__(self) -> None:
+        self._places: dict[tuple[PathPlace, str], FoundPlace] = {}
+        self._found: dict[PathPlace, Attribute] = {}
+
+    def place(self, start: PathPlace, path: str) -> FoundPlace:
+        """Returns the place that a path leads to."""
+        key = (start, path)
+        if key not in self._places:
+            self._places[key] = start.follow(path)
+        return self._places[key]
+
+    def attribute(self, found: FoundPlace) -> Found:
+        """Returns what an assignment finds at a place."""
+        if not isinstance(found, JausPlace | RosPlace):
+            return found
+        if found not in self._found:
+            self._found[found] = found.attribute()
+        return self._found[found]
+
+
+@dataclass(frozen=True, slots=True)
+class PathScope:
+    """The start of the paths of some assignments.
+
+    Attributes:
+        is_nested: Whether the assignments fill elements of a list.
+    """
+
+    map: bridge.AttributeMap
+    to_ros: bool
+    source: PathPlace
+    target: PathPlace
+    is_nested: bool = False
+    followed: Followed = field(default_factory=Followed, compare=False)
+
+    def find_source(self, path: str) -> FoundPlace:
+        """Returns the place that a source path leads to; joins and `/` are known."""
+        if path.startswith("/"):
+            outer = outer_scope(self.map, to_ros=self.to_ros, followed=self.followed)
+            return outer.find_source(path[1:])
+        first, _, rest = path.partition(".")
+        join = None if self.is_nested else self._join(first)
+        if join is None:
+            return self.followed.place(self.source, path)
+        if isinstance(join, bridge.ReportJoin):
+            return message_place(join.message).follow(rest or ".") if join.message else None
+        is_indexed = isinstance(self.source, RosPlace) and self.source.indexed
+        return (
+            RosPlace(type=join.type, indexed=is_indexed).follow(rest or ".") if join.type else None
+        )
+
+    def _join(self, name: str) -> bridge.Join | bridge.ReportJoin | None:
+        joins = self.map.reportJoins if self.to_ros else self.map.joins
+        return next((each for each in joins if each.name == name), None)
+
+    def find_target(self, path: str) -> FoundPlace:
+        """Returns the place that a target path leads to."""
+        if path.startswith("/") and self.is_nested:
+            return PathFault("the target of an element lies within the element")
+        return self.followed.place(self.target, path)
+
+    def inner(self, assignment: bridge.ListAssignment) -> PathScope | None:
+        """Returns the scope of what a list assignment nests; None when its ends are no lists."""
+        source = self.find_source(source_paths(assignment)[0])
+        target = self.find_target(assignment.target.strip())
+        if not (is_many(source) and is_many(target)):
+            return None
+        from_element, to_element = source.element(), target.element()
+        if from_element is None or to_element is None:
+            return None
+        return replace(self, source=from_element, target=to_element, is_nested=True)
+
+
+AssignmentT = TypeVar("AssignmentT", bound="bridge.Assignment")
+AssignmentT_co = TypeVar("AssignmentT_co", bound="bridge.Assignment", covariant=True)
+
+
+@dataclass(frozen=True, eq=False)
+class Placed(Generic[AssignmentT_co]):
+    """An assignment with the places where its paths start."""
+
+    assignment: AssignmentT_co
+    scope: PathScope
+
+    @cached_property
+    def targets(self) -> list[tuple[str, Found]]:
+        """The target paths and what they lead to."""
+        paths = target_paths(self.assignment)
+        scope = self.scope
+        return [(path, scope.followed.attribute(scope.find_target(path))) for path in paths]
+
+    @cached_property
+    def sources(self) -> list[tuple[str, Found]]:
+        """The source paths and what they lead to; none for constants and the like."""
+        return [(path, self._source(path)) for path in source_paths(self.assignment)]
+
+    @cached_property
+    def target_attributes(self) -> list[Attribute]:
+        """What the targets are, empty unless all of them were found."""
+        return _all_found(self.targets)
+
+    @cached_property
+    def source_attributes(self) -> list[Attribute]:
+        """What the sources are, empty unless all of them were found."""
+        return _all_found(self.sources)
+
+    def _source(self, path: str) -> Found:
+        found = self.scope.find_source(path)
+        if isinstance(found, PathFault) and self.scope.is_nested and path in COUNTERS:
+            return Attribute(NUMBER, "a number", integral=True, lower=0, step=1, label=path)
+        return self.scope.followed.attribute(found)
+
+
+def outer_scope(
+    attribute_map: bridge.AttributeMap,
+    *,
+    to_ros: bool,
+    indexed: bool = False,
+    followed: Followed | None = None,
+) -> PathScope:
+    """Returns the scope of the assignments of a map.
+
+    Args:
+        indexed: Whether the elements of ROS sequences may be named by index.
+        followed: The paths that were followed in other maps; None for none.
+    """
+    ros = RosPlace(type=attribute_map.type, indexed=indexed)
+    ends = message_place(attribute_map.message), ros
+    source, target = ends if to_ros else reversed(ends)
+    followed = Followed() if followed is None else followed
+    return PathScope(attribute_map, to_ros, source, target, followed=followed)
+
+
+def place(
+    attribute_map: bridge.AttributeMap, assignment: AssignmentT, *, to_ros: bool
+) -> Placed[AssignmentT] | None:
+    """Returns an assignment with the places where its paths start.
+
+    Returns:
+        None when the list that it belongs to is not there.
+    """
+    scope = _scope(attribute_map, assignment.eContainer(), to_ros=to_ros)
+    return Placed(assignment, scope) if scope is not None else None
+
+
+def flattened(
+    assignments: Iterable[bridge.Assignment], scope: PathScope
+) -> Iterator[Placed[bridge.Assignment]]:
+    """Yields assignments with those that they nest, each before what it nests."""
+    for each in assignments:
+        yield Placed(each, scope)
+        if isinstance(each, bridge.ListAssignment) and each.source and each.target:
+            inner = scope.inner(each)
+            if inner is not None:
+                yield from flattened(each.assignments, inner)
+
+
+def is_many(found: FoundPlace) -> TypeGuard[PathPlace]:
+    """Tells whether a place is a list or an array as a whole."""
+    if isinstance(found, RosPlace):
+        return found.is_array
+    return isinstance(found, JausPlace) and isinstance(found.field, (jaus.List, jaus.Array))
+
+
+def has_source(assignment: bridge.Assignment) -> TypeIs[WithSource]:
+    """Tells whether an assignment takes its value from the other side."""
+    kinds = (bridge.FieldAssignment, bridge.ListAssignment, bridge.MessageAssignment)
+    return isinstance(assignment, kinds)
+
+
+def source_paths(assignment: bridge.Assignment) -> list[str]:
+    """Returns the source paths of an assignment."""
+    return _split(assignment.source) if has_source(assignment) else []
+
+
+def target_paths(assignment: bridge.Assignment) -> list[str]:
+    """Returns the target paths of an assignment."""
+    return _split(assignment.target)
+
+
+@lru_cache(maxsize=4096)
+def parse_path(path: str) -> tuple[str, ...]:
+    """Returns the steps of a path, indices as steps of their own, to compare paths."""
+    if path == ".":
+        return ()
+    return tuple(part for step in path.split(".") for part in re.split(r"(?=\[)", step) if part)
+
+
+def _scope(
+    attribute_map: bridge.AttributeMap, owner: EObject | None, *, to_ros: bool
+) -> PathScope | None:
+    if not isinstance(owner, bridge.ListAssignment):
+        return outer_scope(attribute_map, to_ros=to_ros)
+    around = _scope(attribute_map, owner.eContainer(), to_ros=to_ros)
+    return around.inner(owner) if around is not None else None
+
+
+def _all_found(found: list[tuple[str, Found]]) -> list[Attribute]:
+    known = [each for _, each in found if isinstance(each, Attribute)]
+    return known if len(known) == len(found) else []
+
+
+def _split(text: str | None) -> list[str]:
+    return [path.strip() for path in text.split(",")] if text is not None else []

@@ -1,0 +1,192 @@
+"""The service of the JAUS messages that a text declares, with their codes and queries."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from jausml.language.model.uris import LIBRARY_URI
+from jausml.language.model.words import snake_case
+from jausml.language.text.reading.declarations.jaus import JausFields
+from jausml.language.text.root_names import service_name, system_name
+from jausml.language.text.tree import Element, Feature
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+    from pathlib import Path
+
+    from jausml.language.metamodel import Metamodels
+    from jausml.language.model.notation import Known
+    from jausml.language.model.xmi.parsing import Node
+    from jausml.language.text.reading.declarations.types import Types
+    from jausml.language.text.reading.elements import ElementReader
+    from jausml.language.text.reading.maps import WrittenEnd
+    from jausml.language.text.reading.nodes import NodeMaker
+    from jausml.language.text.tree import End, Span
+
+FIRST_CODE = 0xD000
+LAST_CODE = 0xFFFF
+
+MANAGEMENT = f"{LIBRARY_URI}jaus/core-1.1.xmi#Management"
+"""What a service with commands inherits: only so can it tell its controller from strangers."""
+
+_REPORT, _QUERY = "Report", "Query"
+
+
+class OwnService:
+    """Makes the service that has the new messages of a text.
+
+    Args:
+        path: The file, which names the service where the text does not.
+    """
+
+    def __init__(
+        self,
+        metamodels: Metamodels,
+        nodes: NodeMaker,
+        elements: ElementReader,
+        path: Path,
+        types: Types,
+    ) -> None:
+        self._classes = metamodels.classes
+        self._nodes = nodes
+        self._elements = elements
+        self._path = path
+        self._fields = JausFields(metamodels, nodes, elements, types)
+        self._used: set[int] = set()
+        self.asks_for_all = False
+        """Whether every message that comes out of the service gets a query, not reports alone."""
+        self.written: Element | None = None
+        """The service as the text writes it, if it does."""
+        self.node: Node | None = None
+        """The service, once it has messages."""
+
+    @property
+    def name(self) -> str:
+        """The name of the service: that which the text says, or else one after the file."""
+        if self.written is not None and self.written.name is not None:
+            return self.written.name.text
+        return service_name(self._path)
+
+    def declare(self, ends: Sequence[WrittenEnd], known: Known) -> list[Node]:
+        """Returns the service set of the service, which is there if the text needs or writes it."""
+        if self.written is None and not ends:
+            return []
+        span = self.written.span if self.written is not None else ends[0].end.type.span
+        root = self._nodes.root(self._classes["jaus.ServiceSet"], span)
+        self._nodes.value(root, "name", system_name(self._path), span)
+        service = self._service(root, span, ends)
+        self._used = known.message_codes() | set(self._stated_codes(ends))
+        for written in ends:
+            self._message(service, written, known)
+        for written in ends:
+            self._query(service, written, known)
+        self.node = service
+        return [root]
+
+    def _service(self, root: Node, span: Span, ends: Sequence[WrittenEnd]) -> Node:
+        table = self._classes["jaus.Service"]
+        service = self._nodes.element(root, "services", table, span, self.written)
+        scope = system_name(self._path)
+        if self.written is not None:
+            self._elements.fill(service, self.written)
+            scope = snake_case(self.name)
+        else:
+            self._nodes.value(service, "name", self.name, span)
+        stated = {child.tag for child in service.children}
+        if "urn" not in stated:
+            self._nodes.value(service, "urn", f"urn:jausml:{scope}:{self.name}", span)
+        command = next((each.end for each in ends if is_command(each.end)), None)
+        if command is not None and "inherits" not in stated:
+            self._nodes.href(service, "inherits", MANAGEMENT, command.type.span)
+        return service
+
+    def _message(self, service: Node, written: WrittenEnd, known: Known) -> None:
+        end = written.end
+        table = self._classes["jaus.MessageDef"]
+        node = self._nodes.element(service, message_feature(written), table, end.span)
+        self._nodes.value(node, "name", end.type.text, end.type.span)
+        self._elements.document(node, end)
+        self._elements.items(node, end.features)
+        if not any(each.name.text == "code" for each in end.features):
+            near = known.alike("jaus.MessageDef", end.type.text)
+            code = self._assign_code(node, end.type.text, end.type.span)
+            hint = f"state it: {{ code: {code} }}"
+            hint += f"; or did you mean '{near[0]}'?" if near else ""
+            self._tell_code(end.type.text, code, hint, end.type.span)
+        if end.members:
+            self._fields.body(node, end)
+
+    def _query(self, service: Node, written: WrittenEnd, known: Known) -> None:
+        """Adds the query that asks for a report, unless it is known or declared itself."""
+        report, span = written.end.type.text, written.end.type.span
+        name = f"{_QUERY}{report.removeprefix(_REPORT)}"
+        declared = {child.text for each in service.children for child in each.children}
+        is_report = report.startswith(_REPORT) or self.asks_for_all
+        if not is_report or message_feature(written) != "outputs" or name in declared:
+            return
+        if known.find("jaus.MessageDef", name):
+            return
+        node = self._nodes.element(service, "inputs", self._classes["jaus.MessageDef"], span)
+        self._nodes.value(node, "name", name, span)
+        code = self._assign_code(node, name, span)
+        hint = (
+            f"state it: service {self.name} {{ inputs: new message_def {name} {{ code: {code} }} }}"
+        )
+        self._tell_code(name, code, hint, span)
+
+    def _assign_code(self, node: Node, name: str, span: Span) -> str:
+        codes = range(FIRST_CODE, LAST_CODE + 1)
+        free = next((code for code in codes if code not in self._used), None)
+        if free is None:
+            message = f"no code is left for the new message '{name}'"
+            self._nodes.fault("JML712", span, message, owner=node, feature="code")
+            return ""
+        self._used.add(free)
+        code = f"0x{free:04X}"
+        self._nodes.value(node, "code", code, span)
+        return code
+
+    def _tell_code(self, name: str, code: str, hint: str, span: Span) -> None:
+        if code:
+            self._nodes.fault("JML711", span, f"new message '{name}' has the code {code}", hint)
+
+    def _stated_codes(self, ends: Sequence[WrittenEnd]) -> Iterator[int]:
+        items = self.written.items if self.written is not None else []
+        features = [each for each in items if isinstance(each, Feature)]
+        blocks = [v for each in features for v in each.values if isinstance(v, Element)]
+        of_messages = [[f for f in each.items if isinstance(f, Feature)] for each in blocks]
+        for facts in [*(each.end.features for each in ends), *of_messages]:
+            code = stated_code(facts)
+            if code is not None:
+                yield code
+
+
+def message_feature(written: WrittenEnd) -> str:
+    """Returns whether a new message goes into its service or comes out of it.
+
+    Queries and commands go in, reports come out; another message goes the way of its map: what
+    becomes ROS comes out of the service, what is made of ROS goes in.
+    """
+    end = written.end
+    name = end.type.text
+    if is_command(end) or name.startswith(("Query", "Set")):
+        return "inputs"
+    directions = {child.tag for child in written.node.children}
+    is_sent = "toJaus" in directions and "toRos" not in directions
+    return "inputs" if is_sent and not name.startswith("Report") else "outputs"
+
+
+def is_command(end: End) -> bool:
+    """Tells whether an end declares a command."""
+    return any(
+        each.name.text == "isCommand" and [getattr(v, "text", "") for v in each.values] == ["true"]
+        for each in end.features
+    )
+
+
+def stated_code(features: Sequence[Feature]) -> int | None:
+    """Returns the code that features state for a message, None for none or for no number."""
+    texts = [getattr(v, "text", "") for f in features if f.name.text == "code" for v in f.values]
+    match = re.fullmatch("0x([0-9A-Fa-f]{4})", texts[0]) if texts else None
+    return int(match[1], 16) if match else None

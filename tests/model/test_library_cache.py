@@ -1,0 +1,155 @@
+"""Models that share the documents of the library are what they are without sharing."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import library_root, read_models, uris
+from jausml.language.model.comparison import compare
+from jausml.language.model.reading.library_cache import LibraryCache
+from jausml.language.model.uris import LIBRARY_URI
+from jausml.language.text.notation import Ros2Jaus
+
+NOTATIONS = (Ros2Jaus(),)
+MODELS = sorted(
+    each
+    for pattern in ("*.xmi", "*.ros2jaus")
+    for each in Path("models").rglob(pattern)
+    if "library" not in each.parts
+)
+COMPONENT = """<?xml version="1.0" encoding="UTF-8"?>
+<xmi:XMI xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
+ xmlns:jaus="http://www.jausml.org/jaus/1.0">
+ <jaus:Component name="sensor" address="10.1.1">
+  <provides href="{uri}#VelocityStateSensor"/>
+ </jaus:Component>
+</xmi:XMI>
+"""
+OWNER = """<?xml version="1.0" encoding="UTF-8"?>
+<jaus:ServiceSet xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
+ xmlns:jaus="http://www.jausml.org/jaus/1.0" name="stolen">
+  <services href="{uri}#VelocityStateSensor"/>
+</jaus:ServiceSet>
+"""
+MOBILITY = f"{LIBRARY_URI}jaus/mobility.xmi"
+
+
+def read(path, cache=None, **options):
+    return read_models([path], notations=NOTATIONS, cache=cache, **options)
+
+
+def outline(result):
+    """All that can be asked about where things stand, and what was found."""
+    model = result.model
+    return [
+        *((each.display, each.is_library, each.given) for each in model.documents),
+        *result.diagnostics,
+        *((str(model.location(each)), model.fragment(each)) for each in model.elements()),
+        [model.element_path(each) for each in model.instances(jaus.MessageDef)],
+    ]
+
+
+def library_of(result):
+    return [each for each in result.model.documents if each.is_library]
+
+
+@pytest.fixture(scope="module")
+def cache():
+    return LibraryCache()
+
+
+@pytest.mark.parametrize("path", MODELS, ids=lambda each: each.name)
+def test_a_model_is_the_same_whoever_has_read_the_library(path, cache):
+    alone, first, again = read(path), read(path, cache), read(path, cache)
+    assert outline(first) == outline(alone)
+    assert outline(again) == outline(alone)
+    for ours, theirs in zip(alone.model.roots, again.model.roots, strict=True):
+        assert not compare(ours, theirs, again.model.metamodels)
+
+
+def write(folder, text, uri=MOBILITY, name="model.xmi"):
+    path = folder / name
+    path.write_text(text.format(uri=uri), encoding="utf-8")
+    return path
+
+
+def test_elements_of_the_library_are_those_of_all_and_know_none(tmp_path):
+    cache, path = LibraryCache(), write(tmp_path, COMPONENT)
+    first, again = read(path, cache), read(path, cache)
+    assert library_of(first) == library_of(again) != []
+    assert first.model.root is not again.model.root
+    [service] = again.model.root.provides
+    assert service is first.model.root.provides[0]
+    assert again.model.is_library(service)
+    own = {*first.model.elements(library=False), *again.model.elements(library=False)}
+    assert not [owner for owner, _ in service._inverse_rels if owner in own]
+
+
+def test_what_owns_an_element_of_the_library_has_it_for_itself(tmp_path):
+    cache = LibraryCache()
+    shared = read(write(tmp_path, COMPONENT), cache)
+    path = write(tmp_path, OWNER, name="owner.xmi")
+    for _ in range(2):
+        result = read(path, cache)
+        assert outline(result) == outline(read(path))
+        assert library_of(result) != library_of(shared)
+    assert library_of(read(tmp_path / "model.xmi", cache)) == library_of(shared)
+
+
+def test_a_library_that_is_checked_itself_is_read_itself(tmp_path):
+    cache = LibraryCache()
+    read(write(tmp_path, COMPONENT), cache)
+    path = library_root() / "jaus" / "mobility.xmi"
+    result = read(path, cache)
+    assert result.model.documents[0].given
+    assert outline(result) == outline(read(path))
+
+
+def test_the_same_library_by_another_name_is_called_by_that(tmp_path):
+    cache = LibraryCache()
+    read(write(tmp_path, COMPONENT), cache)
+    path = write(
+        tmp_path,
+        COMPONENT,
+        os.path.relpath(library_root() / MOBILITY.removeprefix(LIBRARY_URI), tmp_path),
+    )
+    options = {"allow_outside": True, "project_root": tmp_path}
+    assert outline(read(path, cache, **options)) == outline(read(path, **options))
+
+
+def test_a_library_with_a_finding_is_not_kept(tmp_path, monkeypatch):
+    cache, path = LibraryCache(), write(tmp_path, COMPONENT)
+    library = other_library(tmp_path, monkeypatch)
+    core = library / "jaus" / "core-1.0.xmi"
+    core.write_text(
+        core.read_text(encoding="utf-8").replace("<services ", "<servicez ", 1), encoding="utf-8"
+    )
+    first, again = read(path, cache), read(path, cache)
+    assert outline(first) == outline(again) == outline(read(path))
+    assert again.has_errors
+    assert library_of(first) != library_of(again)
+
+
+def test_a_library_that_has_changed_is_read_again(tmp_path, monkeypatch):
+    cache, path = LibraryCache(), write(tmp_path, COMPONENT)
+    mobility = other_library(tmp_path, monkeypatch) / "jaus" / "mobility.xmi"
+    before = read(path, cache)
+    text = mobility.read_text(encoding="utf-8")
+    mobility.write_text(text.replace("VelocityStateSensor", "OtherSensor"), encoding="utf-8")
+    after = read(path, cache)
+    assert not before.has_errors
+    assert after.has_errors
+    assert outline(after) == outline(read(path))
+
+
+def other_library(folder, monkeypatch):
+    """A copy of the library that may be changed."""
+    library = folder / "library"
+    shutil.copytree(library_root(), library)
+    monkeypatch.setattr(uris, "library_root", lambda: library)
+    return library
