@@ -31,11 +31,7 @@ class QuietNode:
     """A node in a context of its own, without parameters, services or log."""
 
     def __init__(self, purpose: str) -> None:
-        """Does nothing before `open`.
-
-        Args:
-            purpose: What it is for, as a part of its name.
-        """
+        """Does nothing before `open`."""
         self._name = f"jausml_{purpose}_{os.getpid()}"
         self._context: Any = None
         self._executor: Any = None
@@ -44,9 +40,6 @@ class QuietNode:
 
     def open(self, prepare: Callable[[Any], object] | None = None) -> Self:
         """Enters ROS.
-
-        Args:
-            prepare: Gives the node its subscriptions and timers.
 
         Raises:
             RosFault: rclpy, or what is needed beside it, is missing or does not work.

@@ -105,7 +105,6 @@ class AsyncComponent:
 
         Args:
             address: JAUS id, subsystem.node.component; None for a free one of 65000.
-            options: Those of `Component`.
 
         Raises:
             ValueError: An argument means nothing.

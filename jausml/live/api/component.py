@@ -42,9 +42,7 @@ class Received:
     """A message that came.
 
     Attributes:
-        name: Its name.
         fields: Its fields, in units of the standard.
-        sender: JAUS id of the component that sent it.
     """
 
     name: str
@@ -148,10 +146,6 @@ class Component:
             address: JAUS id, subsystem.node.component; None for a free one of 65000.
             provides: Services that others may find, by URN or name; what they inherit, and the
                 core services that each tool has, come along.
-            name: What Discovery reports.
-            interface: IPv4 address of the network interface.
-            port: UDP port of JUDP (AS5669A), which the component shares with others of the host.
-            multicast_group: Multicast group of JUDP.
             peers: Where components are that multicast does not reach: host and port by JAUS id.
             models: Files with services of your own.
             timeout: Seconds to wait for an answer.
@@ -223,7 +217,6 @@ class Component:
         """Asks for a report and returns its fields.
 
         Args:
-            target: JAUS id of the component.
             name: Name or code of the query or of its report, or what both share (`VelocityState`).
             fields: Fields of the query; without it everything is asked for.
 
@@ -239,8 +232,6 @@ class Component:
         """Subscribes to a report by an event (AS5710, CreateEvent).
 
         Args:
-            target: JAUS id of the component.
-            name: Name or code of the query or of its report.
             rate: Reports each second; None means at every change.
 
         Raises:
@@ -258,8 +249,6 @@ class Component:
         """Subscribes to a report, and has a function take each.
 
         Args:
-            target: JAUS id of the component.
-            name: Name or code of the query or of its report.
             rate: Reports each second; None means at every change.
             take: Takes a report, on a thread of the component.
 
@@ -301,8 +290,6 @@ class Component:
         """Controls a component as long as the block, and brings it to Ready.
 
         Args:
-            target: JAUS id of the component.
-            authority: Authority code to ask with.
             resume: Whether to bring it to Ready (AS5710, Resume).
 
         Raises:
@@ -323,8 +310,6 @@ class Component:
         """Sends a message once, without waiting; commands are obeyed under control alone.
 
         Args:
-            target: JAUS id of the component.
-            name: Name or code of the message.
             fields: Its fields; the one record of a body need not be named.
 
         Raises:
@@ -344,7 +329,6 @@ class Component:
         """Answers a query, and events on it, with what a function returns; also before the start.
 
         Args:
-            name: Name or code of the query or of its report, or what both share.
             give: Returns the fields of the present report; None when there is none now.
 
         Returns:
@@ -371,10 +355,6 @@ class Component:
 
     def obey(self, name: str | int, take: Callable[[Received], None]) -> None:
         """Has a function take a message: a command from the controller in Ready alone.
-
-        Args:
-            name: Name or code of the message.
-            take: Takes the message.
 
         Raises:
             MessageError: There is no such message.

@@ -27,9 +27,6 @@ def _catalogue(models: tuple[str, ...]) -> Catalogue:
 def catalogue(models: Models = ()) -> Catalogue:
     """Returns the messages of the library and of models, read once.
 
-    Args:
-        models: Files with services of your own.
-
     Raises:
         MessageError: A model cannot be read; the text has all errors with their places.
     """
@@ -47,10 +44,8 @@ def decode(
     """Returns the message that bytes hold: its `entry` (name, code) and its `fields`.
 
     Args:
-        payload: Message code and body, as bytes or hex.
         service: Where a code has several meanings, that of this service: URN or name.
         message: Where it still has several, the message of this name.
-        models: Files with services of your own.
 
     Raises:
         MessageError: The bytes are no message, or may be several.
@@ -70,10 +65,8 @@ def encode(
     """Returns the bytes of a message: its code and its body.
 
     Args:
-        message: Name or code.
         fields: Its fields in units of the standard; the one record of a body need not be named.
         service: Where several messages have the name, that of this service: URN or name.
-        models: Files with services of your own.
 
     Raises:
         MessageError: There is no such message, or the fields are wrong.

@@ -21,9 +21,7 @@ class Check:
 
     Attributes:
         topic: What it belongs to: `python`, `ros`, `network` or `model`.
-        name: What was looked at.
         verdict: How it ended; an error keeps something from working, a warning may.
-        text: What was found.
         cure: What to do, empty where there is nothing to do.
     """
 

@@ -33,11 +33,7 @@ def settings_of(interface: str, port: int, multicast_group: str) -> TransportSet
 
 
 def checks(settings: TransportSettings) -> Iterator[Check]:
-    """Yields what is to be said of the network; sends one datagram to a port of its own.
-
-    Args:
-        settings: Interface, port and multicast group.
-    """
+    """Yields what is to be said of the network; sends one datagram to a port of its own."""
     interface = _interface(settings)
     yield interface
     manager = manager_folder(settings)

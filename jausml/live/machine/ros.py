@@ -29,11 +29,7 @@ _SHARED_MEMORY = Path("/dev/shm")  # noqa: S108 - where Fast DDS puts what it sh
 
 
 def checks(packages: Iterable[str]) -> Iterator[Check]:
-    """Yields what is to be said of ROS.
-
-    Args:
-        packages: Packages of interfaces that the model uses.
-    """
+    """Yields what is to be said of ROS."""
     if find_spec("rclpy") is None:
         cure = "source the setup.bash of a ROS 2 installation, or pip install 'jausml[ros]'"
         text = "Python finds no rclpy: bridges do not start; JAUS alone works"

@@ -63,13 +63,7 @@ class NoAnswer(Exception):  # noqa: N818 - an outcome of the network, not a faul
 
 
 class Asker:
-    """Asks components for one of ours.
-
-    Attributes:
-        catalogue: All messages that we know.
-        survey: Who is there.
-        timeout: Seconds to wait for an answer.
-    """
+    """Asks components for one of ours."""
 
     def __init__(
         self,
@@ -79,15 +73,7 @@ class Asker:
         heard: Heard,
         timeout: float,
     ) -> None:
-        """Asks nothing yet.
-
-        Args:
-            component: Our component.
-            network: How the others are reached.
-            catalogue: All messages that we know.
-            heard: What comes to our component.
-            timeout: Seconds to wait for an answer.
-        """
+        """Asks nothing yet."""
         self.catalogue = catalogue
         self.timeout = timeout
         self.survey = Survey(component, tuple(network.settings.address_book))
@@ -124,9 +110,6 @@ class Asker:
 
         Returns:
             Its services; none when nobody knows.
-
-        Raises:
-            NoAnswer: It does not answer.
         """
         component, query = self._component, QueryStatus().encode()
         found = self.services(target)
@@ -152,7 +135,6 @@ class Asker:
 
         Raises:
             NoAnswer: None comes.
-            EncodeError: The query's fields are wrong.
         """
         report = self._begin(target, query, report_class).within(None)
         if report is None:
@@ -165,8 +147,6 @@ class Asker:
         A component of which nothing was heard is asked what nearly all of them answer.
 
         Args:
-            target: The component.
-            message: Name of the message.
             report: Name of its answer, empty when there are several.
         """
         services: tuple[ServiceIdentity, ...] = self.survey.services(target)
@@ -182,10 +162,6 @@ class Asker:
 
     def lack(self, target: JausAddress, message: str) -> str:
         """Returns that a component provides nothing that takes a message, as far as it has said.
-
-        Args:
-            target: The component.
-            message: Name of the message.
 
         Returns:
             It in words; empty when it takes the message, or has not said what it provides.
@@ -214,10 +190,6 @@ class Asker:
 
         After one answer those of the questions before it are waited for only briefly.
 
-        Args:
-            target: The component.
-            questions: Queries with the classes of their reports.
-
         Returns:
             The index; None when none of them is answered.
         """
@@ -236,14 +208,6 @@ class Asker:
         """Asks once and returns the seconds until the answer; None when none comes in time.
 
         JAUS queries have no number: an answer that comes too late counts for the next question.
-
-        Args:
-            target: The component.
-            query: The query.
-            report_class: Class of its report.
-
-        Raises:
-            EncodeError: The query's fields are wrong.
         """
         ends: SimpleQueue[float | None] = SimpleQueue()
         begin = time.perf_counter()
@@ -273,13 +237,7 @@ class Asker:
         """Asks once, without waiting.
 
         Args:
-            target: The component.
-            query: The query.
-            report_class: Class of its report.
             take: Takes the report, or None when none comes in time; on another thread.
-
-        Raises:
-            EncodeError: The query's fields are wrong.
         """
         self._component.query(
             target,
@@ -292,12 +250,7 @@ class Asker:
         )
 
     def on_report(self, report_class: type[M], take: Callable[[M, JausAddress], None]) -> None:
-        """Has each report of a class taken, asked for or not, with its sender.
-
-        Args:
-            report_class: The class.
-            take: Takes a report, on another thread.
-        """
+        """Has each report of a class taken, asked for or not, with its sender."""
         self._component.on_message(report_class, take)
 
     def senders(self) -> tuple[JausAddress, ...]:
@@ -324,9 +277,6 @@ class Asker:
         """Returns the Management state of a component and who controls it, None where unknown.
 
         Both are asked at once; after one answer the other one is not waited for as long.
-
-        Raises:
-            NoAnswer: It answers neither question.
         """
         states = self._begin(target, QueryStatus(), ReportStatus)
         controls = self._begin(target, QueryControl(), ReportControl)
@@ -352,7 +302,6 @@ class Asker:
         """Asks a component for its state and its controller, without waiting.
 
         Args:
-            target: The component.
             tell: Told each answer, and that there is none, in words; on another thread.
         """
         looks: tuple[tuple[Message, type[Message]], ...] = (
@@ -376,13 +325,10 @@ class Asker:
         """Asks for a report by name and returns it with its fields.
 
         Args:
-            target: The component.
-            name: Name or code of the query or of its report.
             fields: Fields of the query; the presence vector asks for everything if it is absent.
 
         Raises:
             MessageError: There is no such message, or the fields are wrong.
-            NoAnswer: No report comes.
         """
         query, report = self.exchange(target, name)
         message = self.message(query, full_query(query, report) if fields is None else fields)
@@ -405,11 +351,7 @@ class Asker:
         """Returns a message, ready to be sent.
 
         Args:
-            entry: The message.
             fields: Its fields; the one record of a body need not be named.
-
-        Raises:
-            MessageError: The fields are wrong.
         """
         message = message_class(entry)(entry.completed(fields))
         try:
@@ -419,11 +361,7 @@ class Asker:
         return message
 
     def find(self, target: JausAddress, name: str) -> MessageEntry:
-        """Returns the message that a name means to a component.
-
-        Raises:
-            MessageError: There is none, or there are several.
-        """
+        """Returns the message that a name means to a component."""
         try:
             return find_message(self.catalogue, name)
         except AmbiguousMessageError:

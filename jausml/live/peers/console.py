@@ -38,13 +38,7 @@ class UsageError(Exception):
 
 @dataclass(frozen=True)
 class Command:
-    """A command of the session.
-
-    Attributes:
-        usage: Its arguments.
-        help: What it does.
-        run: Does it, given the rest of the line.
-    """
+    """A command of the session."""
 
     usage: str
     help: str
@@ -55,17 +49,12 @@ class Console:
     """Carries out commands for one operator.
 
     A command may name the component that it is for; without a name it is for the one named last.
-
-    Attributes:
-        failures: Commands that did not end well.
-        has_doubts: Whether messages were sent that may have found a component lost.
     """
 
     def __init__(self, operator: Operator, emit: Callable[[str], None]) -> None:
         """Starts a session without a target.
 
         Args:
-            operator: Does the work.
             emit: Takes each line for the user; also called on another thread.
         """
         self.failures = 0
@@ -96,11 +85,7 @@ class Console:
         }
 
     def run(self, lines: Iterable[str]) -> None:
-        """Carries out commands until `quit` or the last line; `#` starts a remark.
-
-        Args:
-            lines: Commands.
-        """
+        """Carries out commands until `quit` or the last line; `#` starts a remark."""
         for line in lines:
             word, _, rest = line.strip().partition(" ")
             if word in ("quit", "exit"):
@@ -116,12 +101,7 @@ class Console:
             )
 
     def execute(self, word: str, rest: str) -> None:
-        """Carries out one command; what goes wrong is told and counted.
-
-        Args:
-            word: The command.
-            rest: The rest of its line.
-        """
+        """Carries out one command; what goes wrong is told and counted."""
         command = self.commands.get(word)
         try:
             if command is None:
@@ -214,11 +194,7 @@ class Console:
         self._operator.look(target, lambda text: self._emit(f"note: {target} {text}"))
 
     def resume(self, target: JausAddress) -> None:
-        """Brings a component that we control to Ready and says so.
-
-        Raises:
-            Refused: It does not come to Ready.
-        """
+        """Brings a component that we control to Ready and says so."""
         self._change(target, Resume(), Status.READY)
 
     def release(self, target: JausAddress) -> None:
@@ -297,11 +273,7 @@ class Console:
 
 
 def parse_fields(text: str) -> dict[str, Any]:
-    """Returns the fields of a message from JSON.
-
-    Raises:
-        ValueError: The text is no JSON object.
-    """
+    """Returns the fields of a message from JSON."""
     try:
         fields = json.loads(text)
     except json.JSONDecodeError as error:

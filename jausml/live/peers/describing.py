@@ -20,12 +20,7 @@ MAX_LENGTH = 200
 
 
 def describe(payload: bytes, catalogue: Catalogue) -> str:
-    """Returns the name and the fields of a message, or why it has none.
-
-    Args:
-        payload: Message code and body.
-        catalogue: All messages that we know.
-    """
+    """Returns the name and the fields of a message, or why it has none."""
     try:
         code = read_code(payload)
     except DecodeError:

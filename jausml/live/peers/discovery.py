@@ -45,10 +45,8 @@ class KnownComponent:
     """A component that was heard of.
 
     Attributes:
-        address: Its JAUS id.
         identification: Name that it reports of itself, empty when it was not heard.
         type: Type that it reports of itself (AS5710, ReportIdentification), 0 if unknown.
-        services: What it provides.
         is_silent: Whether it answers, but no question of Discovery.
     """
 
@@ -64,10 +62,8 @@ class KnownSubsystem:
     """A subsystem and its components.
 
     Attributes:
-        number: Its number.
         identification: Its name, empty when nobody answers for the subsystem.
         type: Its type, 0 if unknown.
-        components: Its components by address.
     """
 
     number: int
@@ -88,7 +84,6 @@ class Survey:
         """Listens from now on.
 
         Args:
-            component: Our component.
             peers: Components that are asked one by one as well, since multicast may miss them.
         """
         self._component = component

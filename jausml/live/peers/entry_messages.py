@@ -19,7 +19,6 @@ class EntryMessage(Message):
     """A message whose layout comes from the catalogue instead of generated code.
 
     Attributes:
-        ENTRY: The message in the catalogue.
         fields: The fields in the shapes of `MessageEntry.decode`.
     """
 
@@ -28,11 +27,7 @@ class EntryMessage(Message):
     ENTRY: ClassVar[MessageEntry]
 
     def __init__(self, fields: dict[str, Any] | None = None) -> None:
-        """Makes a message.
-
-        Args:
-            fields: The fields; none when the message has no body.
-        """
+        """Makes a message."""
         self.fields: dict[str, Any] = {} if fields is None else fields
 
     def encode(self) -> bytes:
@@ -48,11 +43,7 @@ class EntryMessage(Message):
 
     @classmethod
     def decode(cls, payload: bytes) -> EntryMessage:
-        """Returns the message that the bytes hold.
-
-        Raises:
-            DecodeError: The bytes are no such message.
-        """
+        """Returns the message that the bytes hold."""
         try:
             return cls(cls.ENTRY.decode(payload))
         except MessageError as error:
@@ -72,8 +63,6 @@ def find_message(
     """Returns the message of a name or code.
 
     Args:
-        catalogue: All messages that we know.
-        name: Name or code.
         services: Services of the component that the message is for; of several messages of one
             name that of these services is meant.
 
@@ -98,13 +87,8 @@ def find_exchange(
     """Returns the query and the report that a name means.
 
     Args:
-        catalogue: All messages that we know.
         name: Name or code of the query or of the report, or what both names have in common,
             e.g. `VelocityState`.
-        services: Services of the component that is asked.
-
-    Raises:
-        MessageError: There is no such query or report.
     """
     topic = name.removeprefix("Query").removeprefix("Report")
     query = _first(catalogue, (f"Query{topic}", name), services)

@@ -29,7 +29,6 @@ def identified(network: Network, count: int = 1) -> Iterator[Network]:
     first number that is free on this host.
 
     Args:
-        network: Who we are, if the user says so, and how the others are reached.
         count: Ids that are needed, one after the other.
     """
     with ExitStack() as claims:

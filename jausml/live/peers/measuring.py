@@ -35,9 +35,6 @@ class Stream:
     """A report of a component, while it is measured.
 
     Attributes:
-        component: The component.
-        query: The query for it.
-        report: The report.
         arrivals: When reports came by event: steady seconds, seconds since 1970, and the bytes.
         round_trips: Seconds from a query to its answer; None for one that did not come in time.
         fault: Why there are no events; empty when there may be some.
@@ -111,15 +108,7 @@ def _stamp_in(fields: Any) -> dict[str, Any] | None:
 
 
 def offered_reports(operator: Operator, target: JausAddress) -> list[str]:
-    """Returns the names of the queries for the reports that a component offers, without core ones.
-
-    Args:
-        operator: Who asks.
-        target: The component.
-
-    Raises:
-        NoAnswer: Nobody says what it provides.
-    """
+    """Returns names of the queries for the reports that a component offers, without core ones."""
     services = operator.services(target)
     if not services:
         raise operator.unanswered(target, "QueryServices", "ReportServices")
@@ -148,8 +137,6 @@ def measure(
     """Measures reports for a while.
 
     Args:
-        operator: Who subscribes and asks.
-        wanted: Components, and the names of the queries or reports.
         duration: Seconds to measure.
         rate: Reports each second that the events are to have; None for one at every change.
         interval: Seconds between two questions for a report.

@@ -18,9 +18,7 @@ class Met(NamedTuple):
     """What is told of a peer.
 
     Attributes:
-        name: Its JAUS id.
         verdict: `ok`, `note` for what it does otherwise than others, `error` if it is silent.
-        text: What was found.
     """
 
     name: str
@@ -30,10 +28,6 @@ class Met(NamedTuple):
 
 def met(network: Network, catalogue: Catalogue) -> list[Met]:
     """Returns what the peers of a network are like, which are asked one after the other.
-
-    Args:
-        network: Who we are, and where they are.
-        catalogue: All messages that we know.
 
     Raises:
         OSError: The network cannot be used as the settings say.

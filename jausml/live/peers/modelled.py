@@ -18,9 +18,6 @@ def reports_of(model: Model) -> list[tuple[JausAddress, str]]:
 
     A report that a bridge makes of topics is its own. Peers that are searched for by service have
     no address in the model and are left out.
-
-    Args:
-        model: A model without errors.
     """
     return list(dict.fromkeys(_reports(model)))
 

@@ -38,9 +38,6 @@ class Network:
 
     Attributes:
         own: Our JAUS id; see `identified`.
-        settings: Interface, port, multicast group and known peers.
-        is_own_given: Whether the user says it.
-        is_shared: Whether another tool of this host has it too.
     """
 
     own: JausAddress
@@ -79,13 +76,7 @@ class Network:
 
 
 def fault(error: OSError, network: Network, remedy: str) -> str:
-    """Returns why the network cannot be used; of a port that is taken also by whom.
-
-    Args:
-        error: What opening it raised.
-        network: The network.
-        remedy: What the tool can do when the port is taken.
-    """
+    """Returns why the network cannot be used; of a port that is taken also by whom."""
     settings = network.settings
     if error.errno != errno.EADDRINUSE:
         what = f"the network cannot be used: {error.strerror or error}"
@@ -110,9 +101,6 @@ def make_network(
 
     Args:
         own: Dotted JAUS id; None for one that is free.
-        interface: IPv4 address of the interface.
-        port: UDP port of JUDP.
-        group: Multicast group.
         peers: Known components as `ID=HOST:PORT`.
         transport: How messages travel, as `TransportKind` names it.
         node_manager_directory: Where a node manager has its local sockets; empty for the folder of

@@ -69,11 +69,6 @@ class Pings:
 
 
 def answered_question(asker: Asker, target: JausAddress) -> str | None:
-    """Returns the name of the first of QUESTIONS that a component answers; None without any.
-
-    Args:
-        asker: Who asks.
-        target: The component.
-    """
+    """Returns the name of the first of QUESTIONS that a component answers; None without any."""
     index = asker.first_answered(target, list(QUESTIONS.values()))
     return None if index is None else list(QUESTIONS)[index]

@@ -21,11 +21,7 @@ if TYPE_CHECKING:
 
 
 def subsystem_lines(subsystems: Iterable[KnownSubsystem]) -> Iterator[str]:
-    """Yields the subsystems with their nodes, components and services.
-
-    Args:
-        subsystems: What a survey found.
-    """
+    """Yields the subsystems with their nodes, components and services."""
     for subsystem in subsystems:
         yield f"subsystem {subsystem.number}{_who(subsystem.identification, subsystem.type)}"
         node = 0
@@ -39,11 +35,7 @@ def subsystem_lines(subsystems: Iterable[KnownSubsystem]) -> Iterator[str]:
 
 
 def subsystems_json(subsystems: Iterable[KnownSubsystem]) -> str:
-    """Returns one JSON object with all subsystems.
-
-    Args:
-        subsystems: What a survey found.
-    """
+    """Returns one JSON object with all subsystems."""
     content = [
         {
             "subsystem": each.number,

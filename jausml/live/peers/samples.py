@@ -28,11 +28,7 @@ _TELLING_FIELDS: dict[str, dict[str, Any]] = {
 
 
 def plain_query(query: MessageEntry) -> dict[str, Any]:
-    """Returns fields with which a query is answered with something, as far as we can know.
-
-    Args:
-        query: The query.
-    """
+    """Returns fields with which a query is answered with something, as far as we can know."""
     if query.name in _TELLING_FIELDS:
         return deepcopy(_TELLING_FIELDS[query.name])
     fields: dict[str, Any] = sample(query.codec)
@@ -40,12 +36,7 @@ def plain_query(query: MessageEntry) -> dict[str, Any]:
 
 
 def full_query(query: MessageEntry, report: MessageEntry) -> dict[str, Any]:
-    """Returns the fields of a query that asks for everything its report may hold.
-
-    Args:
-        query: The query.
-        report: Its report.
-    """
+    """Returns the fields of a query that asks for everything its report may hold."""
     fields = plain_query(query)
     holder = presence_holder(fields)
     if holder is not None:
@@ -54,11 +45,7 @@ def full_query(query: MessageEntry, report: MessageEntry) -> dict[str, Any]:
 
 
 def presence_holder(fields: Any) -> dict[str, Any] | None:
-    """Returns the object of a query's fields that holds its presence vector, if it has one.
-
-    Args:
-        fields: The fields of a query.
-    """
+    """Returns the object of a query's fields that holds its presence vector, if it has one."""
     if not isinstance(fields, dict):
         return None
     if isinstance(fields.get(PRESENCE_VECTOR), int):
@@ -68,11 +55,7 @@ def presence_holder(fields: Any) -> dict[str, Any] | None:
 
 
 def optional_bits(reports: Sequence[MessageEntry]) -> int:
-    """Returns the presence vector with all bits of the first record that has optional fields.
-
-    Args:
-        reports: Reports that may answer a query.
-    """
+    """Returns the presence vector with all bits of the first record that has optional fields."""
     for report in reports:
         for record in _records(report.codec):
             bits = sum(member.bit for member in record.members)

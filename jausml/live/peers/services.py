@@ -19,12 +19,7 @@ Services = dict[JausAddress, tuple[ServiceIdentity, ...]]
 
 
 def services_of(report: ReportServices, subsystem: int) -> Services:
-    """Returns the components of a ReportServices, which does not name their subsystem.
-
-    Args:
-        report: The report (AS5710, Discovery).
-        subsystem: Subsystem of the component that sent it.
-    """
+    """Returns the components of a ReportServices, which does not name their subsystem."""
     return _merged(
         (JausAddress(subsystem, node.node_rec.node_id, each.component_rec.component_id), each)
         for node in report.node_list

@@ -15,11 +15,7 @@ class Spread:
     """How a time was spread, in seconds.
 
     Attributes:
-        count: How often it was measured.
-        least: The least.
-        median: The median.
         p99: What 99 of 100 do not exceed (nearest rank).
-        greatest: The greatest.
     """
 
     count: int
@@ -40,11 +36,7 @@ class Spread:
 
 
 def spread_of(seconds: Iterable[float]) -> Spread | None:
-    """Returns the figures of measured times; None without any.
-
-    Args:
-        seconds: The times.
-    """
+    """Returns the figures of measured times; None without any."""
     ranked = sorted(seconds)
     if not ranked:
         return None

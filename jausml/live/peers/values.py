@@ -46,24 +46,13 @@ _CLOCK = {"Hour", "Minutes", "Seconds", "Milliseconds"}
 
 
 def shown_fields(entry: MessageEntry, fields: dict[str, Any]) -> str:
-    """Returns the fields of a message on one line, e.g. `Velocity_X=1.25 m/s YawRate=0 rad/s`.
-
-    Args:
-        entry: The message.
-        fields: Its fields as decoded.
-    """
+    """Returns the fields of a message on one line, e.g. `Velocity_X=1.25 m/s YawRate=0 rad/s`."""
     pairs = list(field_texts(entry.codec, fields))
     return "  ".join(f"{path}={text}" for path, text in pairs) or "(no fields)"
 
 
 def field_texts(codec: Codec, value: Any, path: str = "") -> Iterator[tuple[str, str]]:
-    """Yields the path and the text of each value; the outermost record is not named.
-
-    Args:
-        codec: The codec of the field.
-        value: Its decoded value.
-        path: Path of the field.
-    """
+    """Yields the path and the text of each value; the outermost record is not named."""
     if isinstance(codec, Record):
         yield from _record_texts(codec, value, path)
     elif isinstance(codec, List | Array):

@@ -23,8 +23,6 @@ class Arrival(NamedTuple):
 
     Attributes:
         time: Monotonic time of its arrival in seconds.
-        sender: Where it came from.
-        data: The datagram.
     """
 
     time: float
@@ -41,9 +39,6 @@ class Wire:
 
     def __init__(self, settings: TransportSettings) -> None:
         """Open the sockets.
-
-        Args:
-            settings: Interface, port and multicast group.
 
         Raises:
             OSError: The interface or the group cannot be used.

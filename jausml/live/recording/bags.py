@@ -30,10 +30,7 @@ class RosMessage:
     """A message of ROS of a recording.
 
     Attributes:
-        topic: Full name of its topic.
-        type: Full name of its type.
         time: When it was heard, in nanoseconds since 1970.
-        data: The message, serialized (CDR).
     """
 
     topic: str
@@ -62,7 +59,6 @@ class Bag:
         Args:
             path: An MCAP file, or a bag of rosbag2: its folder, or the file of its storage. In a
                 folder that has no metadata yet, since its recorder was cut off, all MCAP files.
-            span: Which part of it is read.
         """
         self.others: Counter[str] = Counter()
         self.fault = ""

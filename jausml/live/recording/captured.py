@@ -21,12 +21,7 @@ _EVENT = Event.CODE.to_bytes(2, "little")
 
 
 class CapturedMessages:
-    """The messages in datagrams, in their order.
-
-    Attributes:
-        count: Messages so far.
-        skipped: How many datagrams, or parts of them, hold none that can be used, by reason.
-    """
+    """The messages in datagrams, in their order."""
 
     def __init__(self) -> None:
         """Starts without packets."""
@@ -35,11 +30,7 @@ class CapturedMessages:
         self._observer = Observer()
 
     def read(self, datagrams: Iterable[Datagram]) -> Iterator[tuple[JausMessage, Packet]]:
-        """Yields messages, each with the packet that completes it.
-
-        Args:
-            datagrams: The datagrams, with their times.
-        """
+        """Yields messages, each with the packet that completes it."""
         for datagram in datagrams:
             if datagram.nanoseconds is None:
                 self.skipped["datagrams of which the capture does not tell the time"] += 1

@@ -21,8 +21,6 @@ def copied(messages: Iterable[Found], stream: BinaryIO, *, ros_only: bool) -> in
     """Writes messages into a file with an index; returns how many.
 
     Args:
-        messages: The messages.
-        stream: Where they go.
         ros_only: Whether those are left out that are not of ROS.
     """
     from mcap.writer import Writer  # noqa: PLC0415 - an extra

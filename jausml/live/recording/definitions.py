@@ -49,11 +49,7 @@ def full_name(kind: ros.MessageType) -> str:
 
 
 def modelled_definition(kind: ros.MessageType) -> str:
-    """Returns the definition of a type of a model.
-
-    Args:
-        kind: The type.
-    """
+    """Returns the definition of a type of a model."""
     known = {_short(kind): kind}
 
     def part(name: str) -> Part:
@@ -71,7 +67,6 @@ def installed_definition(name: str, installation: Installation) -> str:
     Args:
         name: Its full name, e.g. `nav_msgs/msg/Odometry`; what topics of services and actions have
             too, e.g. `std_srvs/srv/SetBool_Event`.
-        installation: Where packages are installed.
     """
 
     def part(short: str) -> Part:
@@ -89,12 +84,7 @@ def installed_definition(name: str, installation: Installation) -> str:
 
 
 def _made(package: str, kind: str, own: str, installation: Installation) -> dict[str, Part]:
-    """Returns the types, of a topic of a service or an action, that no file of their own defines.
-
-    Raises:
-        ValueError: There is no such topic.
-        OSError: It is not installed.
-    """
+    """Returns types, of a topic of a service or an action, that no file of their own defines."""
     base, _, role = own.partition("_")
     if (kind, role) not in _ROLES:
         raise ValueError(f"{package}/{kind}/{own}")

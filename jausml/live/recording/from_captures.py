@@ -19,29 +19,15 @@ if TYPE_CHECKING:
 
 
 class JausWriter:
-    """Writes JAUS messages as JSON.
-
-    Attributes:
-        undecoded: How many could not be decoded, by reason.
-    """
+    """Writes JAUS messages as JSON."""
 
     def __init__(self, catalogue: Catalogue) -> None:
-        """Writes nothing yet.
-
-        Args:
-            catalogue: What messages there are.
-        """
+        """Writes nothing yet."""
         self.undecoded: Counter[str] = Counter()
         self._catalogue = catalogue
 
     def write(self, file: McapFile, message: JausMessage, packet: Packet) -> None:
-        """Writes a message.
-
-        Args:
-            file: Where it goes.
-            message: The message.
-            packet: The packet that completed it, of which the header is.
-        """
+        """Writes a message."""
         try:
             found = self._catalogue.decode(message.payload)
             channel = file.jaus_channel(message.source, found.entry)
@@ -59,13 +45,7 @@ class JausWriter:
 
 
 class CaptureReplay:
-    """The way of a capture into a file.
-
-    Attributes:
-        captured: What was found in the capture.
-        topics: How many messages each topic got.
-        sources: Who sent what became messages of each topic.
-    """
+    """The way of a capture into a file."""
 
     def __init__(
         self, translator: Translator, file: McapFile, jaus: JausWriter | None = None
@@ -73,8 +53,6 @@ class CaptureReplay:
         """Has read nothing yet.
 
         Args:
-            translator: The maps.
-            file: Where messages go.
             jaus: What writes the JAUS messages too; None leaves them out.
         """
         self.captured = CapturedMessages()
@@ -86,9 +64,6 @@ class CaptureReplay:
 
     def run(self, datagrams: Iterable[Datagram]) -> None:
         """Writes what becomes of datagrams.
-
-        Args:
-            datagrams: The datagrams, with their times.
 
         Raises:
             RecordingError: The translations have failed.

@@ -33,12 +33,7 @@ class McapRecording:
     """
 
     def __init__(self, path: str, span: Span = WHOLE) -> None:
-        """Names a file.
-
-        Args:
-            path: The file.
-            span: Which part of it is read.
-        """
+        """Names a file."""
         self.fault = ""
         self.reached: int | None = None
         self._path = path
@@ -50,18 +45,12 @@ class McapRecording:
         A file without an index is read in its own order, which is that in which messages came.
 
         Raises:
-            ImportError: The library is missing.
             RecordingError: It cannot be opened, is no such file, or nothing of it can be read.
         """
         yield from self._span.of(self._all(), lambda found: found[2].log_time)
 
     def length(self) -> float | None:
-        """Returns the seconds from the first message to the last of the part, None if unknown.
-
-        Raises:
-            ImportError: The library is missing.
-            RecordingError: It cannot be opened.
-        """
+        """Returns the seconds from the first message to the last of the part, None if unknown."""
         with self._opened() as stream:
             summary = _summary(stream)
         told = summary.statistics if summary is not None else None

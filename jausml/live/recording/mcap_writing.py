@@ -22,11 +22,7 @@ COMPRESSIONS = ("zstd", "lz4", "none")
 
 
 def need_library() -> None:
-    """Does nothing where MCAP files can be written.
-
-    Raises:
-        RecordingError: The library is missing.
-    """
+    """Does nothing where MCAP files can be written."""
     try:
         import mcap.writer  # noqa: F401, PLC0415 - an extra: jausml[record]
     except ImportError as error:
@@ -39,11 +35,7 @@ def library_name() -> str:
 
 
 class McapFile:
-    """An MCAP file that is being written; it has its index once it is closed.
-
-    Attributes:
-        count: Messages that were written.
-    """
+    """An MCAP file that is being written; it has its index once it is closed."""
 
     def __init__(
         self, stream: BinaryIO, *, has_jaus: bool, compression: str = COMPRESSIONS[0]
@@ -51,8 +43,6 @@ class McapFile:
         """Begins a file.
 
         Args:
-            stream: Where it goes.
-            has_jaus: Whether it may hold JAUS messages; one that does not has the profile of ROS.
             compression: One of `COMPRESSIONS`.
 
         Raises:
@@ -83,23 +73,12 @@ class McapFile:
         self._writer.flush()  # type: ignore[no-untyped-call]
 
     def ros_channel(self, topic: str, type_name: str, definition: str) -> int:
-        """Returns the channel of a topic.
-
-        Args:
-            topic: Its full name.
-            type_name: Full name of its type, e.g. `nav_msgs/msg/Odometry`.
-            definition: The definition of the type, with those of the types in it.
-        """
+        """Returns the channel of a topic."""
         schema = self._schema(type_name, "ros2msg", definition)
         return self._channel(topic, schema, "cdr")
 
     def jaus_channel(self, source: str, entry: MessageEntry) -> int:
-        """Returns the channel of a JAUS message of one component.
-
-        Args:
-            source: JAUS id of the component.
-            entry: The message.
-        """
+        """Returns the channel of a JAUS message of one component."""
         key = (source, entry)
         if key not in self._of_jaus:
             text = json.dumps(schema_of(entry))
@@ -111,22 +90,13 @@ class McapFile:
         """Writes a message.
 
         Args:
-            channel: Its channel.
-            time: When it was heard, in nanoseconds since 1970.
-            data: The message.
             published: When it was sent, the time above by default.
         """
         self._writer.add_message(channel, time, data, time if published is None else published)
         self.count += 1
 
     def write_json(self, channel: int, time: int, value: dict[str, Any]) -> None:
-        """Writes a message in JSON.
-
-        Args:
-            channel: Its channel.
-            time: When it was heard, in nanoseconds since 1970.
-            value: The message; a number that JSON cannot say becomes null.
-        """
+        """Writes a message in JSON."""
         try:
             text = json.dumps(value, allow_nan=False)
         except ValueError:

@@ -30,7 +30,6 @@ class Pace:
         Args:
             speed: Seconds of the recording in each second.
             most_each_second: How many messages pass at most; what comes faster is late.
-            stop: Ends it, at any time.
         """
         self.is_paused = False
         self.position = 0.0

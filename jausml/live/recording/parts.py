@@ -26,7 +26,6 @@ class Limits:
     Attributes:
         size: Bytes of a pair of files.
         duration: Seconds of a pair of files.
-        files: Pairs of files that are kept, the newest.
     """
 
     size: int | None = None
@@ -43,19 +42,11 @@ class Part:
     """An MCAP file and the capture beside it, which are being written.
 
     Attributes:
-        path: The MCAP file.
-        file: It, as it is written.
-        capture: The capture.
         begun: When it was opened, by the monotonic clock.
     """
 
     def __init__(self, path: Path, compression: str, *, overwrites: bool) -> None:
         """Creates both.
-
-        Args:
-            path: The MCAP file.
-            compression: That of its chunks, see `McapFile`.
-            overwrites: Whether what is there is lost.
 
         Raises:
             OSError: A file cannot be made, or is there already.
@@ -109,7 +100,6 @@ class Parts:
     """The files of a recording, one pair after the other.
 
     Attributes:
-        current: Those that are being written.
         paths: The MCAP files that were written, those that are gone again left out.
     """
 
@@ -121,12 +111,9 @@ class Parts:
         Args:
             path: The MCAP file. A row of files has numbers before the ending, and goes on where
                 one that is there ends.
-            limits: When another pair begins.
-            compression: That of the MCAP files, see `McapFile`.
             overwrites: Whether a file that is there is lost; a row overwrites nothing.
 
         Raises:
-            RecordingError: The library is missing.
             OSError: A file cannot be made, or is there already.
         """
         need_library()

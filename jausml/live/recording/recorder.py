@@ -40,9 +40,6 @@ def topics_of(model: Model) -> dict[str, str]:
     So are those on which services and actions are seen, and those on which bridges tell what
     became of all messages. Their types are known where they are installed alone, and have no
     definition here.
-
-    Args:
-        model: The model.
     """
     found = {}
     for whole in (root for root in model.documents[0].roots if isinstance(root, system.System)):
@@ -71,9 +68,6 @@ class Recorder:
     """What comes from both sides, each on its thread, and a third that gives it to the disk.
 
     Attributes:
-        captured: What was found on the side of JAUS.
-        topics: How many messages each topic of ROS got.
-        jaus: What writes the messages of JAUS.
         undefined: Topics whose type nobody defines here.
         fault: Why files cannot be written any more; None while they can.
         lost: How many frames and messages came after that.
@@ -87,14 +81,7 @@ class Recorder:
         definitions: dict[str, str],
         selection: Selection,
     ) -> None:
-        """Has recorded nothing yet.
-
-        Args:
-            parts: Where all goes.
-            catalogue: What messages of JAUS there are.
-            definitions: Definitions of the types of topics, for those that are not installed.
-            selection: What is recorded.
-        """
+        """Has recorded nothing yet."""
         self.captured = CapturedMessages()
         self.topics: Counter[str] = Counter()
         self.jaus = JausWriter(catalogue)
@@ -133,7 +120,6 @@ class Recorder:
         """Writes a frame, and what it says.
 
         Args:
-            frame: The frame, of raw IP.
             datagram: The datagram that it completes; None for a part of one.
         """
         if datagram is not None and not self._selection.wants(datagram):
@@ -144,11 +130,7 @@ class Recorder:
         """Writes a message of ROS.
 
         Args:
-            topic: Where it was published.
-            kind: Full name of its type.
-            data: It, serialized.
             heard: When it came, in nanoseconds since 1970.
-            published: When it was sent, by the clock of who did.
         """
         self._write(self._write_topic, topic, kind, data, heard, published or heard)
 

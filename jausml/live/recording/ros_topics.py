@@ -32,18 +32,11 @@ class RosTopics:
 
     Attributes:
         wanted: Full names of the topics that are wanted, None for all.
-        heard: Topics that were subscribed to.
-        missing: Types that are not installed, by topic.
         lost: How many messages of each topic did not come, as their numbers tell.
     """
 
     def __init__(self, wanted: Collection[str] | None, selection: Selection) -> None:
-        """Does nothing before `open`.
-
-        Args:
-            wanted: Full names of topics, None for all.
-            selection: Which of these are recorded.
-        """
+        """Does nothing before `open`."""
         self.lost: Counter[str] = Counter()
         self.heard: dict[str, Any] = {}
         self.missing: dict[str, str] = {}
@@ -55,11 +48,7 @@ class RosTopics:
         self._quiet = QuietNode("record")
 
     def open(self) -> None:
-        """Enters ROS.
-
-        Raises:
-            RecordingError: rclpy is missing or does not work.
-        """
+        """Enters ROS."""
         try:
             self._quiet.open()
         except RosFault as error:

@@ -14,13 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Selection:
-    """Patterns, in which `*` stands for anything; nothing selects all.
-
-    Attributes:
-        topics: Full names of topics of ROS.
-        excluded: Topics that are left out even so.
-        components: JAUS ids of senders or addressees.
-    """
+    """Patterns, in which `*` stands for anything; nothing selects all."""
 
     topics: tuple[str, ...] = ()
     excluded: tuple[str, ...] = ()

@@ -19,14 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Speakers:
-    """Bridges that have connections to JAUS alone.
-
-    Attributes:
-        model: The model of these bridges.
-        bridges: Package, class and full name of the node of each.
-        topics: The type of each topic that they take.
-        commands: Connections that send to others unasked: bridge, connection, message.
-    """
+    """Bridges that have connections to JAUS alone."""
 
     model: Model
     bridges: tuple[tuple[str, str, str], ...]
@@ -39,7 +32,6 @@ def speakers_of(model: Model, *, allow_commands: bool) -> Speakers:
 
     Args:
         model: A model without errors, of which nobody makes anything else: its bridges are changed.
-        allow_commands: Whether connections that send to others unasked are kept.
 
     Raises:
         NoSystemError: It has no system, or several.

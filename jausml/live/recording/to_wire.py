@@ -24,27 +24,16 @@ _SECONDS = 60.0
 
 
 class WireReplay:
-    """Bridges on the network; close them at the end, which leaves in good order.
-
-    Attributes:
-        commands: Connections that send to others unasked, whether they do so or were left out.
-        published: How many messages each topic got.
-        others: How many messages are of topics that no bridge takes, by topic.
-        refused: How many messages could not be published, by reason.
-        connections: What became of messages, by connection, once closed.
-    """
+    """Bridges on the network; close them at the end, which leaves in good order."""
 
     def __init__(self, model: Model, transport: dict[str, Any], *, allow_commands: bool) -> None:
         """Opens the bridges.
 
         Args:
             model: A model without errors, of which nobody makes anything else.
-            transport: Settings of the transport that differ from those of the model.
-            allow_commands: Whether messages are sent to others unasked.
 
         Raises:
             RecordingError: No bridge has anything to say, or the network cannot be used.
-            GenerationError: The model has what cannot be generated.
         """
         found = speakers_of(model, allow_commands=allow_commands)
         self.commands = found.commands
@@ -77,11 +66,7 @@ class WireReplay:
             self._worker.close()
 
     def run(self, messages: Iterable[RosMessage]) -> None:
-        """Gives the bridges messages as they come.
-
-        Raises:
-            RecordingError: The bridges have failed.
-        """
+        """Gives the bridges messages as they come."""
         for each in messages:
             if each.topic not in self._topics:
                 self.others[each.topic] += 1

@@ -41,9 +41,6 @@ class JausMessage:
 
     Attributes:
         time: When it was heard, in nanoseconds since 1970.
-        source: JAUS id of the component that sent it.
-        subsystem: Subsystem of that component.
-        payload: Code and body.
     """
 
     time: int
@@ -62,10 +59,7 @@ class Translated:
     """A message of ROS.
 
     Attributes:
-        route: The way that it came.
         time: When the message was heard of which it is, in nanoseconds since 1970.
-        source: JAUS id of the component that sent that.
-        data: The message, serialized (CDR).
     """
 
     route: Route
@@ -75,11 +69,7 @@ class Translated:
 
 
 class Untranslated(Counter[tuple[str, str]]):
-    """How many messages became nothing, by route and reason; with an example of each.
-
-    Attributes:
-        examples: What was said of the first one.
-    """
+    """How many messages became nothing, by route and reason; with an example of each."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -93,13 +83,7 @@ class Untranslated(Counter[tuple[str, str]]):
 
 
 class Translator:
-    """The translations of a model; close it at the end.
-
-    Attributes:
-        routes: The ways of messages.
-        unmapped: How many messages no route takes, by code.
-        untranslated: How many became nothing on their way.
-    """
+    """The translations of a model; close it at the end."""
 
     def __init__(self, model: Model) -> None:
         """Starts the process of the translations.
@@ -108,7 +92,6 @@ class Translator:
             model: A model without errors, of which nobody makes anything else.
 
         Raises:
-            GenerationError: It has what cannot be generated.
             RecordingError: It has no bridge with a connection that could be used.
         """
         found = routes_of(model)
@@ -136,9 +119,6 @@ class Translator:
 
         Args:
             messages: The messages, in the order of their times.
-
-        Raises:
-            RecordingError: The process has failed.
         """
         waiting: list[tuple[JausMessage, int, str]] = []
         for message in messages:

@@ -34,12 +34,7 @@ class Clock:
 
 
 class Join:
-    """The latest joined reports.
-
-    Args:
-        plan: What the model says of the join.
-        kind: Class of the report.
-    """
+    """The latest joined reports."""
 
     def __init__(self, plan: dict[str, typing.Any], kind: typing.Any) -> None:
         self._plan, self._kind = plan, kind
@@ -50,11 +45,7 @@ class Join:
         self._latest[self._key(subsystem)] = at, data
 
     def fresh(self, subsystem: int, at: int) -> typing.Any:
-        """Returns the latest report if it is fresh.
-
-        Raises:
-            StaleJoinError: It is not, and nothing is made without.
-        """
+        """Returns the latest report if it is fresh."""
         found = self._latest.get(self._key(subsystem))
         if found is not None and 0 <= at - found[0] <= self._plan["freshness"] * _NANO:
             return self._kind.decode(found[1])
@@ -67,12 +58,7 @@ class Join:
 
 
 class Translation:
-    """The translation of one connection.
-
-    Args:
-        plan: The route.
-        clock: The time of the recording.
-    """
+    """The translation of one connection."""
 
     def __init__(self, plan: dict[str, typing.Any], clock: Clock) -> None:
         package, name = plan["package"], plan["connection"]

@@ -17,11 +17,7 @@ if TYPE_CHECKING:
 
 
 def declarations_of(model: Model) -> Iterator[Declaration]:
-    """Yields the connections of a model, in model order.
-
-    Args:
-        model: The model; a connection that lacks its map, message or service is passed over.
-    """
+    """Yields the connections of a model, in model order."""
     for owner in model.instances(bridge.Bridge, library=False):
         topics: dict[object, list[TopicName]] = {}
         for end in endpoints([owner]):
@@ -40,11 +36,7 @@ def declarations_of(model: Model) -> Iterator[Declaration]:
 
 
 def components_of(model: Model) -> dict[str, str]:
-    """Returns the names of the components of a model, bridges included, by JAUS id.
-
-    Args:
-        model: The model.
-    """
+    """Returns the names of the components of a model, bridges included, by JAUS id."""
     components = model.instances(jaus.Component, library=False)
     return {str(each.address): str(each.name) for each in components if each.address}
 

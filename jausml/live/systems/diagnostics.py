@@ -50,10 +50,6 @@ class Status:
 
     Attributes:
         level: 0 OK, 1 WARN, 2 ERROR, 3 STALE.
-        name: Who tells of what.
-        message: The state in a few words.
-        hardware_id: What it is about; of bridges their JAUS id.
-        values: Names and values.
     """
 
     level: int
@@ -69,7 +65,6 @@ def connection_of(status: Status, now: float) -> ConnectionState | None:
     Whatever a value cannot be read as is left out; as text it is among the values all the same.
 
     Args:
-        status: The status.
         now: When it came, in seconds of a steady clock.
     """
     bridge, colon, name = status.name.rpartition(": ")
@@ -101,11 +96,7 @@ def connection_of(status: Status, now: float) -> ConnectionState | None:
 
 
 def number(text: str) -> float | None:
-    """Returns the number that a text is, None when it is none or not finite.
-
-    Args:
-        text: The text.
-    """
+    """Returns the number that a text is, None when it is none or not finite."""
     try:
         value = float(text)
     except ValueError:

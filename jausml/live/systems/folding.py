@@ -60,17 +60,12 @@ class Answer:
     """What a component tells of itself; None is what it does not tell this time.
 
     Attributes:
-        address: Its JAUS id.
-        name: What it calls itself.
-        type: What it says that it is.
-        state: Name of its Management state.
         controller: JAUS id of who controls it, empty when nobody does.
         authority: Authority code of who controls it, else its default.
         control_timeout: Seconds after which control lapses unless it is requested again, 0 for
             never.
         services: URN and version of what it provides.
         round_trip: Seconds from a question to the answer.
-        source: Whether the component itself answers, another one speaks of it, or nobody answers.
     """
 
     address: str
@@ -88,13 +83,7 @@ class Answer:
 def expected(
     declarations: Iterable[Declaration], components: Mapping[str, str], now: float
 ) -> SystemState:
-    """Returns the state of a system of which a model is known, and nothing was heard.
-
-    Args:
-        declarations: Connections of the model.
-        components: Names of the components of the model by JAUS id.
-        now: The time.
-    """
+    """Returns the state of a system of which a model is known, and nothing was heard."""
     declared = tuple(declarations)
     state = SystemState(
         now,
@@ -114,14 +103,7 @@ def fold_model(
     components: Mapping[str, str],
     now: float,
 ) -> SystemState:
-    """Returns the state after its model changed; what was heard stays.
-
-    Args:
-        state: The state before.
-        declarations: Connections of the model as it is now.
-        components: Names of its components by JAUS id.
-        now: The time.
-    """
+    """Returns the state after its model changed; what was heard stays."""
     fresh = expected(declarations, components, now)
     heard = [each for each in state.connections.values() if each.told is not None]
     declared = {each.key: _declaration(fresh, each) for each in heard}
@@ -149,7 +131,6 @@ def fold_source(state: SystemState, source: str, fault: str) -> SystemState:
     """Returns the state after a source opened, or could not.
 
     Args:
-        state: The state before.
         source: `ROS` or `JAUS`.
         fault: Why it cannot be heard, empty when it can.
     """
@@ -157,13 +138,7 @@ def fold_source(state: SystemState, source: str, fault: str) -> SystemState:
 
 
 def fold_statuses(state: SystemState, statuses: Iterable[Status], now: float) -> SystemState:
-    """Returns the state after a message of `/diagnostics`.
-
-    Args:
-        state: The state before.
-        statuses: What the message holds; what is not of a bridge of jausml is passed over.
-        now: When it came.
-    """
+    """Returns the state after a message of `/diagnostics`."""
     connections, ignored = dict(state.connections), state.ignored
     for status in statuses:
         told = connection_of(status, now)
@@ -183,13 +158,7 @@ def fold_statuses(state: SystemState, statuses: Iterable[Status], now: float) ->
 
 
 def fold_answer(state: SystemState, answer: Answer, now: float) -> SystemState:
-    """Returns the state after a component told something.
-
-    Args:
-        state: The state before.
-        answer: What it told.
-        now: When it came.
-    """
+    """Returns the state after a component told something."""
     former = state.components.get(answer.address)
     if former is None:
         if len(state.components) >= MOST_COMPONENTS:
@@ -220,7 +189,6 @@ def fold_time(state: SystemState, now: float) -> SystemState:
     """Returns the state at a time: who says nothing for long is not heard any more.
 
     Args:
-        state: The state before.
         now: The time; the state never goes back.
     """
     now = max(now, state.now)

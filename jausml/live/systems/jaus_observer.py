@@ -53,7 +53,6 @@ class JausObserver:
         """Asks nothing before `start`.
 
         Args:
-            operator: Who asks.
             declared: Components of the model, which are asked in any case.
             take: Takes what components tell, on other threads.
         """

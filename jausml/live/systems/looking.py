@@ -50,11 +50,7 @@ class Looking:
         self._question: Future[None] | None = None
 
     def at(self, connection: ConnectionState) -> tuple[list[str], list[str]]:
-        """Returns the last message on the ROS side and on the JAUS side, as lines.
-
-        Args:
-            connection: What is looked at from now on.
-        """
+        """Returns the last message on the ROS side and on the JAUS side, as lines."""
         if connection.key != self._key:
             self.away()
             self._key = connection.key
@@ -133,12 +129,7 @@ class Looking:
 
 
 def topic_of(connection: ConnectionState, declaration: Declaration) -> TopicName:
-    """Returns the first topic of a connection, in the namespace that its bridge runs in.
-
-    Args:
-        connection: The connection.
-        declaration: What the model says of it, with a topic at least.
-    """
+    """Returns the first topic of a connection, in the namespace that its bridge runs in."""
     topic = declaration.topics[0]
     there = declaration.bridge.rpartition("/")[0] + "/"
     here = connection.bridge.rpartition("/")[0] + "/"
@@ -148,12 +139,7 @@ def topic_of(connection: ConnectionState, declaration: Declaration) -> TopicName
 
 
 def reporters_of(connection: ConnectionState, declaration: Declaration) -> list[str]:
-    """Returns the JAUS ids of the components that can be asked for a report.
-
-    Args:
-        connection: The connection.
-        declaration: What the model says of it.
-    """
+    """Returns the JAUS ids of the components that can be asked for a report."""
     if declaration.direction == "to JAUS":
         return [connection.jaus_id]
     named = [key.partition(" ")[2] for key in connection.peers if key.startswith("peer ")]

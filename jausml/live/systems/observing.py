@@ -33,11 +33,7 @@ class Observation:
     """A state that goes on; its times are those of `time.monotonic`."""
 
     def __init__(self, state: SystemState) -> None:
-        """Goes on from a state.
-
-        Args:
-            state: What is expected.
-        """
+        """Goes on from a state."""
         self._state = state
         self._lock = Lock()
 
@@ -70,11 +66,7 @@ class Observation:
 
 @contextmanager
 def listening(observation: Observation) -> Iterator[RosDiagnostics | None]:
-    """Listens to `/diagnostics` as long as the block; yields None where there is no ROS.
-
-    Args:
-        observation: What takes it.
-    """
+    """Listens to `/diagnostics` as long as the block; yields None where there is no ROS."""
     ros = RosDiagnostics(observation.take_statuses)
     try:
         ros.start()
@@ -91,12 +83,7 @@ def listening(observation: Observation) -> Iterator[RosDiagnostics | None]:
 
 @contextmanager
 def asking(observation: Observation, operator: Operator) -> Iterator[None]:
-    """Asks JAUS components as long as the block.
-
-    Args:
-        observation: What takes their answers.
-        operator: Who asks.
-    """
+    """Asks JAUS components as long as the block."""
     observation.take_source("JAUS", "")
     declared = _declared(observation.state())
     observer = JausObserver(operator, declared, observation.take_answer)

@@ -32,11 +32,7 @@ class RosDiagnostics:
         self._quiet = QuietNode("top")
 
     def start(self) -> None:
-        """Begins to listen.
-
-        Raises:
-            RosFault: rclpy is missing or does not work.
-        """
+        """Begins to listen."""
         self._quiet.open(self._listen)
         self._quiet.spin()
 

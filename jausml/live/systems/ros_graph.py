@@ -18,13 +18,7 @@ _POLL, _SETTLED = 0.1, 2.0
 
 @dataclass(frozen=True, order=True)
 class GraphEnd:
-    """A publisher or subscription that runs.
-
-    Attributes:
-        node: The full name of its node.
-        reliability: Its reliability policy, in the words of models.
-        durability: Its durability policy, in the words of models.
-    """
+    """A publisher or subscription that runs."""
 
     node: str
     reliability: str
@@ -36,10 +30,7 @@ class GraphTopic:
     """A topic that runs.
 
     Attributes:
-        name: Its full name.
         types: Its types, such as `geometry_msgs/msg/Twist`; more than one is a fault of theirs.
-        publishers: Who publishes it.
-        subscriptions: Who hears it.
     """
 
     name: str
@@ -52,12 +43,6 @@ def running_topics(seconds: float) -> list[GraphTopic]:
     """Returns the topics that run, in the order of their names; those of ROS itself left out.
 
     It looks until nothing has changed for two seconds, if there is anything.
-
-    Args:
-        seconds: How long to look at most.
-
-    Raises:
-        RosFault: rclpy is missing or does not work.
     """
     quiet = QuietNode("new").open()
     try:

@@ -15,12 +15,7 @@ LONGEST_VALUE = 200
 
 
 def message_lines(message: Any, indent: str = "") -> Iterator[str]:
-    """Yields the fields of a message, one a line, those of its parts below it.
-
-    Args:
-        message: A message of rclpy.
-        indent: What lines begin with.
-    """
+    """Yields the fields of a message, one a line, those of its parts below it."""
     for name in message.get_fields_and_field_types():
         value = getattr(message, name)
         if _is_message(value):

@@ -12,11 +12,7 @@ HEALTH = ("ok", "warning", "error")
 
 
 def as_values(state: SystemState) -> dict[str, Any]:
-    """Returns a state as objects, lists, texts and numbers.
-
-    Args:
-        state: The state.
-    """
+    """Returns a state as objects, lists, texts and numbers."""
     return {
         "health": HEALTH[state.weight],
         "heard": state.is_heard,

@@ -45,7 +45,6 @@ class TopicName:
     """A ROS topic of a connection, as its model names it.
 
     Attributes:
-        name: Full name.
         type: Its type, such as `std_msgs/msg/Float64`.
         is_absolute: Whether it has the same name in whatever namespace its bridge runs.
     """
@@ -60,14 +59,8 @@ class Declaration:
     """What a model says of a connection.
 
     Attributes:
-        bridge: Full name of the node of its bridge.
-        name: Name of the connection.
-        jaus_id: JAUS id of the bridge.
         rate: Messages each second that it promises, None when it promises none.
         direction: `to ROS` or `to JAUS`.
-        topics: Its ROS topics, joined ones included.
-        message: Name of the JAUS message.
-        is_report: Whether the message is a report, which can be asked for.
         peers: JAUS ids of the components at the other end, as far as the model names them.
     """
 
@@ -92,24 +85,17 @@ class ConnectionState:
     """A connection of a bridge.
 
     Attributes:
-        bridge: Full name of the node of its bridge.
         name: Name of the connection; `jaus state` and the like concern the bridge.
-        jaus_id: JAUS id of the bridge.
-        level: How well it goes.
         phase: Its state as its bridge calls it, such as `silent`; empty when nobody says it.
-        reason: Why so, in a few words.
         rate: Messages each second since the status before, None when unknown.
         declared_rate: Messages each second that the model promises, None when it promises none.
         age: Seconds since its last message when its bridge told of it, None when there was none.
         told: When its bridge last told of it, None when it never did.
         period: Seconds between its last two statuses, 0 before there were two.
-        drops: What was lost, by reason.
         latency: Measured latency in microseconds by name, such as `in the bridge p99`.
-        peers: The other ends and how it stands with them.
         values: All names and values of the last status, as they came.
         history: Latest rates, oldest first.
         concerns_bridge: Whether it is told only while there is something to tell.
-        declaration: What the model says of it.
     """
 
     bridge: str
@@ -152,11 +138,7 @@ class ComponentState:
     """A JAUS component.
 
     Attributes:
-        address: Its JAUS id.
-        name: What it calls itself, or the model calls it.
         type: What it says that it is, such as `vehicle`.
-        level: How well it goes.
-        reason: Why so, in a few words.
         state: Management state such as `READY`, empty when it tells none.
         controller: JAUS id of who controls it, empty when nobody does, None when it tells nothing.
         authority: Authority code of who controls it, else its default; None when unknown.
@@ -165,8 +147,6 @@ class ComponentState:
         services: URN and version of what it provides.
         round_trip: Seconds of its last answer, None before the first one.
         told: When it last answered, None when it never did.
-        unanswered: Questions in a row that it did not answer.
-        is_declared: Whether the model has it.
     """
 
     address: str
@@ -195,12 +175,7 @@ class SystemState:
     """A running system at one time.
 
     Attributes:
-        now: The time.
-        connections: By bridge and name.
-        components: By JAUS id.
         sources: Of `ROS` and `JAUS`, why it cannot be heard; empty while it is.
-        declarations: What the model promises.
-        ignored: Statuses and components for which there was no room.
     """
 
     now: float = 0.0

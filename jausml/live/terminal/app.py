@@ -82,8 +82,6 @@ class SystemView(App[None]):
         """Shows nothing yet.
 
         Args:
-            state: Returns the present state.
-            looking: What finds the last messages of a connection.
             interval: Seconds from one look to the next.
         """
         super().__init__()

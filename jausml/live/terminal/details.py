@@ -38,12 +38,7 @@ def told_of(connection: ConnectionState) -> Text:
 
 
 def titled(title: str, lines: Iterable[str]) -> Text:
-    """Returns lines below a title.
-
-    Args:
-        title: The title.
-        lines: The lines.
-    """
+    """Returns lines below a title."""
     text = Text()
     text.append(f"{cell(title, _WIDEST)}\n", style="bold")
     for line in lines:

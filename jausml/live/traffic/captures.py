@@ -47,9 +47,6 @@ class Frame:
     Attributes:
         number: Its number in the file, from 1 as Wireshark counts.
         time: Seconds since 1970, None when the file does not tell.
-        link_type: What its bytes begin with (LINKTYPE_ of tcpdump.org).
-        data: The bytes that were captured.
-        is_cut: Whether the capture kept only its beginning.
         nanoseconds: The time to the nanosecond, which no float holds; None as with it.
     """
 
@@ -63,9 +60,6 @@ class Frame:
 
 def read_frames(stream: BinaryIO) -> Iterator[Frame]:
     """Yields the frames of a capture as they come.
-
-    Args:
-        stream: A pcap or pcapng file; it may be compressed by gzip.
 
     Raises:
         CaptureError: It is something else, malformed, or ends within a frame; the frames before
@@ -89,11 +83,7 @@ def read_frames(stream: BinaryIO) -> Iterator[Frame]:
 
 
 def is_capture(beginning: bytes) -> bool:
-    """Tells whether a file begins as a capture does, or as a compressed one.
-
-    Args:
-        beginning: Its first four bytes.
-    """
+    """Tells whether a file begins as a capture does, or as a compressed one."""
     is_plain = beginning in _PCAP or beginning == _SECTION_HEADER.to_bytes(4, "big")
     return is_plain or beginning.startswith(_GZIP)
 
@@ -115,24 +105,14 @@ class _Again:
 
 
 class _File:
-    """A file that is read from the beginning to the end.
-
-    Attributes:
-        offset: Bytes read so far.
-    """
+    """A file that is read from the beginning to the end."""
 
     def __init__(self, stream: BinaryIO) -> None:
         self._stream = stream
         self.offset = 0
 
     def read(self, size: int, what: str, begin: int | None = None) -> bytes:
-        """Returns exactly as many bytes.
-
-        Args:
-            size: How many.
-            what: What they are, for the error.
-            begin: Where the part begins to which they belong.
-        """
+        """Returns exactly as many bytes."""
         start = self.offset if begin is None else begin
         if size > _LARGEST_PART:
             raise CaptureError(f"{what} cannot have {size} bytes", start)

@@ -35,11 +35,7 @@ class Elsewhere:
     """
 
     def __init__(self, port: int) -> None:
-        """Starts with no endpoint.
-
-        Args:
-            port: The port that is shared.
-        """
+        """Starts with no endpoint."""
         self.unclaimed = 0
         # Hex needs no runtime, captures do.
         from jausml.runtime.transports.udp.shared_port import neighbour_ports  # noqa: PLC0415
@@ -53,12 +49,7 @@ class Elsewhere:
             self._known.update(endpoints)
 
     def takes(self, source: Endpoint, destination: Endpoint) -> bool:
-        """Returns whether a datagram on other ports, which has the form of JUDP, is of a speaker.
-
-        Args:
-            source: Where it came from.
-            destination: Where it went.
-        """
+        """Whether a datagram on other ports, which has the form of JUDP, is of a speaker."""
         if source in self._known or destination in self._known:
             return True
         if source.port in self._neighbours or destination.port in self._neighbours:
@@ -68,11 +59,7 @@ class Elsewhere:
 
 
 def is_judp(data: bytes) -> bool:
-    """Returns whether a datagram has the form of JUDP from its first to its last byte.
-
-    Args:
-        data: What it carries.
-    """
+    """Returns whether a datagram has the form of JUDP from its first to its last byte."""
     offset = 1
     if data[:1] != bytes([_VERSION]) or len(data) < 1 + _LEAST_SIZE:
         return False

@@ -29,7 +29,6 @@ class Datagram:
     """A UDP datagram.
 
     Attributes:
-        data: What it carries.
         source: Where it came from, None when nobody told.
         destination: Where it went, None when nobody told.
         time: Seconds since 1970, None when nobody told.
@@ -69,30 +68,17 @@ class _Fragments:
 
 
 class UdpReader:
-    """Finds the UDP datagrams of a port in frames, and JUDP of who speaks it there on other ports.
-
-    Attributes:
-        skipped: How many frames of the port could not be read, and of unknown links, by reason.
-        elsewhere: What is on other ports.
-    """
+    """Finds the UDP datagrams of a port in frames, and JUDP of its speakers on other ports."""
 
     def __init__(self, port: int) -> None:
-        """Starts with no fragments.
-
-        Args:
-            port: UDP port that a datagram must come from or go to.
-        """
+        """Starts with no fragments."""
         self.skipped: Counter[str] = Counter()
         self.elsewhere = Elsewhere(port)
         self._port = port
         self._pending: OrderedDict[tuple[bytes, bytes, int], _Fragments] = OrderedDict()
 
     def read(self, frame: Frame) -> Datagram | None:
-        """Returns the datagram that a frame holds or completes.
-
-        Args:
-            frame: A frame.
-        """
+        """Returns the datagram that a frame holds or completes."""
         try:
             packet = self._ip_packet(frame)
             if packet is None:

@@ -18,9 +18,6 @@ def parse_hex(line: str) -> bytes:
     Blanks, colons, commas, hyphens, `0x` and `\x` may stand between bytes; `#`, `;` and `//`
     begin a comment.
 
-    Args:
-        line: The line.
-
     Raises:
         TrafficError: It is not hexadecimal; the text names the column.
     """

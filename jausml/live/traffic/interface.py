@@ -124,11 +124,7 @@ def _time_of(told: list[tuple[int, int, bytes]]) -> int:
 
 
 def _name_of(address: str) -> str:
-    """Returns the name of the interface that has an address.
-
-    Raises:
-        OSError: None has.
-    """
+    """Returns the name of the interface that has an address."""
     import fcntl  # noqa: PLC0415 - Windows has none
 
     wanted = socket.inet_aton(address)

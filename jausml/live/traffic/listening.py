@@ -32,9 +32,6 @@ class MulticastListener:
     def __init__(self, settings: TransportSettings) -> None:
         """Joins the group.
 
-        Args:
-            settings: Interface, port and multicast group.
-
         Raises:
             TrafficError: The interface or the group cannot be used.
         """

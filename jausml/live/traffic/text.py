@@ -35,11 +35,7 @@ _DATA_FLAGS = {
 
 
 def lines(observation: Observation) -> Iterator[str]:
-    """Yields the lines of an observation; the fields are indented.
-
-    Args:
-        observation: What was seen.
-    """
+    """Yields the lines of an observation; the fields are indented."""
     packet, message = observation.packet, observation.message
     head = [*_place(observation), *(_header(packet) if packet is not None else ())]
     if message is not None:

@@ -21,11 +21,7 @@ class PcapWriter:
     """Writes frames of raw IP."""
 
     def __init__(self, stream: BinaryIO) -> None:
-        """Begins a file.
-
-        Args:
-            stream: Where it goes.
-        """
+        """Begins a file."""
         self._stream = stream
         stream.write(struct.pack("<IHHiIII", _MAGIC, 2, 4, 0, 0, _LARGEST, RAW_IP))
 
@@ -38,9 +34,6 @@ class PcapWriter:
 
 def frame_of(datagram: Datagram) -> Frame:
     """Returns a frame with a datagram that was heard without one, over IPv4.
-
-    Args:
-        datagram: The datagram, with its ends and its time.
 
     Raises:
         ValueError: It has no ends.

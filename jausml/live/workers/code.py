@@ -20,26 +20,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class BridgeCode:
-    """The generated code of bridges.
-
-    Attributes:
-        files: The Python files by path, relative to the folder of the workspace.
-        digest: What tells them from others.
-    """
+    """The generated code of bridges."""
 
     files: Mapping[str, str]
     digest: str
 
 
 def bridge_code(model: Model) -> BridgeCode:
-    """Returns the generated code of the bridges of a model, without the runtime.
-
-    Args:
-        model: A model without errors.
-
-    Raises:
-        GenerationError: It has what cannot be generated.
-    """
+    """Returns the generated code of the bridges of a model, without the runtime."""
     made = render(model, (BRIDGE, MESSAGES))
     problems = find_problems(made)
     if problems:

@@ -33,13 +33,7 @@ class Worker:
     """A process with the generated code of bridges; close it at the end."""
 
     def __init__(self, code: BridgeCode, script: Path, *arguments: str) -> None:
-        """Starts it.
-
-        Args:
-            code: The generated code, which it can import.
-            script: What it runs.
-            arguments: Command line of the script.
-        """
+        """Starts it."""
         self._lock = threading.Lock()
         self._folder = tempfile.TemporaryDirectory(prefix="jausml_worker_")
         workspace = Path(self._folder.name)
@@ -75,7 +69,6 @@ class Worker:
         """Returns its answer.
 
         Args:
-            request: What JSON can say.
             seconds: How long it may take; then it is ended.
 
         Raises:

@@ -69,11 +69,7 @@ def _why_no_control(session: Session) -> str:
 
 
 def timeout_in_reach(session: Session) -> int:
-    """Returns the announced timeout in seconds, when the run may wait for it.
-
-    Raises:
-        CheckSkipped: It is never or too long.
-    """
+    """Returns the announced timeout in seconds, when the run may wait for it."""
     seconds = session.first.ask(QueryTimeout(), core.ReportTimeout).timeout
     session.skip_unless(seconds > 0, "the target announces that control never lapses")
     session.skip_unless(

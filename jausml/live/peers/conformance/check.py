@@ -24,9 +24,6 @@ class Check:
 
     Attributes:
         id: Group and name, e.g. `access.equal-authority`; an id is never used for another check.
-        title: What the target shall do, in a few words.
-        source: Where the standard says so.
-        body: The function.
         destructive: Whether the target cannot go on afterwards; such checks run last, if at all.
         risky: Whether a target that is not robust may not survive it; such checks run after all
             others that leave the target alive.
@@ -53,15 +50,7 @@ class Check:
 def check(
     check_id: str, title: str, source: str, *, destructive: bool = False, risky: bool = False
 ) -> Callable[[CheckFunction], Check]:
-    """Makes a check of a function, whose docstring is its explanation.
-
-    Args:
-        check_id: Group and name.
-        title: What the target shall do, in a few words.
-        source: Where the standard says so.
-        destructive: Whether the target cannot go on afterwards.
-        risky: Whether a target that is not robust may not survive it.
-    """
+    """Makes a check of a function, whose docstring is its explanation."""
 
     def make(body: CheckFunction) -> Check:
         return Check(check_id, title, source, body, destructive, risky)
@@ -71,16 +60,7 @@ def check(
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """The outcome of one check.
-
-    Attributes:
-        check: The check.
-        verdict: How it ended.
-        messages: Why it failed or was skipped, or the deviations that are tolerated.
-        evidence: What was sent and received meanwhile.
-        seconds: How long it took.
-        left_silent: Whether the target did not answer any more afterwards.
-    """
+    """The outcome of one check."""
 
     check: Check
     verdict: Verdict
@@ -95,11 +75,7 @@ class ConformanceReport:
     """The outcome of a run.
 
     Attributes:
-        target: Dotted address of the component.
-        endpoint: Host and port where it was found.
-        services: Announced service identifiers with their versions.
         results: One result for each check, in the order of the checks.
-        interrupted: Whether the run was ended before its last check.
     """
 
     target: str

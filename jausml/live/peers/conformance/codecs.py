@@ -159,11 +159,7 @@ def _judge(
     answer: bytes | None,
     reports: tuple[MessageEntry, ...],
 ) -> int:
-    """Decodes a report and returns the presence vector of its first record that has one.
-
-    Raises:
-        CheckFailed: None came, it does not decode, or it holds illegal values.
-    """
+    """Decodes a report and returns the presence vector of its first record that has one."""
     if answer is None:
         raise CheckFailed(f"{query.name} is not answered")
     code = int.from_bytes(answer[:2], "little")

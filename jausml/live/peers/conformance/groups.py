@@ -27,14 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """Checks of one topic.
-
-    Attributes:
-        name: First part of the ids of its checks.
-        title: What it is about.
-        requires: Returns why the group cannot run against a target, or nothing.
-        checks: Returns its checks for a target.
-    """
+    """Checks of one topic."""
 
     name: str
     title: str
@@ -78,7 +71,6 @@ class Selection:
 
     Attributes:
         only: Ids and groups; all are meant when it is empty.
-        skip: Ids and groups to leave out.
     """
 
     only: frozenset[str] = frozenset()
@@ -106,11 +98,7 @@ class Selection:
 
 
 def unknown(names: Iterable[str]) -> list[str]:
-    """Returns the names that neither a group nor a check has; those of codecs depend on a target.
-
-    Args:
-        names: Names that a user gave.
-    """
+    """Returns names that neither a group nor a check has; those of codecs depend on a target."""
     known = known_names()
     return [each for each in names if each not in known and not each.startswith("codecs.")]
 

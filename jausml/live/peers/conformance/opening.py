@@ -42,14 +42,6 @@ def opened(
 ) -> Iterator[Session]:
     """Finds the target and yields the session with it; undoes what is left behind at the end.
 
-    Args:
-        network: Where to look, and who we are.
-        target: The component under test.
-        catalogue: All messages that we know.
-        limits: How far the checks may go.
-        timeout: Seconds to wait for an answer.
-        quiet: Seconds of silence that stand for "nothing comes".
-
     Raises:
         OSError: The network cannot be used as the settings say.
         TargetNotReached: Nothing came from the target.

@@ -40,12 +40,8 @@ class Probe:
     """Several clients of ours and the one component that they test.
 
     Attributes:
-        target: The component under test.
         endpoint: Where it is; None until it was heard.
         timeout: Seconds to wait for an answer.
-        quiet: Seconds of silence that stand for "nothing comes".
-        malformed: Datagrams of the target that cannot be read, each with the reason.
-        others: Components that were heard beside the target.
     """
 
     def __init__(
@@ -62,13 +58,7 @@ class Probe:
         """Prepares an exchange; nothing is sent.
 
         Args:
-            wire: Carries the datagrams.
-            target: The component under test.
-            own: JAUS id of the first client; the others have the ids after it.
-            trace: Takes the evidence.
-            timeout: Seconds to wait for an answer.
             quiet: Seconds of silence that stand for "nothing comes".
-            known: Where the target is, if the user says so.
         """
         self.target = target
         self.endpoint = known
@@ -100,12 +90,7 @@ class Probe:
         self._wire.put(datagram, self._place)
 
     def put_raw(self, datagram: bytes, text: str) -> None:
-        """Sends any bytes to the target.
-
-        Args:
-            datagram: The bytes.
-            text: What they are, for the evidence.
-        """
+        """Sends any bytes to the target."""
         self._trace.raw("sent", text, datagram)
         self._wire.put(datagram, self._place)
 

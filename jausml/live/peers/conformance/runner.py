@@ -27,9 +27,7 @@ def run(
     interrupted from the keyboard.
 
     Args:
-        session: The target.
         groups: What to check, in this order; destructive checks come after all others.
-        on_result: Told each result as it comes.
 
     Returns:
         The report; of an interrupted run what there is.
@@ -125,12 +123,7 @@ def _result(session: Session, check: Check, obstacle: str) -> Result:
 
 
 def _comes_back(session: Session, seconds: float) -> bool:
-    """Whether the target answers after all; it may have been restarted.
-
-    Args:
-        session: The target.
-        seconds: How long to look for it, at least once.
-    """
+    """Whether the target answers after all; it may have been restarted."""
     end = time.monotonic() + seconds
     while True:
         if session.probe.find_target() and session.answers():

@@ -61,8 +61,6 @@ class Limits:
     Attributes:
         longest_wait: Seconds that a check may wait for a time-out of the target.
         restart: Seconds in which a target that fell silent may be started again.
-        slow: Whether checks may take minutes.
-        destructive: Whether the target may be shut down.
     """
 
     longest_wait: float = 10.0
@@ -76,13 +74,7 @@ class Session:
     """One run against one target.
 
     Attributes:
-        probe: The exchange.
-        trace: The evidence.
-        limits: How far the checks may go.
-        catalogue: All messages that we know.
         services: What the target announces; empty when nobody says.
-        ping: A query that the target answers in every state, and its report.
-        notes: Deviations that the present check tolerates.
     """
 
     probe: Probe
@@ -121,21 +113,13 @@ class Session:
 
     @staticmethod
     def require(holds: bool, failure: str) -> None:  # noqa: FBT001
-        """Ends the check as failed unless a condition holds.
-
-        Raises:
-            CheckFailed: It does not.
-        """
+        """Ends the check as failed unless a condition holds."""
         if not holds:
             raise CheckFailed(failure)
 
     @staticmethod
     def skip_unless(holds: bool, reason: str) -> None:  # noqa: FBT001
-        """Ends the check as skipped unless a condition holds.
-
-        Raises:
-            CheckSkipped: It does not.
-        """
+        """Ends the check as skipped unless a condition holds."""
         if not holds:
             raise CheckSkipped(reason)
 
@@ -234,11 +218,7 @@ class Session:
             return True  # with nonsense, but it does
 
     def require_answers(self, after: str) -> None:
-        """Ends the check as failed unless the target still answers.
-
-        Raises:
-            CheckFailed: It does not.
-        """
+        """Ends the check as failed unless the target still answers."""
         self.require(self.answers(), f"the target does not answer any more after {after}")
 
     # ---- control ----------------------------------------------------------------------------
@@ -275,11 +255,7 @@ class Session:
         return self.low + 2
 
     def control(self) -> core.ReportControl:
-        """Returns who controls the target.
-
-        Raises:
-            CheckFailed: It does not say so.
-        """
+        """Returns who controls the target."""
         return self.third.ask(core.QueryControl(), core.ReportControl)
 
     def seen_control(self) -> core.ReportControl | None:
@@ -297,11 +273,7 @@ class Session:
         return report is None or controller_of(report) == str(client.address)
 
     def take(self, client: Client, authority: int) -> None:
-        """Takes control as a step before what is to be checked.
-
-        Raises:
-            CheckSkipped: It is not granted.
-        """
+        """Takes control as a step before what is to be checked."""
         client.send(core.RequestControl(authority_code=authority))
         answer = client.find(core.ConfirmControl)
         self.skip_unless(
@@ -313,11 +285,7 @@ class Session:
     # ---- management -------------------------------------------------------------------------
 
     def status(self) -> Status:
-        """Returns the state of the target.
-
-        Raises:
-            CheckFailed: It is none of the standard's.
-        """
+        """Returns the state of the target."""
         report = self.third.ask(core.QueryStatus(), core.ReportStatus)
         try:
             return Status(report.status)
@@ -333,11 +301,7 @@ class Session:
         return False
 
     def make_ready(self, client: Client) -> None:
-        """Takes control and resumes as a step before what is to be checked.
-
-        Raises:
-            CheckSkipped: The target does not come to Ready.
-        """
+        """Takes control and resumes as a step before what is to be checked."""
         self.take(client, self.low)
         client.send(core.Resume())
         self.skip_unless(

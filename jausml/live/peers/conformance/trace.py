@@ -25,7 +25,6 @@ class Line(NamedTuple):
     Attributes:
         time: Seconds since the check began.
         direction: `sent`, `received` or `remark`.
-        text: What it is, decoded.
         hex: The datagram, cut to `MAX_HEX_BYTES`.
     """
 
@@ -39,11 +38,7 @@ class Trace:
     """The exchange of one check."""
 
     def __init__(self, describe: Callable[[bytes], str]) -> None:
-        """Starts an empty trace.
-
-        Args:
-            describe: Returns a payload in words.
-        """
+        """Starts an empty trace."""
         self._describe = describe
         self._begin = time.monotonic()
         self._lines: list[Line] = []
@@ -59,13 +54,7 @@ class Trace:
         return tuple(self._lines[-MAX_LINES:])
 
     def packet(self, direction: str, packet: Packet, datagram: bytes) -> None:
-        """Adds a message.
-
-        Args:
-            direction: `sent` or `received`.
-            packet: The message.
-            datagram: The bytes that carried it.
-        """
+        """Adds a message."""
         kind = self._kind(packet)
         text = f"{packet.source} > {packet.destination} #{packet.sequence} {kind}"
         self._add(direction, text, datagram)

@@ -15,11 +15,7 @@ SCHEMA = 1
 
 
 def render(report: ConformanceReport) -> str:
-    """Returns a JSON object with `schema`, `target`, `summary` and `checks`.
-
-    Args:
-        report: The report.
-    """
+    """Returns a JSON object with `schema`, `target`, `summary` and `checks`."""
     content = {
         "schema": SCHEMA,
         "target": report.target,

@@ -14,11 +14,7 @@ if TYPE_CHECKING:
 
 
 def render(report: ConformanceReport) -> str:
-    """Returns an XML document that build servers read as test results.
-
-    Args:
-        report: The report.
-    """
+    """Returns an XML document that build servers read as test results."""
     # Checks that are left for the end stand with their group.
     places = {each.check.group: place for place, each in reversed([*enumerate(report.results)])}
     results = sorted(report.results, key=lambda each: places[each.check.group])

@@ -22,11 +22,7 @@ _MARKS = {"sent": ">>", "received": "<<", "remark": "--"}
 
 
 def render(report: ConformanceReport) -> str:
-    """Returns the whole report.
-
-    Args:
-        report: The report.
-    """
+    """Returns the whole report."""
     lines = [*heading(report.target, report.endpoint, report.services)]
     group = ""
     for each in report.results:
@@ -39,13 +35,7 @@ def render(report: ConformanceReport) -> str:
 
 
 def heading(target: str, endpoint: str, services: tuple[str, ...]) -> Iterator[str]:
-    """Yields what was tested.
-
-    Args:
-        target: Dotted address of the component.
-        endpoint: Where it was found.
-        services: What it announces.
-    """
+    """Yields what was tested."""
     yield f"JAUS conformance of {target} at {endpoint}"
     if services:
         yield f"announces {len(services)} services:"
@@ -55,11 +45,7 @@ def heading(target: str, endpoint: str, services: tuple[str, ...]) -> Iterator[s
 
 
 def result_lines(result: Result) -> Iterator[str]:
-    """Yields the line of a check, its messages, and the evidence of a failure.
-
-    Args:
-        result: Its outcome.
-    """
+    """Yields the line of a check, its messages, and the evidence of a failure."""
     yield f"  {_WORDS[result.verdict]}  {result.check.id:{_ID_WIDTH}} {result.check.title}"
     for message in result.messages:
         yield f"          {_printable(message)}"
@@ -69,11 +55,7 @@ def result_lines(result: Result) -> Iterator[str]:
 
 
 def evidence_lines(result: Result) -> Iterator[str]:
-    """Yields what was sent (>>) and received (<<), each with its bytes.
-
-    Args:
-        result: The outcome of a check.
-    """
+    """Yields what was sent (>>) and received (<<), each with its bytes."""
     for line in result.evidence:
         yield f"{line.time:7.3f} {_MARKS[line.direction]} {_printable(line.text)}"
         if line.hex:
@@ -81,11 +63,7 @@ def evidence_lines(result: Result) -> Iterator[str]:
 
 
 def summary(report: ConformanceReport) -> str:
-    """Returns one line that says how it went.
-
-    Args:
-        report: The report.
-    """
+    """Returns one line that says how it went."""
     counts = ", ".join(
         f"{report.count(verdict)} {word}"
         for verdict, word in (
