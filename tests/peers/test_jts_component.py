@@ -10,11 +10,10 @@ from threading import Event, Thread
 
 import pytest
 
+from jausml.live.peers.conformance.evidence import Verdict
 from jausml.live.peers.conformance.groups import Selection
-from jausml.live.peers.conformance.opening import opened
-from jausml.live.peers.conformance.runner import run
+from jausml.live.peers.conformance.run import opened, run
 from jausml.live.peers.conformance.session import Limits
-from jausml.live.peers.conformance.verdicts import Verdict
 from jausml.runtime.base.address import JausAddress
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))

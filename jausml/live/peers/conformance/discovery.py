@@ -34,11 +34,6 @@ _TYPES = {
 """Ranges of Type by QueryType (AS5710A, ReportIdentification)."""
 
 
-def requires(session: Session) -> str:
-    """Returns why the group cannot run, or nothing."""
-    return session.missing("Discovery")
-
-
 @check(
     "discovery.identification",
     "Identifies itself as a component",

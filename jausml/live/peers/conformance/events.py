@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from jausml.live.peers.conformance.check import check
 from jausml.live.peers.conformance.client import decoded
-from jausml.live.peers.conformance.verdicts import CheckFailed
+from jausml.live.peers.conformance.evidence import CheckFailed
+from jausml.live.peers.conformance.session import Authority
 from jausml.runtime.messages import (
     CancelEvent,
     ConfirmEventRequest,
@@ -57,11 +58,6 @@ _FREE_EVENT = 254
 _UNKNOWN_QUERY = b"\xb7\x7a"
 _QUERY_OFFSET = 6
 """Bytes of a CreateEvent before the count of its QueryMessage."""
-
-
-def requires(session: Session) -> str:
-    """Returns why the group cannot run, or nothing."""
-    return session.missing("Events")
 
 
 @check(
@@ -349,7 +345,7 @@ def every_change(session: Session) -> None:
         raise CheckFailed(f"every-change event rejected with code {answer.response_code}")
     client.find(Event, within=session.probe.quiet)  # the present value, which some send at once
     client.expect_none(Event, "nothing has changed")
-    session.second.send(RequestControl(authority_code=session.low))
+    session.second.send(RequestControl(authority_code=session.authority(Authority.LOW)))
     taken = _changed_control(client, answer.event_id, "control was taken")
     session.require(
         taken.component_id == session.second.address.component,

@@ -20,7 +20,7 @@ from jausml.runtime.transports.packets.reassembly import Reassembly
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from jausml.live.peers.conformance.trace import Trace
+    from jausml.live.peers.conformance.evidence import Trace
     from jausml.live.peers.wire import Arrival, Wire
     from jausml.runtime.base.address import JausAddress
     from jausml.runtime.base.settings import Endpoint

@@ -1,8 +1,9 @@
-"""Trace of what went over the wire, the evidence of a verdict."""
+"""What a check leaves: its verdict, the exceptions that say it, and the trace that proves it."""
 
 from __future__ import annotations
 
 import time
+from enum import Enum
 from typing import TYPE_CHECKING, NamedTuple
 
 from jausml.runtime.transports.packets.packet import AckNak, DataFlags
@@ -17,6 +18,23 @@ MAX_LINES = 60
 
 MAX_HEX_BYTES = 128
 """Bytes of a datagram that are shown."""
+
+
+class Verdict(Enum):
+    """The end of a check."""
+
+    PASS = "pass"  # noqa: S105 - a verdict, no password
+    FAIL = "fail"
+    SKIPPED = "skipped"
+    NOTE = "note"
+
+
+class CheckFailed(Exception):  # noqa: N818 - an outcome, not a fault of ours
+    """The target does not do what the standard says."""
+
+
+class CheckSkipped(Exception):  # noqa: N818 - an outcome, not a fault of ours
+    """The check does not apply to this target or this run."""
 
 
 class Line(NamedTuple):

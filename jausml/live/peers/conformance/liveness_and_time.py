@@ -1,4 +1,7 @@
-"""Checks of Time: the clock of the target (AS5710A). The clock is never set."""
+"""Checks of Liveness, the heartbeat, and of Time, the clock of the target (AS5710A).
+
+The clock is never set.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,14 @@ from datetime import datetime, timedelta, timezone
 from typing import TYPE_CHECKING
 
 from jausml.live.peers.conformance.check import check
-from jausml.runtime.messages import QueryTime, ReportTime
+from jausml.runtime.messages import (
+    ConfirmEventRequest,
+    Event,
+    QueryHeartbeatPulse,
+    QueryTime,
+    ReportHeartbeatPulse,
+    ReportTime,
+)
 
 if TYPE_CHECKING:
     from jausml.live.peers.conformance.session import Session
@@ -18,9 +28,29 @@ _FIRST_YEAR = 2000
 _LARGEST_DIFFERENCE = timedelta(seconds=5)
 
 
-def requires(session: Session) -> str:
-    """Returns why the group cannot run, or nothing."""
-    return session.missing("Time")
+@check("liveness.pulse", "Reports its heartbeat", "AS5710A Liveness, QueryHeartbeatPulse")
+def pulse(session: Session) -> None:
+    """QueryHeartbeatPulse is answered with the empty ReportHeartbeatPulse."""
+    session.first.ask(QueryHeartbeatPulse(), ReportHeartbeatPulse)
+
+
+@check(
+    "liveness.event",
+    "Reports its heartbeat periodically",
+    "AS5710A Liveness, QueryHeartbeatPulse; Events, CreateEvent",
+)
+def event(session: Session) -> None:
+    """A periodic event on the heartbeat is confirmed and delivers it; others watch it so."""
+    session.skip_unless(session.serves("Events"), "the target answers nothing of Events")
+    answer = session.first.create_event(QueryHeartbeatPulse(), rate=10.0)
+    session.require(
+        isinstance(answer, ConfirmEventRequest), "a periodic event on the heartbeat is rejected"
+    )
+    report = session.first.expect(Event, "the event on the heartbeat")
+    session.require(
+        report.report_message == ReportHeartbeatPulse().encode(),
+        f"the event carries {report.report_message.hex()} instead of ReportHeartbeatPulse",
+    )
 
 
 @check("time.report", "Reports time and date", "AS5710A Time, QueryTime, ReportTime")
@@ -64,4 +94,5 @@ def subset(session: Session) -> None:
             session.note(f"asked for {name} alone, ReportTime has presence vector {present}")
 
 
-CHECKS = (report, subset)
+LIVENESS = (pulse, event)
+TIME_CHECKS = (report, subset)
