@@ -283,13 +283,7 @@ def unsupported_message(session: Session) -> None:
 def bad_query(session: Session) -> None:
     """A QueryMessage without a message code cannot be served; code 4 or 5 is usual."""
     header = _create(QueryStatus(), RATE).encode()[:_QUERY_OFFSET]
-    session.first.put(session.first.packet(header + bytes(4)))
-    try:
-        answer = session.first.event_answer(1, "CreateEvent without a query")
-    except CheckFailed:
-        session.note("CreateEvent without a query is not answered")
-        return
-    _rejected(session, answer, None, "CreateEvent without a query")
+    _not_confirmed(session, header + bytes(4), "CreateEvent without a query")
 
 
 @check(
@@ -318,13 +312,7 @@ def unknown_type(session: Session) -> None:
     query, _ = _subject(session)
     payload = bytearray(_create(query, RATE).encode())
     payload[3] = 7
-    session.first.put(session.first.packet(bytes(payload)))
-    try:
-        answer = session.first.event_answer(1, "CreateEvent of type 7")
-    except CheckFailed:
-        session.note("CreateEvent of type 7 is not answered")
-        return
-    _rejected(session, answer, None, "CreateEvent of type 7")
+    _not_confirmed(session, bytes(payload), "CreateEvent of type 7")
 
 
 @check(
@@ -540,6 +528,17 @@ def _rejected(
         session.note("the rejection has no response code, which the standard leaves open")
     elif code is not None and answer.response_code != code:
         raise CheckFailed(f"{what} is rejected with code {answer.response_code} instead of {code}")
+
+
+def _not_confirmed(session: Session, payload: bytes, what: str) -> None:
+    """Sends a request that cannot be served; silence is noted."""
+    session.first.put(session.first.packet(payload))
+    try:
+        answer = session.first.event_answer(1, what)
+    except CheckFailed:
+        session.note(f"{what} is not answered")
+        return
+    _rejected(session, answer, None, what)
 
 
 def _events(client: Client) -> list[Received]:

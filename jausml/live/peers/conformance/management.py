@@ -108,8 +108,19 @@ def controls(session: Session, client: int) -> None:
 
 
 @step
-def nobody_controls(session: Session) -> None:
-    """Nobody has control."""
+def dismissed(session: Session, client: int) -> None:
+    """A controller is told that control is not available, in v1.0 that it is released."""
+    code = session.client(client).expect(RejectControl, session.latest).response_code
+    expected = 0 if session.is_v1_0("Management") else int(NOT_AVAILABLE)
+    if code != expected:
+        session.note(f"RejectControl {code} instead of {expected}")
+
+
+@step
+def nobody_controls(session: Session, *, only_in_1_1: bool = False) -> None:
+    """Nobody has control; may hold for Management 1.1 alone."""
+    if only_in_1_1 and session.is_v1_0("Management"):
+        return
     report = session.seen_control()
     if report is None:
         return
@@ -159,46 +170,6 @@ def timeout_ends_ready(session: Session) -> None:
 
 
 @check(
-    "management.emergency-ready",
-    "Enters Emergency from Ready and lets go of its controller",
-    "AS5710A Management, default_state: SetEmergency; RejectControl",
-)
-def emergency_ready(session: Session) -> None:
-    """The controller is told RejectControl: 1 in v1.1, 0 in v1.0; nobody has control then."""
-    session.make_ready(A)
-    emergency(B)(session)
-    rejection = session.first.find(RejectControl)
-    comes_to(EMERGENCY)(session)
-    session.require(rejection is not None, "the controller is not told that it lost control")
-    expected = 0 if session.is_v1_0("Management") else int(NOT_AVAILABLE)
-    if rejection is not None and rejection.response_code != expected:
-        session.note(f"RejectControl {rejection.response_code} instead of {expected}")
-    if not session.is_v1_0("Management"):
-        nobody_controls()(session)
-
-
-@check(
-    "management.emergency-release",
-    "Answers ReleaseControl in Emergency by who set it",
-    "AS5710A v1.1 AccessControl, NotControlled: ReleaseControl, unavailable",
-)
-def emergency_release(session: Session) -> None:
-    """RejectControl 0 for the client that set the emergency, 1 for any other."""
-    session.skip_unless(
-        not session.is_v1_0("AccessControl"), "AccessControl 1.0 does not tell them apart"
-    )
-    emergency(B)(session)
-    for client, expected in ((session.first, 1), (session.second, 0)):
-        client.send(ReleaseControl())
-        code = client.expect(RejectControl, "ReleaseControl in Emergency").response_code
-        session.require(
-            code == expected,
-            f"ReleaseControl of {client.address} in Emergency is answered with RejectControl "
-            f"{code} instead of {expected}",
-        )
-
-
-@check(
     "management.clear-after-ready",
     "Does not come back to Ready from Emergency",
     "AS5710A Management, Emergency: ClearEmergency; v1.0 pops to the state before",
@@ -231,23 +202,7 @@ def emergency_code_0(session: Session) -> None:
     comes_to(STANDBY)(session)
 
 
-@check(
-    "management.shutdown",
-    "Shuts down for its controller",
-    "AS5710A Management, Ready (Controlled): Shutdown",
-    destructive=True,
-)
-def shutdown(session: Session) -> None:
-    """The controller is told RejectControl: 1 in v1.1, 0 in v1.0.
-
-    The target then reports 3 (SHUTDOWN) or does not answer any more.
-    """
-    session.make_ready(A)
-    session.first.send(Shutdown())
-    code = session.first.expect(RejectControl, "Shutdown").response_code
-    expected = 0 if session.is_v1_0("Management") else int(NOT_AVAILABLE)
-    if code != expected:
-        session.note(f"RejectControl {code} instead of {expected}")
+def _is_down(session: Session) -> None:
     report = session.first.asked(QueryStatus(), ReportStatus, attempts=1)
     session.require(
         report is None or report.status == Status.SHUTDOWN,
@@ -342,7 +297,13 @@ CHECKS = (
         "SetEmergency with code 1 (STOP) of a client without control leads to Emergency.",
         (send(B, SET, Priority.SAFETY_CRITICAL), comes_to(EMERGENCY)),
     ),
-    emergency_ready,
+    Check(
+        "management.emergency-ready",
+        "Enters Emergency from Ready and lets go of its controller",
+        "AS5710A Management, default_state: SetEmergency; RejectControl",
+        "The controller is told RejectControl: 1 in v1.1, 0 in v1.0; nobody has control then.",
+        (ready(A), emergency(B), dismissed(A), nobody_controls(only_in_1_1=True)),
+    ),
     Check(
         "management.emergency-no-control",
         "Gives no control in Emergency",
@@ -350,7 +311,20 @@ CHECKS = (
         "RequestControl is answered with 1 (NOT_AVAILABLE).",
         (emergency(B), access.request(A, LOW, ConfirmControl.ResponseCode.NOT_AVAILABLE)),
     ),
-    emergency_release,
+    Check(
+        "management.emergency-release",
+        "Answers ReleaseControl in Emergency by who set it",
+        "AS5710A v1.1 AccessControl, NotControlled: ReleaseControl, unavailable",
+        "RejectControl 0 for the client that set the emergency, 1 for any other.",
+        (
+            since_1_1("AccessControl", "AccessControl 1.0 does not tell them apart"),
+            emergency(B),
+            send(A, ReleaseControl()),
+            rejected(A, 1),
+            send(B, ReleaseControl()),
+            rejected(B),
+        ),
+    ),
     Check(
         "management.emergency-resume",
         "Ignores Resume in Emergency",
@@ -418,5 +392,13 @@ CHECKS = (
         (ready(A), ignored(B, Shutdown(), READY)),
         destructive=True,
     ),
-    shutdown,
+    Check(
+        "management.shutdown",
+        "Shuts down for its controller",
+        "AS5710A Management, Ready (Controlled): Shutdown",
+        "The controller is told RejectControl: 1 in v1.1, 0 in v1.0.\n\n"
+        "The target then reports 3 (SHUTDOWN) or does not answer any more.",
+        (ready(A), send(A, Shutdown()), dismissed(A), _is_down),
+        destructive=True,
+    ),
 )

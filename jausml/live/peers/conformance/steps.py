@@ -22,9 +22,10 @@ def since_1_1(session: Session, service: str, reason: str) -> None:
 
 
 @step
-def rejected(session: Session, client: int) -> None:
-    """A client is told that it has no control any more."""
+def rejected(session: Session, client: int, expected: int = 0) -> None:
+    """A client is told that it has no control, with a code."""
     code = session.client(client).expect(RejectControl, session.latest).response_code
     session.require(
-        code == 0, f"{session.latest} is answered with RejectControl {code} instead of 0"
+        code == expected,
+        f"{session.latest} is answered with RejectControl {code} instead of {expected}",
     )
