@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from jausml.authoring.proposals.topics import TopicEnd
-    from jausml.live.systems.ros_graph import GraphEnd, GraphTopic
+    from jausml.live.ros import GraphEnd, GraphTopic
 
 
 def graph_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -48,8 +48,7 @@ def topics_that_run(words: Sequence[str], seconds: float, namespace: str = "") -
         EnvironmentFault: ROS cannot be used here, or nothing runs.
         UsageError: A topic that is named does not run.
     """
-    from jausml.live.ros import RosFault
-    from jausml.live.systems.ros_graph import running_topics
+    from jausml.live.ros import RosFault, running_topics
 
     try:
         running = running_topics(seconds)

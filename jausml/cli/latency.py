@@ -17,8 +17,7 @@ from jausml.cli.operating import Settings, operator_options, until_interrupted
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.live.peers.measuring import Stream
-    from jausml.live.peers.spread import Spread
+    from jausml.live.peers.measuring import Spread, Stream
     from jausml.live.systems.state import ConnectionState
     from jausml.runtime.base.address import JausAddress
 
@@ -111,7 +110,7 @@ def command(
 
 def _meant(source: str) -> tuple[list[tuple[JausAddress, str]], JausAddress | None]:
     """Returns what the model carries, or the component that is meant."""
-    from jausml.live.peers.modelled import reports_of
+    from jausml.live.peers.measuring import reports_of
     from jausml.live.peers.network import component_address
 
     if not Path(source).is_file():

@@ -16,7 +16,7 @@ from jausml.cli.operating import TARGET, Settings, operator_options, until_inter
 
 if TYPE_CHECKING:
     from jausml.live.peers.asking import Asker
-    from jausml.live.peers.pinging import Pings
+    from jausml.live.peers.measuring import Pings
     from jausml.runtime.base.address import JausAddress
 
 AUTOMATIC = "automatic"
@@ -58,7 +58,7 @@ def command(
     Exit status: 0 answers came, 1 none came, 2 the network cannot be used or an option is wrong, 3
     internal error.
     """
-    from jausml.live.peers.pinging import Pings, answered_question
+    from jausml.live.peers.measuring import Pings, answered_question
 
     pings = Pings()
     with settings.operator() as operator:
@@ -83,7 +83,7 @@ def _ping(
     *,
     as_json: bool,
 ) -> None:
-    from jausml.live.peers.pinging import QUESTIONS
+    from jausml.live.peers.measuring import QUESTIONS
 
     query, report = QUESTIONS[question]
     if not as_json:
@@ -105,7 +105,7 @@ def _ping(
 
 
 def _summarize(target: JausAddress, question: str | None, pings: Pings, *, as_json: bool) -> None:
-    from jausml.live.peers.pinging import QUESTIONS
+    from jausml.live.peers.measuring import QUESTIONS
 
     spread = pings.spread
     figures = None if spread is None else spread.milliseconds()

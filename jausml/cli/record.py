@@ -200,7 +200,7 @@ def _output(output: str | None, limits: Limits, *, force: bool) -> Path:
 
 def _parts(path: Path, limits: Limits, compression: str, *, force: bool) -> Parts:
     """Returns the files, which are made."""
-    from jausml.live.recording.errors import RecordingError
+    from jausml.live.recording.mcap_files import RecordingError
     from jausml.live.recording.parts import Parts
 
     try:
@@ -241,7 +241,7 @@ def _until(
 
 def _entered(ros: RosTopics, stack: ExitStack, *, is_wanted: bool) -> bool:
     """Enters ROS; returns whether that is possible here."""
-    from jausml.live.recording.errors import RecordingError
+    from jausml.live.recording.mcap_files import RecordingError
 
     try:
         ros.open()
@@ -265,7 +265,7 @@ def _opened(settings: TransportSettings, stack: ExitStack) -> tuple[Iterator[Fra
 
     Where that cannot be seen, it is what the group is sent.
     """
-    from jausml.live.traffic.errors import TrafficError
+    from jausml.live.traffic.captures import TrafficError
     from jausml.live.traffic.interface import InterfaceCapture
     from jausml.live.traffic.listening import MulticastListener
 
@@ -289,7 +289,7 @@ def _tell_lost(capture: InterfaceCapture) -> None:
 
 
 def _heard(listener: MulticastListener) -> Iterator[Frame | None]:
-    from jausml.live.traffic.writing import frame_of
+    from jausml.live.traffic.frames import frame_of
 
     while True:
         yield from map(frame_of, listener.datagrams(_TURN))

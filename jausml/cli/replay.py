@@ -33,9 +33,8 @@ if TYPE_CHECKING:
     from jausml.language.model import Model
     from jausml.live.recording.bags import Bag, RosMessage
     from jausml.live.recording.from_captures import CaptureReplay, JausWriter
-    from jausml.live.recording.pace import Pace
-    from jausml.live.recording.spans import Span
-    from jausml.live.recording.to_wire import WireReplay
+    from jausml.live.recording.selection import Span
+    from jausml.live.recording.to_wire import Pace, WireReplay
     from jausml.live.recording.translating import Translator
     from jausml.live.traffic.captures import Frame
 
@@ -142,8 +141,8 @@ def command(
     """
     from jausml.generation import GenerationError, NoSystemError
     from jausml.live.recording.bags import is_bag
-    from jausml.live.recording.errors import RecordingError
-    from jausml.live.recording.spans import Span
+    from jausml.live.recording.mcap_files import RecordingError
+    from jausml.live.recording.selection import Span
 
     span = Span(start, duration)
     if output is not None:
@@ -179,9 +178,7 @@ def command(
 def _again(recording: str, output: str | None, span: Span, *, force: bool, ros_only: bool) -> None:
     """Writes an MCAP file again, as far as it goes, or a part of it."""
     from jausml.live.recording.bags import MCAP
-    from jausml.live.recording.copying import copied
-    from jausml.live.recording.errors import RecordingError
-    from jausml.live.recording.mcap_reading import McapRecording
+    from jausml.live.recording.mcap_files import McapRecording, RecordingError, copied
 
     if not recording.endswith(MCAP) or output is None:
         raise click.UsageError("Missing argument '[MODEL]': an MCAP file with --output needs none")
@@ -213,8 +210,7 @@ def _to_wire(recording: str, model: Model, span: Span, options: dict[str, Any]) 
     from threading import Event
 
     from jausml.live.recording.bags import Bag
-    from jausml.live.recording.pace import Pace
-    from jausml.live.recording.to_wire import WireReplay
+    from jausml.live.recording.to_wire import Pace, WireReplay
 
     if not Path(recording).exists():
         raise EnvironmentFault(f"{shown_path(recording)}: there is no such file")
@@ -291,7 +287,7 @@ def _to_file(
 ) -> bool:
     """Makes a file of a capture; returns whether all of it could be used."""
     from jausml.live.recording.from_captures import CaptureReplay, JausWriter
-    from jausml.live.recording.mcap_writing import McapFile
+    from jausml.live.recording.mcap_files import McapFile
     from jausml.live.recording.translating import Translator
 
     recording, model, output = paths
@@ -310,8 +306,7 @@ def _to_file(
 
 def _replayed(replay: CaptureReplay, path: str, port: int, span: Span) -> bool:
     """Reads a capture; returns whether it could be read to its end."""
-    from jausml.live.traffic.captures import read_frames
-    from jausml.live.traffic.errors import TrafficError
+    from jausml.live.traffic.captures import TrafficError, read_frames
     from jausml.live.traffic.frames import UdpReader
 
     reader = UdpReader(port)

@@ -157,7 +157,7 @@ def _sources(
 def _print(state: SystemState, *, as_json: bool) -> None:
     if as_json:
         from jausml.cli.messages import to_json
-        from jausml.live.systems.shown import as_values
+        from jausml.live.systems.state import as_values
 
         now = datetime.now(timezone.utc).isoformat(timespec="milliseconds")
         click.echo(to_json({"time": now, **as_values(state)}))
@@ -205,6 +205,6 @@ def _show(
     interval: float,
 ) -> None:
     from jausml.live.systems.looking import Looking
-    from jausml.live.terminal.app import SystemView
+    from jausml.live.systems.terminal import SystemView
 
     SystemView(observation.state, Looking(operator, ros), interval).run()

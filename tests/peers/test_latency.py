@@ -11,8 +11,7 @@ import pytest
 
 from jausml.language.model import read_models
 from jausml.live.peers.entry_messages import message_class
-from jausml.live.peers.measuring import Stream
-from jausml.live.peers.modelled import reports_of
+from jausml.live.peers.measuring import Stream, reports_of
 from jausml.runtime.base.address import JausAddress
 
 TARGET = JausAddress(100, 1, 1)

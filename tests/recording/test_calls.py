@@ -13,9 +13,8 @@ from jausml.language.interfaces import Installation
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.messages import Catalogue
-from jausml.live.recording.copying import copied
 from jausml.live.recording.definitions import installed_definition
-from jausml.live.recording.mcap_reading import McapRecording
+from jausml.live.recording.mcap_files import McapRecording, copied
 from jausml.live.recording.parts import Limits, Parts
 from jausml.live.recording.recorder import Recorder, topics_of
 from jausml.live.recording.ros_topics import RosTopics

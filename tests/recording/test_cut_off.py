@@ -13,10 +13,8 @@ from recordings import by_mcap, by_rosbags
 
 from jausml.cli import main
 from jausml.live.recording.bags import Bag
-from jausml.live.recording.errors import RecordingError
-from jausml.live.recording.mcap_reading import McapRecording
-from jausml.live.recording.mcap_writing import COMPRESSIONS, McapFile
-from jausml.live.recording.spans import Span
+from jausml.live.recording.mcap_files import COMPRESSIONS, McapFile, McapRecording, RecordingError
+from jausml.live.recording.selection import Span
 
 EACH, FLUSHES = 3, 4
 SECOND = 10**9

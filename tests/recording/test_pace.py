@@ -17,8 +17,8 @@ from terminal import at_terminal
 
 from jausml.cli import main
 from jausml.live.recording.bags import Bag, RosMessage
-from jausml.live.recording.pace import Pace
-from jausml.live.recording.spans import Span
+from jausml.live.recording.selection import Span
+from jausml.live.recording.to_wire import Pace
 
 ROOT = Path(__file__).resolve().parents[2]
 FLEET = str(ROOT / "models" / "examples" / "fleet" / "fleet.ros2jaus")

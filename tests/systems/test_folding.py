@@ -21,7 +21,6 @@ from jausml.live.systems.folding import (
     fold_statuses,
     fold_time,
 )
-from jausml.live.systems.shown import as_values
 from jausml.live.systems.state import (
     HISTORY,
     SILENCE,
@@ -30,6 +29,7 @@ from jausml.live.systems.state import (
     Level,
     SystemState,
     TopicName,
+    as_values,
 )
 from jausml.live.systems.tables import (
     COLUMNS,

@@ -97,7 +97,7 @@ def test_ros_messages_as_lines():
     from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
     from sensor_msgs.msg import LaserScan
 
-    from jausml.live.systems.ros_values import message_lines
+    from jausml.live.systems.ros_diagnostics import message_lines
 
     scan = LaserScan(ranges=[1.5] * 1000)
     scan.header.frame_id = "f" * 1000

@@ -14,7 +14,7 @@ from jausml.live.systems.diagnostics import Status
 from jausml.live.systems.folding import Answer, fold_answer, fold_statuses
 from jausml.live.systems.looking import Looking
 from jausml.live.systems.state import SystemState
-from jausml.live.terminal.app import SystemView
+from jausml.live.systems.terminal import SystemView
 
 EVIL = "[red]x[/red]\x1b]0;title\x07\x1b[2J\u202e"
 

@@ -6,8 +6,7 @@ import pytest
 from capture_files import ETHERNET, QUERY_STATUS, ethernet, ipv4, udp
 
 from jausml.live.traffic.captures import Frame
-from jausml.live.traffic.elsewhere import is_judp
-from jausml.live.traffic.frames import UdpReader
+from jausml.live.traffic.frames import UdpReader, is_judp
 
 
 def read(*datagrams):

@@ -12,8 +12,7 @@ from jausml.authoring.studio.live_values import live_values, places_of, row_of
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.messages import CatalogueError, load_catalogue
 from jausml.live.peers.asking import NoAnswer
-from jausml.live.peers.identity import identified
-from jausml.live.peers.network import fault, silence_log
+from jausml.live.peers.network import fault, identified, silence_log
 from jausml.live.peers.operator import running_operator
 from jausml.live.systems.declared import components_of, declarations_of
 from jausml.live.systems.folding import expected

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.live.systems.declared import node_of
-from jausml.live.systems.shown import as_values
-from jausml.live.systems.state import Level
+from jausml.live.systems.state import Level, as_values
 from jausml.live.systems.tables import cell, shown_state
 from jausml.views.diagrams.views import SYSTEM, graph_of, view_names
 from jausml.views.diagrams.views.context import Context

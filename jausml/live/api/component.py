@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.live.api.messages import catalogue
 from jausml.live.peers.entry_messages import find_exchange, find_message
-from jausml.live.peers.identity import identified
-from jausml.live.peers.network import DEFAULT_GROUP, Network, component_address, fault
+from jausml.live.peers.network import DEFAULT_GROUP, Network, component_address, fault, identified
 from jausml.live.peers.operator import Identity, Operator, running_operator
 from jausml.runtime.base.settings import JUDP_PORT, TransportSettings
 from jausml.runtime.messages import Resume

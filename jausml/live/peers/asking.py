@@ -9,10 +9,8 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.live.messages import AmbiguousMessageError, MessageError
-from jausml.live.peers.discovery import Survey
-from jausml.live.peers.entry_messages import find_exchange, find_message, message_class
-from jausml.live.peers.samples import full_query
-from jausml.live.peers.services import controller_of
+from jausml.live.peers.discovery import Survey, controller_of
+from jausml.live.peers.entry_messages import find_exchange, find_message, full_query, message_class
 from jausml.runtime.messages import (
     QueryControl,
     QueryStatus,

@@ -9,11 +9,10 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.peers.asking import POLL, Asker, NoAnswer, status_of
-from jausml.live.peers.entry_messages import EntryMessage, message_class
+from jausml.live.peers.entry_messages import EntryMessage, full_query, message_class
 from jausml.live.peers.heard import Heard
 from jausml.live.peers.holding import Hold
 from jausml.live.peers.rendering import printable
-from jausml.live.peers.samples import full_query
 from jausml.runtime import ComponentSettings, ControlState, JausComponent, Scope
 from jausml.runtime.component.process import running_transport
 from jausml.runtime.messages import QueryStatus, RejectControl, ReportStatus

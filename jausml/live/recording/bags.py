@@ -9,15 +9,14 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jausml.live.recording.errors import RecordingError
-from jausml.live.recording.mcap_reading import McapRecording
-from jausml.live.recording.spans import WHOLE
+from jausml.live.recording.mcap_files import McapRecording, RecordingError
+from jausml.live.recording.selection import WHOLE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.live.recording.mcap_reading import Found
-    from jausml.live.recording.spans import Span
+    from jausml.live.recording.mcap_files import Found
+    from jausml.live.recording.selection import Span
 
 MCAP, SQLITE = ".mcap", ".db3"
 _CDR = "cdr"

@@ -9,8 +9,8 @@ from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, BinaryIO, cast
 
-from jausml.live.recording.mcap_writing import McapFile, need_library
-from jausml.live.traffic.writing import PcapWriter
+from jausml.live.recording.mcap_files import McapFile, need_library
+from jausml.live.traffic.frames import PcapWriter
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -6,7 +6,7 @@ import time
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.recording.errors import RecordingError
+from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.ros import QuietNode, RosFault, message_class
 
 if TYPE_CHECKING:

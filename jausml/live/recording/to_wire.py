@@ -1,26 +1,157 @@
-"""A recording of ROS through the bridges of a model to JAUS."""
+"""A recording of ROS through the bridges of a model to JAUS, in its own time."""
 
 from __future__ import annotations
 
+import time
 from collections import Counter
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.recording.errors import RecordingError
-from jausml.live.recording.speakers import speakers_of
+from jausml.generation.system import system_of
+from jausml.language.semantics.topics import endpoints, resolve_topic
+from jausml.language.semantics.ways import MESSAGE, TO_JAUS
+from jausml.live.recording.definitions import full_name
+from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.workers.code import bridge_code
 from jausml.live.workers.process import Worker, WorkerError
+from jausml_generators.bridge.views import bridge_views
+from jausml_generators.common.components import own_bridges
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
+    from threading import Event
 
     from typing_extensions import Self
 
+    from jausml.language.metamodel.classes import bridge
     from jausml.language.model import Model
     from jausml.live.recording.bags import RosMessage
 
+
+_NANO = 10**9
+_TURN = 0.05
+"""Seconds after which a pause begins or ends at the latest."""
+
 _WORKER = Path(__file__).with_name("wire_worker.py")
 _SECONDS = 60.0
+
+
+class Pace:
+    """The pace of a replay, which may be paused.
+
+    Attributes:
+        is_paused: Whether nothing passes; anybody may change it at any time.
+        position: Seconds of the recording from the first message to the latest that has passed.
+    """
+
+    def __init__(self, speed: float, most_each_second: float, stop: Event) -> None:
+        """Has passed nothing yet.
+
+        Args:
+            speed: Seconds of the recording in each second.
+            most_each_second: How many messages pass at most; what comes faster is late.
+        """
+        self.is_paused = False
+        self.position = 0.0
+        self._speed = speed
+        self._interval = 1 / most_each_second
+        self._stop = stop
+        self._paused = 0.0
+
+    def messages(self, found: Iterable[RosMessage]) -> Iterator[RosMessage]:
+        """Yields messages when their time has come; the first at once.
+
+        Args:
+            found: The messages, in the order of their times.
+        """
+        first, begin, free = None, 0.0, 0.0
+        for each in found:
+            if first is None:
+                first, begin = each.time, self._now()
+            since = (each.time - first) / _NANO
+            due = max(begin + since / self._speed, free)
+            if not self._waited(due):
+                return
+            free = max(due, self._now()) + self._interval
+            self.position = since
+            yield each
+
+    def _now(self) -> float:
+        """Returns the time of a clock that stands during pauses."""
+        return time.monotonic() - self._paused
+
+    def _waited(self, due: float) -> bool:
+        """Waits for a time; returns whether it has come, and not the end."""
+        while True:
+            if self.is_paused:
+                begin = time.monotonic()
+                self._stop.wait(_TURN)
+                self._paused += time.monotonic() - begin
+            else:
+                left = due - self._now()
+                if left <= 0:
+                    return not self._stop.is_set()
+                self._stop.wait(min(left, _TURN))
+            if self._stop.is_set():
+                return False
+
+
+@dataclass(frozen=True)
+class Speakers:
+    """Bridges that have connections to JAUS alone."""
+
+    model: Model
+    bridges: tuple[tuple[str, str, str], ...]
+    topics: dict[str, str]
+    commands: tuple[str, ...]
+
+
+def speakers_of(model: Model, *, allow_commands: bool) -> Speakers:
+    """Returns the bridges of a model as far as they speak.
+
+    Args:
+        model: A model without errors, of which nobody makes anything else: its bridges are changed.
+
+    Raises:
+        NoSystemError: It has no system, or several.
+    """
+    whole = system_of(model)
+    commands: list[str] = []
+    for owner in own_bridges(whole):
+        commands += _quieted(owner, allow_commands=allow_commands)
+    editable: Any = whole
+    for owner in own_bridges(whole):
+        if not owner.bridgeConnections:
+            editable.bridges.remove(owner)
+    views = bridge_views(model)
+    ends = endpoints([each.bridge for each in views])
+    return Speakers(
+        model,
+        tuple((each.package, each.class_name, _node(each.bridge)) for each in views),
+        {end.topic: full_name(end.type) for end in ends},
+        tuple(commands),
+    )
+
+
+def _quieted(owner: bridge.Bridge, *, allow_commands: bool) -> list[str]:
+    """Leaves a bridge what speaks to JAUS; returns what does so unasked."""
+    editable: Any = owner  # its collections are those of pyecore
+    editable.serviceConnections.clear()
+    editable.actionConnections.clear()
+    commands = []
+    for each in list(owner.bridgeConnections):
+        is_spoken = each.direction.name == TO_JAUS
+        is_command = is_spoken and each.exchange.name == MESSAGE
+        if is_command:
+            commands.append(f"{owner.name}.{each.name} ({each.map.message.name})")
+        if not is_spoken or (is_command and not allow_commands):
+            editable.bridgeConnections.remove(each)
+    return commands
+
+
+def _node(owner: bridge.Bridge) -> str:
+    return resolve_topic(str(owner.name), owner.namespace or "", "")
 
 
 class WireReplay:

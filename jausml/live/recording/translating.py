@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.recording.errors import RecordingError
+from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.recording.routes import routes_of
 from jausml.live.workers.code import bridge_code
 from jausml.live.workers.process import Worker, WorkerError

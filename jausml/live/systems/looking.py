@@ -8,10 +8,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.live.messages import MessageError
-from jausml.live.peers.entry_messages import message_class
+from jausml.live.peers.entry_messages import full_query, message_class
 from jausml.live.peers.network import component_address
-from jausml.live.peers.samples import full_query
-from jausml.live.peers.values import field_texts
+from jausml.live.peers.rendering import field_texts
 
 if TYPE_CHECKING:
     from jausml.live.messages import MessageEntry

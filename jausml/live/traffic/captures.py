@@ -11,8 +11,6 @@ import zlib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, BinaryIO, cast
 
-from jausml.live.traffic.errors import CaptureError
-
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -21,6 +19,7 @@ RAW_IP = 101
 
 _LARGEST_PART = 1 << 27
 _NANO = 10**9
+
 _PCAP = {
     b"\xd4\xc3\xb2\xa1": ("<", 10**6),
     b"\xa1\xb2\xc3\xd4": (">", 10**6),
@@ -28,6 +27,7 @@ _PCAP = {
     b"\xa1\xb2\x3c\x4d": (">", 10**9),
 }
 """Byte order and ticks each second, by what the file begins with."""
+
 _GZIP = b"\x1f\x8b"
 _MCAP = b"\x89MCA"
 _SECTION_HEADER = 0x0A0D0D0A
@@ -38,6 +38,22 @@ _ENHANCED_PACKET = 6
 _BYTE_ORDERS = {b"\x4d\x3c\x2b\x1a": "<", b"\x1a\x2b\x3c\x4d": ">"}
 _OPTION_RESOLUTION = 9
 _OPTION_OFFSET = 14
+
+
+class TrafficError(ValueError):
+    """Traffic that cannot be read; the text says where."""
+
+
+class CaptureError(TrafficError):
+    """A capture file that is malformed or ends too early.
+
+    Attributes:
+        offset: Byte of the file at which the faulty part begins.
+    """
+
+    def __init__(self, reason: str, offset: int) -> None:
+        super().__init__(f"{reason} (at byte {offset} of the file)")
+        self.offset = offset
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,7 @@ import struct
 import time
 from typing import TYPE_CHECKING
 
-from jausml.live.traffic.captures import RAW_IP, Frame
-from jausml.live.traffic.errors import TrafficError
+from jausml.live.traffic.captures import RAW_IP, Frame, TrafficError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.model.made import made_model
 from jausml.language.semantics.ways import TO_JAUS, TO_ROS
-from jausml.live.workers.code import bridge_code
-from jausml.live.workers.making import Maker
+from jausml.live.workers.code import Maker, bridge_code
 
 if TYPE_CHECKING:
     from jausml.language.metamodel import Metamodels

@@ -14,7 +14,7 @@ from jausml.live.peers.conformance.steps import (
     send,
     take,
 )
-from jausml.live.peers.services import controller_of
+from jausml.live.peers.discovery import controller_of
 from jausml.runtime import messages as core
 from jausml.runtime.messages import (
     ConfirmControl,

@@ -14,7 +14,7 @@ from jausml.live.messages import EncodeError, MessageError
 from jausml.live.messages.containers import PRESENCE
 from jausml.live.peers.conformance.check import Check
 from jausml.live.peers.conformance.evidence import CheckFailed
-from jausml.live.peers.samples import optional_bits, plain_query, presence_holder
+from jausml.live.peers.entry_messages import optional_bits, plain_query, presence_holder
 
 if TYPE_CHECKING:
     from jausml.live.messages import MessageEntry, ServiceEntry

@@ -20,7 +20,7 @@ from jausml.live.peers.conformance.steps import (
     since_1_1,
     take,
 )
-from jausml.live.peers.services import controller_of
+from jausml.live.peers.discovery import controller_of
 from jausml.runtime.messages import (
     ClearEmergency,
     ConfirmControl,

@@ -9,12 +9,16 @@ from typing import TYPE_CHECKING
 
 from jausml.live.messages.legal import listed
 from jausml.live.peers.conformance.check import Check, ConformanceReport, Result
-from jausml.live.peers.conformance.evidence import CheckFailed, CheckSkipped, Trace, Verdict
-from jausml.live.peers.conformance.probe import Probe
+from jausml.live.peers.conformance.evidence import (
+    CheckFailed,
+    CheckSkipped,
+    Trace,
+    Verdict,
+    describe,
+)
+from jausml.live.peers.conformance.probe import Probe, Wire
 from jausml.live.peers.conformance.session import PINGS, Limits, Session
-from jausml.live.peers.describing import describe
-from jausml.live.peers.services import services_of
-from jausml.live.peers.wire import Wire
+from jausml.live.peers.discovery import services_of
 from jausml.runtime.base.address import WILDCARD_COMPONENT, WILDCARD_NODE, JausAddress
 from jausml.runtime.messages import ReportServices
 from jausml.runtime.services.discovery_messages import query_all_services

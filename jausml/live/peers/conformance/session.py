@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from jausml.live.peers.conformance.client import UNDO_ORDER
 from jausml.live.peers.conformance.evidence import CheckFailed, CheckSkipped
-from jausml.live.peers.services import controller_of
+from jausml.live.peers.discovery import controller_of
 from jausml.runtime import messages as core
 from jausml.runtime.services.definitions import CORE, ServiceIdentity, Status
 from jausml.runtime.transports.packets.packet import Priority

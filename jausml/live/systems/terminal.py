@@ -1,4 +1,7 @@
-"""The terminal application: tables of connections and components, and a panel of details."""
+"""The terminal view of a running system: tables of connections and components, and details.
+
+It needs textual.
+"""
 
 from __future__ import annotations
 
@@ -16,20 +19,26 @@ from jausml.live.systems.tables import (
     COLUMNS,
     COMPONENT_TITLES,
     arranged,
+    cell,
     component_row,
     row,
+    shown_name,
+    shown_state,
     sparkline,
     summary,
 )
-from jausml.live.terminal.details import titled, told_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from textual.app import ComposeResult
 
     from jausml.live.systems.looking import Looking
     from jausml.live.systems.state import ConnectionState, SystemState
+
+
+_WIDEST = 400
+_BARS = 40
 
 _STYLES = {
     Level.OK: "green",
@@ -40,8 +49,35 @@ _STYLES = {
     Level.ERROR: "bold red",
 }
 _PARTS = ("told", "ros", "jaus")
+
 _BEFORE_HISTORY = 3
 """Index of the column after which the history of the rate stands."""
+
+
+def told_of(connection: ConnectionState) -> Text:
+    """Returns what the model and the bridge say of a connection."""
+    text = titled(shown_name(connection), [f"{shown_state(connection)}: {connection.reason}"])
+    declaration = connection.declaration
+    if declaration is not None:
+        topics = ", ".join(each.name for each in declaration.topics)
+        carried = f"{declaration.message} {declaration.direction}"
+        text.append(f"{cell(f'{carried}: {topics}' if topics else carried, _WIDEST)}\n")
+    bars = sparkline(connection.history, connection.declared_rate, _BARS)
+    if bars:
+        text.append(f"{bars}\n")
+    text.append("\n")
+    for key, value in connection.values:
+        text.append(f"{cell(f'{key}: {value}', _WIDEST)}\n")
+    return text
+
+
+def titled(title: str, lines: Iterable[str]) -> Text:
+    """Returns lines below a title."""
+    text = Text()
+    text.append(f"{cell(title, _WIDEST)}\n", style="bold")
+    for line in lines:
+        text.append(f"{cell(line, _WIDEST)}\n")
+    return text
 
 
 class Connections(DataTable[Text]):
