@@ -15,7 +15,7 @@ _HOMES = {
     "Component": "jausml.live.api.component",
     "MessageError": "jausml.live.messages",
     "ModelError": "jausml.live.api.models",
-    "NoAnswer": "jausml.live.peers.asking",
+    "NoAnswer": "jausml.live.peers.query_client",
     "Received": "jausml.live.api.component",
     "Refused": "jausml.live.peers.operator",
     "Subscription": "jausml.live.api.component",

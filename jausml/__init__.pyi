@@ -10,7 +10,7 @@ from jausml.live.api.models import generate as generate
 from jausml.live.api.models import read as read
 from jausml.live.api.models import validate as validate
 from jausml.live.messages import MessageError as MessageError
-from jausml.live.peers.asking import NoAnswer as NoAnswer
 from jausml.live.peers.operator import Refused as Refused
+from jausml.live.peers.query_client import NoAnswer as NoAnswer
 
 __version__: str

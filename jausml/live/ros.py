@@ -126,7 +126,7 @@ def message_class(name: str) -> Any:
 
 
 @dataclass(frozen=True, order=True)
-class GraphEnd:
+class RosEndpoint:
     """A publisher or subscription that runs."""
 
     node: str
@@ -135,7 +135,7 @@ class GraphEnd:
 
 
 @dataclass(frozen=True, order=True)
-class GraphTopic:
+class RunningTopic:
     """A topic that runs.
 
     Attributes:
@@ -144,11 +144,11 @@ class GraphTopic:
 
     name: str
     types: tuple[str, ...]
-    publishers: tuple[GraphEnd, ...]
-    subscriptions: tuple[GraphEnd, ...]
+    publishers: tuple[RosEndpoint, ...]
+    subscriptions: tuple[RosEndpoint, ...]
 
 
-def running_topics(seconds: float) -> list[GraphTopic]:
+def running_topics(seconds: float) -> list[RunningTopic]:
     """Returns the topics that run, in the order of their names; those of ROS itself left out.
 
     It looks until nothing has changed for two seconds, if there is anything.
@@ -160,7 +160,7 @@ def running_topics(seconds: float) -> list[GraphTopic]:
         quiet.close()
 
 
-def _settled(node: Any, seconds: float) -> list[GraphTopic]:
+def _settled(node: Any, seconds: float) -> list[RunningTopic]:
     end = time.monotonic() + seconds
     found = _topics(node)
     since = time.monotonic()
@@ -172,9 +172,9 @@ def _settled(node: Any, seconds: float) -> list[GraphTopic]:
     return found
 
 
-def _topics(node: Any) -> list[GraphTopic]:
+def _topics(node: Any) -> list[RunningTopic]:
     found = [
-        GraphTopic(
+        RunningTopic(
             name,
             tuple(sorted(types)),
             _ends(node.get_publishers_info_by_topic(name), node),
@@ -186,7 +186,7 @@ def _topics(node: Any) -> list[GraphTopic]:
     return sorted(each for each in found if each.publishers or each.subscriptions)
 
 
-def _ends(infos: Iterable[Any], own: Any) -> tuple[GraphEnd, ...]:
+def _ends(infos: Iterable[Any], own: Any) -> tuple[RosEndpoint, ...]:
     from jausml.runtime.bridge.ros.profiles import qos_of  # noqa: PLC0415
 
     found = []
@@ -194,5 +194,5 @@ def _ends(infos: Iterable[Any], own: Any) -> tuple[GraphEnd, ...]:
         qos = qos_of(each.qos_profile)
         full = f"{each.node_namespace.rstrip('/')}/{each.node_name}"
         if each.node_name != own.get_name():
-            found.append(GraphEnd(full, qos.reliability, qos.durability))
+            found.append(RosEndpoint(full, qos.reliability, qos.durability))
     return tuple(sorted(found))

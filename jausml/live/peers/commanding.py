@@ -7,7 +7,7 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.asking import NoAnswer
+from jausml.live.peers.query_client import NoAnswer
 from jausml.live.peers.rendering import status_line
 from jausml.runtime.services.definitions import Status
 
@@ -48,19 +48,19 @@ def command(
 ) -> None:
     """Sends a message to a component that we control, and watches that it stays Ready and ours."""
     begin = time.monotonic()
-    told = False
+    is_lost = False
     due: float | None = 0.0
     while due is not None:
         operator.send(hold.target, message)
         due = course.next_due(due, time.monotonic() - begin)
         until = begin + (course.duration if due is None else due)
-        if not told and hold.wait_for_loss(until - time.monotonic()):
-            told = True
+        if not is_lost and hold.wait_for_loss(until - time.monotonic()):
+            is_lost = True
             tell(f"{hold.target} is lost: {_standing(operator, hold)}")
             if not course.keep_sending:
                 return
         time.sleep(max(0.0, until - time.monotonic()))
-    if not told:
+    if not is_lost:
         _look_once_more(operator, hold, tell)
 
 

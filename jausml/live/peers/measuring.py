@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language.metamodel.classes import bridge
 from jausml.live.messages import MessageError
-from jausml.live.peers.asking import NoAnswer
 from jausml.live.peers.entry_messages import full_query, message_class
 from jausml.live.peers.operator import Refused
+from jausml.live.peers.query_client import NoAnswer
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.conversions import ConversionError, Time, TimeStamp, timestamp_to_time
 from jausml.runtime.messages import (
@@ -33,8 +33,8 @@ if TYPE_CHECKING:
 
     from jausml.language.model.model import Model
     from jausml.live.messages import MessageEntry
-    from jausml.live.peers.asking import Asker
     from jausml.live.peers.operator import Operator
+    from jausml.live.peers.query_client import QueryClient
     from jausml.runtime import EventSubscription
     from jausml.runtime.wire.message import Message
 
@@ -94,7 +94,7 @@ def _ranked(ranked: list[float], share: float) -> float:
 
 
 @dataclass
-class Stream:
+class ReportTimes:
     """A report of a component, while it is measured.
 
     Attributes:
@@ -191,12 +191,12 @@ def offered_reports(operator: Operator, target: JausAddress) -> list[str]:
 
 def measure(
     operator: Operator,
-    wanted: Iterable[tuple[JausAddress, str]],
+    reports: Iterable[tuple[JausAddress, str]],
     *,
     duration: float,
     rate: float | None,
     interval: float,
-) -> list[Stream]:
+) -> list[ReportTimes]:
     """Measures reports for a while.
 
     Args:
@@ -210,7 +210,7 @@ def measure(
     Raises:
         MessageError: There is no such message.
     """
-    streams = [Stream(target, *operator.exchange(target, name)) for target, name in wanted]
+    streams = [ReportTimes(target, *operator.exchange(target, name)) for target, name in reports]
     events = [_subscribed(operator, stream, rate) for stream in streams]
     try:
         end = time.monotonic() + duration
@@ -226,7 +226,9 @@ def measure(
     return streams
 
 
-def _subscribed(operator: Operator, stream: Stream, rate: float | None) -> EventSubscription | None:
+def _subscribed(
+    operator: Operator, stream: ReportTimes, rate: float | None
+) -> EventSubscription | None:
     exchange = (stream.query, stream.report)
     try:
         return operator.watch_encoded(stream.component, exchange, rate, stream.take)
@@ -235,7 +237,7 @@ def _subscribed(operator: Operator, stream: Stream, rate: float | None) -> Event
         return None
 
 
-def _round_trip(operator: Operator, stream: Stream) -> float | None:
+def _round_trip(operator: Operator, stream: ReportTimes) -> float | None:
     query = operator.message(stream.query, full_query(stream.query, stream.report))
     return operator.round_trip(stream.component, query, message_class(stream.report))
 
@@ -271,9 +273,9 @@ class Pings:
         return spread_of(each for each in self.round_trips if each is not None)
 
 
-def answered_question(asker: Asker, target: JausAddress) -> str | None:
+def answered_question(client: QueryClient, target: JausAddress) -> str | None:
     """Returns the name of the first of QUESTIONS that a component answers; None without any."""
-    index = asker.first_answered(target, list(QUESTIONS.values()))
+    index = client.first_answered(target, list(QUESTIONS.values()))
     return None if index is None else list(QUESTIONS)[index]
 
 

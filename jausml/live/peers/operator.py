@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.peers.asking import POLL, Asker, NoAnswer, status_of
 from jausml.live.peers.entry_messages import EntryMessage, full_query, message_class
 from jausml.live.peers.heard import Heard
 from jausml.live.peers.holding import Hold
+from jausml.live.peers.query_client import POLL, NoAnswer, QueryClient, status_of
 from jausml.live.peers.rendering import printable
 from jausml.runtime import ComponentSettings, ControlState, JausComponent, Scope
 from jausml.runtime.component.process import running_transport
@@ -57,7 +57,7 @@ class Refused(Exception):  # noqa: N818 - an outcome, not a fault of ours
     """A component answers, but not as wished."""
 
 
-class Operator(Asker):
+class Operator(QueryClient):
     """The actions of an operator; each call waits for its outcome."""
 
     def __init__(
@@ -173,7 +173,7 @@ class Operator(Asker):
             raise Refused(f"{target} gives no control: {self._why_refused(target)}")
         return hold
 
-    def change(self, target: JausAddress, message: Message, wanted: Status) -> Status | None:
+    def change(self, target: JausAddress, message: Message, state_after: Status) -> Status | None:
         """Sends Resume or Standby and returns the state that follows; None without Management.
 
         Raises:
@@ -183,11 +183,11 @@ class Operator(Asker):
             state = status_of(self.ask(target, QueryStatus(), ReportStatus))
         except NoAnswer:
             return None
-        if wanted is not Status.READY and target in self._holds:
+        if state_after is not Status.READY and target in self._holds:
             self._holds[target].expect_standby()
         self._component.send(message, target)
         end = time.monotonic() + self.timeout
-        while state is not wanted:
+        while state is not state_after:
             if time.monotonic() > end:
                 raise Refused(
                     f"{target} stays in {state.name if state is not None else 'an unknown state'} "

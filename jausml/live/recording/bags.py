@@ -9,14 +9,14 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from jausml.live.recording.filters import WHOLE
 from jausml.live.recording.mcap_files import McapRecording, RecordingError
-from jausml.live.recording.selection import WHOLE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.live.recording.filters import TimeSpan
     from jausml.live.recording.mcap_files import Found
-    from jausml.live.recording.selection import Span
 
 MCAP, SQLITE = ".mcap", ".db3"
 _CDR = "cdr"
@@ -52,7 +52,7 @@ class Bag:
         reached: Time of the latest message so far, in nanoseconds since 1970; None for none.
     """
 
-    def __init__(self, path: str, span: Span = WHOLE) -> None:
+    def __init__(self, path: str, span: TimeSpan = WHOLE) -> None:
         """Names a recording.
 
         Args:

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from jausml import __version__
 from jausml.language.model.inputs import open_input
+from jausml.live.recording.filters import WHOLE
 from jausml.live.recording.jaus_schemas import schema_of
-from jausml.live.recording.selection import WHOLE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
     from jausml.live.messages import MessageEntry
-    from jausml.live.recording.selection import Span
+    from jausml.live.recording.filters import TimeSpan
 
     Found = tuple[Schema | None, Channel, Message]
     """A message with its channel, and the schema of that."""
@@ -51,7 +51,7 @@ class McapRecording:
         reached: Time of the latest message so far, in nanoseconds since 1970; None for none.
     """
 
-    def __init__(self, path: str, span: Span = WHOLE) -> None:
+    def __init__(self, path: str, span: TimeSpan = WHOLE) -> None:
         """Names a file."""
         self.fault = ""
         self.reached: int | None = None
@@ -72,10 +72,12 @@ class McapRecording:
         """Returns the seconds from the first message to the last of the part, None if unknown."""
         with self._opened() as stream:
             summary = _summary(stream)
-        told = summary.statistics if summary is not None else None
-        if told is None:
+        statistics = summary.statistics if summary is not None else None
+        if statistics is None:
             return None
-        return self._span.of_length((told.message_end_time - told.message_start_time) / _NANO)
+        return self._span.of_length(
+            (statistics.message_end_time - statistics.message_start_time) / _NANO
+        )
 
     def _opened(self) -> BinaryIO:
         try:

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
     from jausml.language.model import Model
     from jausml.live.messages import Catalogue
-    from jausml.live.recording.parts import Parts
-    from jausml.live.recording.selection import Selection
-    from jausml.live.traffic.captures import Frame
+    from jausml.live.recording.files import RecordingFiles
+    from jausml.live.recording.filters import TrafficFilter
+    from jausml.live.traffic.captures import CapturedFrame
     from jausml.live.traffic.frames import Datagram
 
 CALLS = "/_service_event"
@@ -75,10 +75,10 @@ class Recorder:
 
     def __init__(
         self,
-        parts: Parts,
+        parts: RecordingFiles,
         catalogue: Catalogue,
         definitions: dict[str, str],
-        selection: Selection,
+        selection: TrafficFilter,
     ) -> None:
         """Has recorded nothing yet."""
         self.captured = CapturedMessages()
@@ -115,7 +115,7 @@ class Recorder:
             if self.fault is not None:
                 self._parts.current.give_up()
 
-    def take_frame(self, frame: Frame, datagram: Datagram | None) -> None:
+    def take_frame(self, frame: CapturedFrame, datagram: Datagram | None) -> None:
         """Writes a frame, and what it says.
 
         Args:
@@ -133,7 +133,7 @@ class Recorder:
         """
         self._write(self._write_topic, topic, kind, data, heard, published or heard)
 
-    def _write_frame(self, frame: Frame, datagram: Datagram | None) -> None:
+    def _write_frame(self, frame: CapturedFrame, datagram: Datagram | None) -> None:
         self._parts.current.capture.write(frame)
         if datagram is not None:
             for message, packet in self.captured.read([datagram]):

@@ -12,7 +12,7 @@ from jausml.live.ros import QuietNode, RosFault, message_class
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
 
-    from jausml.live.recording.selection import Selection
+    from jausml.live.recording.filters import TrafficFilter
 
     Take = Callable[[str, str, bytes, int, int], None]
     """Takes topic, type, message, and when it was heard and published, in nanoseconds."""
@@ -35,7 +35,7 @@ class RosTopics:
         lost: How many messages of each topic did not come, as their numbers tell.
     """
 
-    def __init__(self, wanted: Collection[str] | None, selection: Selection) -> None:
+    def __init__(self, wanted: Collection[str] | None, selection: TrafficFilter) -> None:
         """Does nothing before `open`."""
         self.lost: Counter[str] = Counter()
         self.heard: dict[str, Any] = {}
@@ -116,16 +116,16 @@ class RosTopics:
         """Returns what takes the messages of a topic, and counts those that did not come."""
         expected = None
 
-        def note(data: bytes, told: Any) -> None:
+        def note(data: bytes, info: Any) -> None:
             nonlocal expected
-            number = told.get("publication_sequence_number")
+            number = info.get("publication_sequence_number")
             if number is not None:
                 # Nothing tells whose a message is: a gap is one where a single one publishes.
                 is_gap = expected is not None and number > expected
                 if is_gap and self._quiet.node.count_publishers(topic) == 1:
                     self.lost[topic] += number - expected
                 expected = number + 1
-            self._take(topic, kind, bytes(data), time.time_ns(), told["source_timestamp"])
+            self._take(topic, kind, bytes(data), time.time_ns(), info["source_timestamp"])
 
         return note
 

@@ -13,7 +13,7 @@ from jausml.language.semantics.topics import endpoints, resolve_topic
 from jausml.language.semantics.ways import MESSAGE, TO_JAUS
 from jausml.live.recording.definitions import full_name
 from jausml.live.recording.mcap_files import RecordingError
-from jausml.live.workers.code import bridge_code
+from jausml.live.workers.bridge_code import bridge_code
 from jausml.live.workers.process import Worker, WorkerError
 from jausml_generators.bridge.views import bridge_views
 from jausml_generators.common.components import own_bridges
@@ -37,7 +37,7 @@ _WORKER = Path(__file__).with_name("wire_worker.py")
 _SECONDS = 60.0
 
 
-class Pace:
+class ReplayPace:
     """The pace of a replay, which may be paused.
 
     Attributes:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.recording.routes import routes_of
-from jausml.live.workers.code import bridge_code
+from jausml.live.workers.bridge_code import bridge_code
 from jausml.live.workers.process import Worker, WorkerError
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ class JausMessage:
 
 
 @dataclass(frozen=True)
-class Translated:
+class TranslatedMessage:
     """A message of ROS.
 
     Attributes:
@@ -114,7 +114,7 @@ class Translator:
         """Ends the process."""
         self._worker.close()
 
-    def translate(self, messages: Iterable[JausMessage]) -> Iterator[Translated]:
+    def translate(self, messages: Iterable[JausMessage]) -> Iterator[TranslatedMessage]:
         """Yields what becomes of messages, in their order.
 
         Args:
@@ -157,7 +157,7 @@ class Translator:
             self._takers[key] = found
         return self._takers[key]
 
-    def _done(self, waiting: list[tuple[JausMessage, int, str]]) -> Iterator[Translated]:
+    def _done(self, waiting: list[tuple[JausMessage, int, str]]) -> Iterator[TranslatedMessage]:
         if not waiting:
             return
         answers = self._ask(
@@ -171,7 +171,7 @@ class Translator:
         for (message, index, _), answer in zip(waiting, answers, strict=True):
             route = self.routes[index]
             if isinstance(answer, str):
-                yield Translated(route, message.time, message.source, bytes.fromhex(answer))
+                yield TranslatedMessage(route, message.time, message.source, bytes.fromhex(answer))
             elif answer is not None:
                 self.untranslated.note(route.label, *answer)
 

@@ -22,7 +22,7 @@ Answer = typing.Any
 """Hexadecimal digits of the message of ROS, or kind and text of what is wrong."""
 
 
-class Clock:
+class RecordingClock:
     """The time of the message that is translated."""
 
     def __init__(self) -> None:
@@ -33,7 +33,7 @@ class Clock:
         return Time(*divmod(self.nanoseconds, _NANO))
 
 
-class Join:
+class LatestReports:
     """The latest joined reports."""
 
     def __init__(self, plan: dict[str, typing.Any], kind: typing.Any) -> None:
@@ -57,10 +57,10 @@ class Join:
         return 0 if self._plan["senders"] else subsystem
 
 
-class Translation:
+class ConnectionTranslation:
     """The translation of one connection."""
 
-    def __init__(self, plan: dict[str, typing.Any], clock: Clock) -> None:
+    def __init__(self, plan: dict[str, typing.Any], clock: RecordingClock) -> None:
         package, name = plan["package"], plan["connection"]
         bridge = getattr(import_module(f"{package}.{package}"), plan["bridge"])()
         bridge.now = clock.now
@@ -69,7 +69,9 @@ class Translation:
         kinds = {key: _class_of(hint) for key, hint in _hints(method, base).items()}
         translate = getattr(bridge, f"translate_{name}")
         self.connection = getattr(bridge, name)
-        self.joins = {each["name"]: Join(each, kinds[each["name"]]) for each in plan["joins"]}
+        self.joins = {
+            each["name"]: LatestReports(each, kinds[each["name"]]) for each in plan["joins"]
+        }
         factory = transcoder_of(translate)
         if factory is not None:
             self._run = factory(bridge, self.connection)
@@ -112,13 +114,13 @@ class Work:
     """All translations."""
 
     def __init__(self) -> None:
-        self._translations: list[Translation] = []
+        self._translations: list[ConnectionTranslation] = []
 
     def answer(self, request: dict[str, typing.Any]) -> Answer:
         """Answers one line."""
         if "routes" in request:
-            clock = Clock()
-            self._translations = [Translation(each, clock) for each in request["routes"]]
+            clock = RecordingClock()
+            self._translations = [ConnectionTranslation(each, clock) for each in request["routes"]]
             return len(self._translations)
         if "messages" in request:
             return [self._one(*each) for each in request["messages"]]

@@ -8,7 +8,7 @@ from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.semantics import calls
 from jausml.language.semantics.installed import package_of
 from jausml.language.semantics.topics import endpoints, resolve_topic
-from jausml.live.systems.state import Declaration, TopicName
+from jausml.live.systems.state import DeclaredConnection, TopicName
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from jausml.language.model import Model
 
 
-def declarations_of(model: Model) -> Iterator[Declaration]:
+def declarations_of(model: Model) -> Iterator[DeclaredConnection]:
     """Yields the connections of a model, in model order."""
     for owner in model.instances(bridge.Bridge, library=False):
         topics: dict[object, list[TopicName]] = {}
@@ -43,10 +43,10 @@ def components_of(model: Model) -> dict[str, str]:
 
 def _declaration(
     owner: bridge.Bridge, connection: bridge.Connection, topics: tuple[TopicName, ...]
-) -> Declaration:
+) -> DeclaredConnection:
     exchange, to_ros = connection.exchange.name, connection.direction.name == "jausToRos"
     is_periodic = exchange in ("periodicEvent", "query") and to_ros
-    return Declaration(
+    return DeclaredConnection(
         bridge=node_of(owner),
         name=str(connection.name),
         jaus_id=str(owner.address),
@@ -63,9 +63,9 @@ def _called(
     owner: bridge.Bridge,
     connection: bridge.RosServiceConnection | bridge.RosActionConnection,
     message: str,
-) -> Declaration:
+) -> DeclaredConnection:
     """Returns a connection with a ROS service or action, which has neither topics nor a rate."""
-    return Declaration(
+    return DeclaredConnection(
         bridge=node_of(owner),
         name=str(connection.name),
         jaus_id=str(owner.address),

@@ -45,7 +45,7 @@ LONGEST_TEXT = 500
 
 
 @dataclass(frozen=True, slots=True)
-class Status:
+class DiagnosticStatus:
     """A `diagnostic_msgs/msg/DiagnosticStatus`.
 
     Attributes:
@@ -59,7 +59,7 @@ class Status:
     values: tuple[tuple[str, str], ...] = ()
 
 
-def connection_of(status: Status, now: float) -> ConnectionState | None:
+def connection_of(status: DiagnosticStatus, now: float) -> ConnectionState | None:
     """Returns what a status tells of a connection or of a bridge; None when it is of another maker.
 
     Whatever a value cannot be read as is left out; as text it is among the values all the same.
@@ -69,10 +69,10 @@ def connection_of(status: Status, now: float) -> ConnectionState | None:
     """
     bridge, colon, name = status.name.rpartition(": ")
     values = tuple((cut(key), cut(value)) for key, value in status.values[:MOST_VALUES])
-    told = dict(values)
+    by_name = dict(values)
     concerns_bridge = name in _OF_A_BRIDGE or name.startswith(_OF_A_PEER)
     peers = {key: value for key, value in values if key.partition(" ")[0] in _PEERS}
-    is_known = colon and (concerns_bridge or peers or not _OF_A_CONNECTION.isdisjoint(told))
+    is_known = colon and (concerns_bridge or peers or not _OF_A_CONNECTION.isdisjoint(by_name))
     if not is_known or not _JAUS_ID.fullmatch(status.hardware_id):
         return None
     known = 0 <= status.level < len(_LEVELS)
@@ -81,11 +81,11 @@ def connection_of(status: Status, now: float) -> ConnectionState | None:
         name=cut(name),
         jaus_id=status.hardware_id,
         level=_LEVELS[status.level] if known else Level.ERROR,
-        phase=told.get("state", "") if not concerns_bridge else "",
+        phase=by_name.get("state", "") if not concerns_bridge else "",
         reason=cut(status.message),
-        rate=number(told.get("rate (Hz)", "")),
-        declared_rate=number(told.get(_DECLARED, "")) or None,
-        age=number(told.get("age (s)", "")),
+        rate=number(by_name.get("rate (Hz)", "")),
+        declared_rate=number(by_name.get(_DECLARED, "")) or None,
+        age=number(by_name.get("age (s)", "")),
         told=now,
         drops=_drops(values),
         latency=_latency(values),

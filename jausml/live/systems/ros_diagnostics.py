@@ -6,7 +6,7 @@ from collections import deque
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.ros import QuietNode, message_class
-from jausml.live.systems.diagnostics import Status
+from jausml.live.systems.diagnostics import DiagnosticStatus
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -26,7 +26,7 @@ LONGEST_VALUE = 200
 class RosDiagnostics:
     """A node without parameters, services or log of its own, which spins in a thread."""
 
-    def __init__(self, take: Callable[[list[Status]], None]) -> None:
+    def __init__(self, take: Callable[[list[DiagnosticStatus]], None]) -> None:
         """Does nothing before `start`.
 
         Args:
@@ -100,7 +100,7 @@ class RosDiagnostics:
     def _diagnostics(self, message: Any) -> None:
         self._take(
             [
-                Status(
+                DiagnosticStatus(
                     each.level[0],
                     each.name,
                     each.message,

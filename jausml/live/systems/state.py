@@ -59,7 +59,7 @@ class TopicName:
 
 
 @dataclass(frozen=True, slots=True)
-class Declaration:
+class DeclaredConnection:
     """What a model says of a connection.
 
     Attributes:
@@ -119,7 +119,7 @@ class ConnectionState:
     values: tuple[tuple[str, str], ...] = ()
     history: tuple[float, ...] = ()
     concerns_bridge: bool = False
-    declaration: Declaration | None = None
+    declaration: DeclaredConnection | None = None
 
     @property
     def key(self) -> tuple[str, str]:
@@ -186,7 +186,7 @@ class SystemState:
     connections: Mapping[tuple[str, str], ConnectionState] = field(default_factory=dict)
     components: Mapping[str, ComponentState] = field(default_factory=dict)
     sources: Mapping[str, str] = field(default_factory=dict)
-    declarations: tuple[Declaration, ...] = ()
+    declarations: tuple[DeclaredConnection, ...] = ()
     ignored: int = 0
 
     def age_of(self, connection: ConnectionState) -> float | None:
@@ -216,7 +216,7 @@ class SystemState:
         yield from self.components.values()
 
 
-def as_values(state: SystemState) -> dict[str, Any]:
+def state_as_json(state: SystemState) -> dict[str, Any]:
     """Returns a state as objects, lists, texts and numbers."""
     return {
         "health": HEALTH[state.weight],

@@ -36,7 +36,7 @@ def shown_name(connection: ConnectionState) -> str:
     return f"{connection.bridge.lstrip('/')} {connection.name}"
 
 
-def shown_state(connection: ConnectionState) -> str:
+def state_text(connection: ConnectionState) -> str:
     """Returns the state of a connection as its bridge calls it, or else how well it goes."""
     return cell(connection.phase) or connection.level.value
 
@@ -84,7 +84,7 @@ def _peers(connection: ConnectionState) -> str:
 
 
 COLUMNS = (
-    Column("state", shown_state, lambda each: -each.level.weight),
+    Column("state", state_text, lambda each: -each.level.weight),
     Column("connection", shown_name, shown_name),
     Column("Hz", lambda each: _figure(each.rate), lambda each: each.rate, is_number=True),
     Column(

@@ -23,8 +23,8 @@ from jausml.live.systems.tables import (
     component_row,
     row,
     shown_name,
-    shown_state,
     sparkline,
+    state_text,
     summary,
 )
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from textual.app import ComposeResult
 
-    from jausml.live.systems.looking import Looking
+    from jausml.live.systems.inspection import Inspection
     from jausml.live.systems.state import ConnectionState, SystemState
 
 
@@ -56,7 +56,7 @@ _BEFORE_HISTORY = 3
 
 def told_of(connection: ConnectionState) -> Text:
     """Returns what the model and the bridge say of a connection."""
-    text = titled(shown_name(connection), [f"{shown_state(connection)}: {connection.reason}"])
+    text = titled(shown_name(connection), [f"{state_text(connection)}: {connection.reason}"])
     declaration = connection.declaration
     if declaration is not None:
         topics = ", ".join(each.name for each in declaration.topics)
@@ -114,7 +114,9 @@ class SystemView(App[None]):
         Binding("ctrl+c", "quit", "Quit", show=False, priority=True),
     ]
 
-    def __init__(self, state: Callable[[], SystemState], looking: Looking, interval: float) -> None:
+    def __init__(
+        self, state: Callable[[], SystemState], inspection: Inspection, interval: float
+    ) -> None:
         """Shows nothing yet.
 
         Args:
@@ -122,7 +124,7 @@ class SystemView(App[None]):
         """
         super().__init__()
         self._observe = state
-        self._looking = looking
+        self._inspection = inspection
         self._interval = interval
         self._state = state()
         self._column = 0
@@ -153,7 +155,7 @@ class SystemView(App[None]):
 
     def on_unmount(self) -> None:
         """Ends what was begun for the panel."""
-        self._looking.close()
+        self._inspection.close()
 
     # ---- what is shown ----------------------------------------------------------------------
 
@@ -218,7 +220,7 @@ class SystemView(App[None]):
         connection = self._chosen()
         if not self.query_one("#panel").has_class("open") or connection is None:
             return
-        ros, jaus = self._looking.at(connection)
+        ros, jaus = self._inspection.at(connection)
         texts = (
             told_of(connection),
             titled("Last message in ROS", ros),
@@ -279,7 +281,7 @@ class SystemView(App[None]):
         if panel.has_class("open"):
             self._show_details()
         else:
-            self._looking.away()
+            self._inspection.away()
 
     def action_leave(self) -> None:
         """Closes the filter, and shows all again; without one, closes the details."""

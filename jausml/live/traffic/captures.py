@@ -57,7 +57,7 @@ class CaptureError(TrafficError):
 
 
 @dataclass(frozen=True)
-class Frame:
+class CapturedFrame:
     """A frame of a capture.
 
     Attributes:
@@ -74,7 +74,7 @@ class Frame:
     nanoseconds: int | None = None
 
 
-def read_frames(stream: BinaryIO) -> Iterator[Frame]:
+def read_frames(stream: BinaryIO) -> Iterator[CapturedFrame]:
     """Yields the frames of a capture as they come.
 
     Raises:
@@ -162,7 +162,7 @@ class _File:
             raise CaptureError("the compressed file is damaged or cut off", self.offset) from None
 
 
-def _pcap(file: _File, order: str, ticks_each_second: int) -> Iterator[Frame]:
+def _pcap(file: _File, order: str, ticks_each_second: int) -> Iterator[CapturedFrame]:
     header = file.read(20, "the file header", 0)
     (network,) = struct.unpack(f"{order}16xI", header)
     link_type = network & 0xFFFF  # the upper half tells of check sums after the frames
@@ -177,7 +177,7 @@ def _pcap(file: _File, order: str, ticks_each_second: int) -> Iterator[Frame]:
         seconds, fraction, kept, length = record.unpack(head)
         data = file.read(kept, f"frame {number}", begin)
         time = seconds * _NANO + fraction * _NANO // ticks_each_second
-        yield Frame(number, time / _NANO, link_type, data, kept < length, time)
+        yield CapturedFrame(number, time / _NANO, link_type, data, kept < length, time)
 
 
 class _Pcapng:
@@ -189,7 +189,7 @@ class _Pcapng:
         self._interfaces: list[tuple[int, int, int, int]] = []
         self._number = 0
 
-    def frames(self) -> Iterator[Frame]:
+    def frames(self) -> Iterator[CapturedFrame]:
         begin = 0
         head: bytes | None = _SECTION_HEADER.to_bytes(4, "big")
         while head is not None:
@@ -219,7 +219,7 @@ class _Pcapng:
             raise CaptureError(f"the two lengths of {what} differ", begin)
         return start + rest[:-4]
 
-    def _take(self, kind: int, body: bytes, begin: int) -> Frame | None:
+    def _take(self, kind: int, body: bytes, begin: int) -> CapturedFrame | None:
         try:
             if kind == _SECTION_HEADER:
                 self._interfaces = []
@@ -248,14 +248,14 @@ class _Pcapng:
                 (offset,) = struct.unpack(f"{self._order}q", value)
         return link_type, snap_length, ticks_each_second, offset
 
-    def _packet(self, kind: int, body: bytes, begin: int) -> Frame:
+    def _packet(self, kind: int, body: bytes, begin: int) -> CapturedFrame:
         layout = "IIIII" if kind == _ENHANCED_PACKET else "H2xIIII"
         interface, high, low, kept, length = struct.unpack_from(f"{self._order}{layout}", body)
         link_type, _, ticks_each_second, offset = self._interface_of(interface, begin)
         time = (high << 32 | low) * _NANO // ticks_each_second + offset * _NANO
         return self._frame(time, link_type, body[20:], kept, length, begin)
 
-    def _simple_packet(self, body: bytes, begin: int) -> Frame:
+    def _simple_packet(self, body: bytes, begin: int) -> CapturedFrame:
         (length,) = struct.unpack_from(f"{self._order}I", body)
         link_type, snap_length, _, _ = self._interface_of(0, begin)
         kept = min(length, snap_length or length)
@@ -268,9 +268,9 @@ class _Pcapng:
 
     def _frame(
         self, time: int | None, link_type: int, data: bytes, kept: int, length: int, begin: int
-    ) -> Frame:
+    ) -> CapturedFrame:
         self._number += 1
         if kept > len(data):
             raise CaptureError(f"frame {self._number} is longer than its block", begin)
         seconds = None if time is None else time / _NANO
-        return Frame(self._number, seconds, link_type, data[:kept], kept < length, time)
+        return CapturedFrame(self._number, seconds, link_type, data[:kept], kept < length, time)

@@ -14,7 +14,7 @@ from collections import Counter, OrderedDict
 from dataclasses import dataclass, field
 from typing import BinaryIO, NamedTuple
 
-from jausml.live.traffic.captures import RAW_IP, Frame
+from jausml.live.traffic.captures import RAW_IP, CapturedFrame
 
 _JUDP_VERSION = 2
 _LEAST_SIZE = 14
@@ -46,7 +46,7 @@ class Endpoint(NamedTuple):
         return f"[{self.host}]:{self.port}" if ":" in self.host else f"{self.host}:{self.port}"
 
 
-class Elsewhere:
+class OtherPorts:
     """Endpoints that speak JUDP, learnt from what was seen.
 
     Attributes:
@@ -139,11 +139,11 @@ class UdpReader:
     def __init__(self, port: int) -> None:
         """Starts with no fragments."""
         self.skipped: Counter[str] = Counter()
-        self.elsewhere = Elsewhere(port)
+        self.other_ports = OtherPorts(port)
         self._port = port
         self._pending: OrderedDict[tuple[bytes, bytes, int], _Fragments] = OrderedDict()
 
-    def read(self, frame: Frame) -> Datagram | None:
+    def read(self, frame: CapturedFrame) -> Datagram | None:
         """Returns the datagram that a frame holds or completes."""
         try:
             packet = self._ip_packet(frame)
@@ -161,7 +161,7 @@ class UdpReader:
         """IP packets whose fragments are not all there."""
         return len(self._pending)
 
-    def _ip_packet(self, frame: Frame) -> bytes | None:
+    def _ip_packet(self, frame: CapturedFrame) -> bytes | None:
         """Returns what follows the link layer when it is IP."""
         data, link = frame.data, frame.link_type
         if link in _RAW_IP:
@@ -184,7 +184,7 @@ class UdpReader:
             at += 4
         return data[at:] or None if protocol in (_IPV4, _IPV6) else None
 
-    def _ipv4(self, packet: bytes, frame: Frame) -> Datagram | None:
+    def _ipv4(self, packet: bytes, frame: CapturedFrame) -> Datagram | None:
         length, identity, fragment, protocol = struct.unpack_from(">2xHHHxB", packet)
         if protocol != _UDP:
             return None
@@ -202,7 +202,7 @@ class UdpReader:
         )
         return self._udp(whole, socket.AF_INET, hosts, frame) if whole is not None else None
 
-    def _ipv6(self, packet: bytes, frame: Frame) -> Datagram | None:
+    def _ipv6(self, packet: bytes, frame: CapturedFrame) -> Datagram | None:
         length, following = struct.unpack_from(">4xHB", packet)
         hosts = packet[8:24], packet[24:40]
         content, at = packet[40 : 40 + length], 0
@@ -250,7 +250,7 @@ class UdpReader:
         return len(content) >= 4 and self._port in struct.unpack_from(">HH", content)
 
     def _udp(
-        self, content: bytes, family: int, hosts: tuple[bytes, bytes], frame: Frame
+        self, content: bytes, family: int, hosts: tuple[bytes, bytes], frame: CapturedFrame
     ) -> Datagram | None:
         source, destination, length = struct.unpack_from(">HHH", content)
         is_ours = self._port in (source, destination)
@@ -264,10 +264,10 @@ class UdpReader:
             return None
         names = [socket.inet_ntop(family, host) for host in hosts]
         ends = Endpoint(names[0], source), Endpoint(names[1], destination)
-        if not is_ours and not self.elsewhere.takes(*ends):
+        if not is_ours and not self.other_ports.takes(*ends):
             return None
         if has_form:
-            self.elsewhere.learn(*ends)
+            self.other_ports.learn(*ends)
         return Datagram(data, *ends, frame.time, frame.number, frame.nanoseconds)
 
 
@@ -281,14 +281,14 @@ class PcapWriter:
             struct.pack("<IHHiIII", _PCAP_IN_NANOSECONDS, 2, 4, 0, 0, _LARGEST_FRAME, RAW_IP)
         )
 
-    def write(self, frame: Frame) -> None:
+    def write(self, frame: CapturedFrame) -> None:
         """Writes a frame of raw IP that has a time."""
         seconds, rest = divmod(frame.nanoseconds or 0, _NANO)
         size = len(frame.data)
         self._stream.write(struct.pack("<IIII", seconds, rest, size, size) + frame.data)
 
 
-def frame_of(datagram: Datagram) -> Frame:
+def frame_of(datagram: Datagram) -> CapturedFrame:
     """Returns a frame with a datagram that was heard without one, over IPv4.
 
     Raises:
@@ -302,6 +302,6 @@ def frame_of(datagram: Datagram) -> Frame:
     hosts = socket.inet_aton(source.host) + socket.inet_aton(destination.host)
     udp = struct.pack(">HHHH", source.port, destination.port, size, 0)
     data = head + hosts + udp + datagram.data
-    return Frame(
+    return CapturedFrame(
         datagram.number or 0, datagram.time, RAW_IP, data, nanoseconds=datagram.nanoseconds
     )

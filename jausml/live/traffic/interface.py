@@ -11,7 +11,7 @@ import struct
 import time
 from typing import TYPE_CHECKING
 
-from jausml.live.traffic.captures import RAW_IP, Frame, TrafficError
+from jausml.live.traffic.captures import RAW_IP, CapturedFrame, TrafficError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -82,7 +82,7 @@ class InterfaceCapture:
     def __exit__(self, *_: object) -> None:
         self._socket.close()
 
-    def frames(self) -> Iterator[Frame | None]:
+    def frames(self) -> Iterator[CapturedFrame | None]:
         """Yields frames as they pass, and None while none does, so that one can end."""
         number = 0
         while True:
@@ -97,7 +97,7 @@ class InterfaceCapture:
             if protocol in (_IPV4, _IPV6) and not is_double:
                 number += 1
                 now = _time_of(told)
-                yield Frame(number, now / _NANO, RAW_IP, data, nanoseconds=now)
+                yield CapturedFrame(number, now / _NANO, RAW_IP, data, nanoseconds=now)
 
     def lost(self) -> int:
         """Returns how many frames the system had to drop since the last call."""

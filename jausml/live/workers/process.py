@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import jausml
 
 if TYPE_CHECKING:
-    from jausml.live.workers.code import BridgeCode
+    from jausml.live.workers.bridge_code import BridgeCode
 
 _BOOTSTRAP = Path(__file__).with_name("bootstrap.py")
 _RUNTIME = Path(jausml.__file__).parent / "runtime"

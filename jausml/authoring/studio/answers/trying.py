@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
     from jausml.authoring.proposals.elements import Scope
     from jausml.language.semantics.paths import PathPlace, PathScope
-    from jausml.live.workers.code import BridgeCode
+    from jausml.live.workers.bridge_code import BridgeCode
 
 SECONDS = 10.0
 """How long a translation may take, its process being started included."""

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Concatenate, ParamSpec
 from jausml.live.peers.conformance.evidence import Verdict
 
 if TYPE_CHECKING:
-    from jausml.live.peers.conformance.evidence import Line
+    from jausml.live.peers.conformance.evidence import TraceLine
     from jausml.live.peers.conformance.session import Session
 
 P = ParamSpec("P")
@@ -79,13 +79,13 @@ def step(function: Callable[Concatenate[Session, P], object]) -> Callable[P, Ste
 
 
 @dataclass(frozen=True, slots=True)
-class Result:
+class CheckResult:
     """The outcome of one check."""
 
     check: Check
     verdict: Verdict
     messages: tuple[str, ...] = ()
-    evidence: tuple[Line, ...] = ()
+    evidence: tuple[TraceLine, ...] = ()
     seconds: float = 0.0
     left_silent: bool = False
 
@@ -101,7 +101,7 @@ class ConformanceReport:
     target: str
     endpoint: str
     services: tuple[str, ...]
-    results: tuple[Result, ...] = field(default=())
+    results: tuple[CheckResult, ...] = field(default=())
     interrupted: bool = False
 
     def count(self, verdict: Verdict) -> int:

@@ -21,7 +21,7 @@ UNDO_ORDER = (core.DeleteElement, core.ClearEmergency, core.ReleaseControl)
 """Elements are deleted while control is held; in an emergency control cannot be released."""
 
 
-class Received(NamedTuple):
+class ReceivedMessage(NamedTuple):
     """One whole message of the target.
 
     Attributes:
@@ -39,7 +39,7 @@ class Received(NamedTuple):
         return int.from_bytes(self.payload[:2], "little")
 
 
-class Exchange(Protocol):
+class Carrier(Protocol):
     """Carrier of the packets of clients to the target and back.
 
     Attributes:
@@ -63,10 +63,10 @@ class Client:
     What it leaves behind in the target (control, emergencies, elements, events) it can undo.
     """
 
-    def __init__(self, exchange: Exchange, address: JausAddress) -> None:
+    def __init__(self, exchange: Carrier, address: JausAddress) -> None:
         """Use `Probe.client` instead."""
         self.address = address
-        self.inbox: list[Received] = []
+        self.inbox: list[ReceivedMessage] = []
         self.acknowledgements: list[Packet] = []
         self._exchange = exchange
         # A former run may be remembered by the target's duplicate detection (AS5669A).
@@ -170,10 +170,10 @@ class Client:
         self._exchange.wait(look, self._exchange.timeout if within is None else within)
         return found[0] if found else None
 
-    def first_of(self, codes: tuple[int, ...]) -> Received | None:
+    def first_of(self, codes: tuple[int, ...]) -> ReceivedMessage | None:
         """Returns the next message with one of the codes, or None when none comes in time."""
 
-        def here() -> list[Received]:
+        def here() -> list[ReceivedMessage]:
             return [each for each in self.inbox if each.code in codes]
 
         self._exchange.wait(lambda: bool(here()), self._exchange.timeout)

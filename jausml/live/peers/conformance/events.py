@@ -36,7 +36,7 @@ from jausml.runtime.messages import (
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from jausml.live.peers.conformance.client import Client, Received
+    from jausml.live.peers.conformance.client import Client, ReceivedMessage
     from jausml.live.peers.conformance.session import Session
     from jausml.runtime.wire.message import Message
 
@@ -541,7 +541,7 @@ def _not_confirmed(session: Session, payload: bytes, what: str) -> None:
     _rejected(session, answer, None, what)
 
 
-def _events(client: Client) -> list[Received]:
+def _events(client: Client) -> list[ReceivedMessage]:
     return [each for each in client.inbox if each.code == Event.CODE]
 
 

@@ -47,7 +47,7 @@ class CheckSkipped(Exception):  # noqa: N818 - an outcome, not a fault of ours
     """The check does not apply to this target or this run."""
 
 
-class Line(NamedTuple):
+class TraceLine(NamedTuple):
     """One datagram or remark of the evidence.
 
     Attributes:
@@ -69,7 +69,7 @@ class Trace:
         """Starts an empty trace."""
         self._describe = describe
         self._begin = time.monotonic()
-        self._lines: list[Line] = []
+        self._lines: list[TraceLine] = []
 
     def restart(self) -> None:
         """Forgets the lines and counts time from now on."""
@@ -77,7 +77,7 @@ class Trace:
         self._lines.clear()
 
     @property
-    def lines(self) -> tuple[Line, ...]:
+    def lines(self) -> tuple[TraceLine, ...]:
         """The last lines."""
         return tuple(self._lines[-MAX_LINES:])
 
@@ -109,7 +109,7 @@ class Trace:
         shown = datagram[:MAX_HEX_BYTES].hex()
         if len(datagram) > MAX_HEX_BYTES:
             shown += f"... ({len(datagram)} bytes)"
-        self._lines.append(Line(time.monotonic() - self._begin, direction, text, shown))
+        self._lines.append(TraceLine(time.monotonic() - self._begin, direction, text, shown))
 
 
 def describe(payload: bytes, catalogue: Catalogue) -> str:

@@ -13,7 +13,7 @@ from jausml.live.peers.conformance.evidence import Verdict
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
-    from jausml.live.peers.conformance.check import ConformanceReport, Result
+    from jausml.live.peers.conformance.check import CheckResult, ConformanceReport
 
 SCHEMA = 1
 """Version of the layout; it changes when a reader of the present one would be misled."""
@@ -51,7 +51,7 @@ def heading(target: str, endpoint: str, services: tuple[str, ...]) -> Iterator[s
         yield "announces no services; what answers is checked"
 
 
-def result_lines(result: Result) -> Iterator[str]:
+def result_lines(result: CheckResult) -> Iterator[str]:
     """Yields the line of a check, its messages, and the evidence of a failure."""
     yield f"  {_WORDS[result.verdict]}  {result.check.id:{_ID_WIDTH}} {result.check.title}"
     for message in result.messages:
@@ -61,7 +61,7 @@ def result_lines(result: Result) -> Iterator[str]:
         yield from (f"          {line}" for line in evidence_lines(result))
 
 
-def evidence_lines(result: Result) -> Iterator[str]:
+def evidence_lines(result: CheckResult) -> Iterator[str]:
     """Yields what was sent (>>) and received (<<), each with its bytes."""
     for line in result.evidence:
         yield f"{line.time:7.3f} {_MARKS[line.direction]} {_printable(line.text)}"
@@ -104,7 +104,7 @@ def render_json(report: ConformanceReport) -> str:
     return json.dumps(content, indent=2) + "\n"
 
 
-def _result_json(result: Result) -> dict[str, Any]:
+def _result_json(result: CheckResult) -> dict[str, Any]:
     return {
         "id": result.check.id,
         "title": result.check.title,
@@ -127,7 +127,7 @@ def render_junit(report: ConformanceReport) -> str:
     return junit_document(f"JAUS {report.target}", suites)
 
 
-def _case(group: str, result: Result) -> Case:
+def _case(group: str, result: CheckResult) -> Case:
     message = "; ".join(result.messages)
     details = "\n".join([result.check.source, *evidence_lines(result)])
     is_failure = result.verdict is Verdict.FAIL

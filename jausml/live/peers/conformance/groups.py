@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Group:
+class CheckGroup:
     """Checks of one topic, by the first part of their ids.
 
     Attributes:
@@ -55,10 +55,10 @@ _FIXED: tuple[tuple[str, Callable[[Session], str], tuple[Check, ...]], ...] = (
 """Groups whose checks do not depend on what a target announces."""
 
 
-def all_groups() -> tuple[Group, ...]:
+def all_groups() -> tuple[CheckGroup, ...]:
     """Returns the groups in the order in which they run."""
-    fixed = (Group(name, requires, _always(checks)) for name, requires, checks in _FIXED)
-    return (*fixed, Group("codecs", codecs.requires, codecs.checks))
+    fixed = (CheckGroup(name, requires, _always(checks)) for name, requires, checks in _FIXED)
+    return (*fixed, CheckGroup("codecs", codecs.requires, codecs.checks))
 
 
 def _always(checks: tuple[Check, ...]) -> Callable[[Session], tuple[Check, ...]]:
@@ -71,7 +71,7 @@ def fixed_checks() -> tuple[Check, ...]:
 
 
 @dataclass(frozen=True, slots=True)
-class Selection:
+class CheckFilter:
     """The choice of checks by their ids, or by their groups.
 
     Attributes:
@@ -81,7 +81,7 @@ class Selection:
     only: frozenset[str] = frozenset()
     skip: frozenset[str] = frozenset()
 
-    def groups(self) -> tuple[Group, ...]:
+    def groups(self) -> tuple[CheckGroup, ...]:
         """Returns the groups with chosen checks, which have no others."""
         return tuple(
             replace(group, checks=partial(self._chosen, group))
@@ -98,7 +98,7 @@ class Selection:
         wanted = {each.partition(".")[0] for each in self.only}
         return group not in self.skip and (not wanted or group in wanted)
 
-    def _chosen(self, group: Group, session: Session) -> tuple[Check, ...]:
+    def _chosen(self, group: CheckGroup, session: Session) -> tuple[Check, ...]:
         return tuple(check for check in group.checks(session) if self.takes(check.id))
 
 

@@ -6,7 +6,7 @@ import select
 import time
 from typing import TYPE_CHECKING, NamedTuple
 
-from jausml.live.peers.conformance.client import Client, Received
+from jausml.live.peers.conformance.client import Client, ReceivedMessage
 from jausml.runtime import messages as core
 from jausml.runtime.base.counters import Counters
 from jausml.runtime.transports.packets.packet import (
@@ -38,7 +38,7 @@ _REASSEMBLY_LIMIT = 1 << 24
 _RECENT = 512
 
 
-class Arrival(NamedTuple):
+class ReceivedDatagram(NamedTuple):
     """One datagram as it arrived.
 
     Attributes:
@@ -50,7 +50,7 @@ class Arrival(NamedTuple):
     data: bytes
 
 
-class Wire:
+class RawEndpoint:
     """The sockets of a tool on the JUDP port, without any protocol (AS5669A).
 
     Takes the well-known port when it is free; otherwise another one, which peers learn from our
@@ -66,7 +66,7 @@ class Wire:
         self._port = SharedPort(settings)
         self._port.open()
 
-    def __enter__(self) -> Wire:
+    def __enter__(self) -> RawEndpoint:
         """Return the wire; it is closed when the block ends."""
         return self
 
@@ -102,7 +102,7 @@ class Wire:
         if self._port.unicast is not None:
             self._port.unicast.sendto(datagram, endpoint)
 
-    def receive(self, deadline: float) -> Arrival | None:
+    def receive(self, deadline: float) -> ReceivedDatagram | None:
         """Return the next datagram of another process, or None when the time has come.
 
         Args:
@@ -122,14 +122,14 @@ class Wire:
         both = (self._port.unicast, self._port.multicast)
         return [sock for sock in both if sock is not None]
 
-    def _read(self, sock: socket.socket) -> Arrival | None:
+    def _read(self, sock: socket.socket) -> ReceivedDatagram | None:
         try:
             data, sender = sock.recvfrom(_LARGEST_DATAGRAM)
         except OSError:
             return None  # an earlier datagram reached nobody; the kernel says so here
         if sender in self._port.endpoints or data[:1] == _NEIGHBOUR_FRAME:
             return None  # our own multicast, or what processes sharing the port tell its owner
-        return Arrival(time.monotonic(), sender, data)
+        return ReceivedDatagram(time.monotonic(), sender, data)
 
 
 def report_code(query_code: int) -> int:
@@ -147,7 +147,7 @@ class Probe:
 
     def __init__(
         self,
-        wire: Wire,
+        wire: RawEndpoint,
         target: JausAddress,
         own: JausAddress,
         trace: Trace,
@@ -266,7 +266,7 @@ class Probe:
             self._take(arrival)
         return True
 
-    def _take(self, arrival: Arrival) -> None:
+    def _take(self, arrival: ReceivedDatagram) -> None:
         counters = Counters()
         packets = parse_datagram(arrival.data, counters)
         faults = counters.drops()
@@ -282,7 +282,7 @@ class Probe:
             if packet.destination in self._clients:
                 self._bystanders.append((arrival.sender, packet))
 
-    def _from_target(self, arrival: Arrival, packet: Packet) -> None:
+    def _from_target(self, arrival: ReceivedDatagram, packet: Packet) -> None:
         self.endpoint = arrival.sender
         client = self._clients.get(packet.destination)
         if client is None:
@@ -301,7 +301,7 @@ class Probe:
             if whole is None:
                 return
             payload = whole.payload
-        client.inbox.append(Received(arrival.time, packet, payload))
+        client.inbox.append(ReceivedMessage(arrival.time, packet, payload))
 
     def _acknowledge(self, packet: Packet) -> None:
         answer = Packet(

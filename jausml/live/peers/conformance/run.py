@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.live.messages.legal import listed
-from jausml.live.peers.conformance.check import Check, ConformanceReport, Result
+from jausml.live.peers.conformance.check import Check, CheckResult, ConformanceReport
 from jausml.live.peers.conformance.evidence import (
     CheckFailed,
     CheckSkipped,
@@ -16,7 +16,7 @@ from jausml.live.peers.conformance.evidence import (
     Verdict,
     describe,
 )
-from jausml.live.peers.conformance.probe import Probe, Wire
+from jausml.live.peers.conformance.probe import Probe, RawEndpoint
 from jausml.live.peers.conformance.session import PINGS, Limits, Session
 from jausml.live.peers.discovery import services_of
 from jausml.runtime.base.address import WILDCARD_COMPONENT, WILDCARD_NODE, JausAddress
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from jausml.live.messages import Catalogue
-    from jausml.live.peers.conformance.groups import Group
+    from jausml.live.peers.conformance.groups import CheckGroup
     from jausml.live.peers.network import Network
     from jausml.runtime.services.definitions import ServiceIdentity
     from jausml.runtime.wire.message import Message
@@ -57,7 +57,7 @@ def opened(
         TargetNotReached: Nothing came from the target.
     """
     trace = Trace(lambda payload: describe(payload, catalogue))
-    with Wire(network.settings) as wire:
+    with RawEndpoint(network.settings) as wire:
         probe = Probe(
             wire,
             target,
@@ -116,7 +116,7 @@ def _answered_query(session: Session) -> tuple[Message, type[Message]]:
 
 
 def run(
-    session: Session, groups: Sequence[Group], on_result: Callable[[Result], None]
+    session: Session, groups: Sequence[CheckGroup], on_result: Callable[[CheckResult], None]
 ) -> ConformanceReport:
     """Runs all checks of the groups.
 
@@ -135,7 +135,7 @@ def run(
         endpoint=f"{host}:{port}",
         services=tuple(f"{each.urn} {each.major}.{each.minor}" for each in session.services),
     )
-    results: list[Result] = []
+    results: list[CheckResult] = []
     interrupted = False
     try:
         for result in _results(session, groups):
@@ -147,7 +147,7 @@ def run(
     return replace(report, results=tuple(results), interrupted=interrupted)
 
 
-def _results(session: Session, groups: Sequence[Group]) -> Iterator[Result]:
+def _results(session: Session, groups: Sequence[CheckGroup]) -> Iterator[CheckResult]:
     """Yields the results: of all checks that a target survives, then of risky ones, then the end.
 
     A target that fell silent is looked for again at the beginning of each group, and before each
@@ -183,7 +183,7 @@ def _results(session: Session, groups: Sequence[Group]) -> Iterator[Result]:
         yield result
 
 
-def _obstacle(session: Session, group: Group, first: Check) -> tuple[str, Result | None]:
+def _obstacle(session: Session, group: CheckGroup, first: Check) -> tuple[str, CheckResult | None]:
     """Returns why a group cannot run, and its first check as failed if the target is to blame."""
     session.begin()
     try:
@@ -191,15 +191,15 @@ def _obstacle(session: Session, group: Group, first: Check) -> tuple[str, Result
     except CheckSkipped as reason:
         return str(reason), None
     except CheckFailed as failure:
-        result = Result(first, Verdict.FAIL, (str(failure),), session.trace.lines)
+        result = CheckResult(first, Verdict.FAIL, (str(failure),), session.trace.lines)
         return f"the group could not begin; see {first.id}", result
     finally:
         session.undo()
 
 
-def _result(session: Session, check: Check, obstacle: str) -> Result:
+def _result(session: Session, check: Check, obstacle: str) -> CheckResult:
     if obstacle:
-        return Result(check, Verdict.SKIPPED, (obstacle,))
+        return CheckResult(check, Verdict.SKIPPED, (obstacle,))
     session.begin()
     begin = time.monotonic()
     try:
@@ -216,7 +216,7 @@ def _result(session: Session, check: Check, obstacle: str) -> Result:
     if silent and verdict is not Verdict.FAIL:
         verdict, messages = Verdict.FAIL, (f"{_GONE} after this check",)
         evidence = session.trace.lines
-    return Result(check, verdict, messages, evidence, time.monotonic() - begin, silent)
+    return CheckResult(check, verdict, messages, evidence, time.monotonic() - begin, silent)
 
 
 def _comes_back(session: Session, seconds: float) -> bool:

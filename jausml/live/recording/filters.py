@@ -18,7 +18,7 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True)
-class Selection:
+class TrafficFilter:
     """Patterns, in which `*` stands for anything; nothing selects all."""
 
     topics: tuple[str, ...] = ()
@@ -42,7 +42,7 @@ def _fits(name: str, patterns: tuple[str, ...]) -> bool:
 
 
 @dataclass(frozen=True)
-class Span:
+class TimeSpan:
     """A part of a recording.
 
     Attributes:
@@ -78,5 +78,5 @@ class Span:
         return left if self.duration is None else min(left, self.duration)
 
 
-WHOLE = Span()
+WHOLE = TimeSpan()
 """All of a recording."""

@@ -7,13 +7,13 @@ from contextlib import contextmanager
 from threading import Event, Lock, Thread
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.asking import status_of
 from jausml.live.peers.discovery import controller_of, type_name
 from jausml.live.peers.network import component_address
+from jausml.live.peers.query_client import status_of
 from jausml.live.ros import RosFault
 from jausml.live.systems.folding import (
-    Answer,
-    Source,
+    AnswerSource,
+    ComponentAnswer,
     fold_answer,
     fold_model,
     fold_source,
@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 
     from jausml.live.peers.discovery import KnownComponent
     from jausml.live.peers.operator import Operator
-    from jausml.live.systems.diagnostics import Status
-    from jausml.live.systems.state import Declaration, SystemState
+    from jausml.live.systems.diagnostics import DiagnosticStatus
+    from jausml.live.systems.state import DeclaredConnection, SystemState
     from jausml.runtime.base.address import JausAddress
 
 
@@ -62,7 +62,7 @@ class JausObserver:
         self,
         operator: Operator,
         declared: Iterable[JausAddress],
-        take: Callable[[Answer], None],
+        take: Callable[[ComponentAnswer], None],
     ) -> None:
         """Asks nothing before `start`.
 
@@ -76,7 +76,7 @@ class JausObserver:
         self._asked: dict[JausAddress, float] = {}
         self._failures: dict[JausAddress, int] = {}
         self._timed: set[JausAddress] = set()
-        self._told: dict[JausAddress, Answer] = {}
+        self._told: dict[JausAddress, ComponentAnswer] = {}
         self._turn = 0
         self._end = Event()
         self._thread = Thread(target=self._run, name="jaus observer", daemon=True)
@@ -111,7 +111,7 @@ class JausObserver:
             if self._asked.pop(address, None) is not None:
                 self._failures[address] = self._failures.get(address, 0) + 1
                 self._timed.discard(address)
-                self._take(Answer(str(address), source=Source.NOBODY))
+                self._take(ComponentAnswer(str(address), source=AnswerSource.NOBODY))
             self._asked[address] = time.perf_counter()
             self._operator.send(address, QueryStatus())
             self._operator.send(address, QueryControl())
@@ -141,11 +141,13 @@ class JausObserver:
     def _status(self, report: ReportStatus, sender: JausAddress) -> None:
         state = status_of(report)
         name = state.name if state is not None else f"state {report.status}"
-        self._answered(sender, Answer(str(sender), state=name, round_trip=self._trip(sender)))
+        self._answered(
+            sender, ComponentAnswer(str(sender), state=name, round_trip=self._trip(sender))
+        )
 
     def _control(self, report: ReportControl, sender: JausAddress) -> None:
         controller = controller_of(report) if report.subsystem_id else ""
-        answer = Answer(
+        answer = ComponentAnswer(
             str(sender),
             controller=controller,
             authority=report.authority_code,
@@ -157,30 +159,30 @@ class JausObserver:
 
     def _timeout(self, report: ReportTimeout, sender: JausAddress) -> None:
         self._timed.add(sender)
-        self._answered(sender, Answer(str(sender), control_timeout=int(report.timeout)))
+        self._answered(sender, ComponentAnswer(str(sender), control_timeout=int(report.timeout)))
 
     def _trip(self, sender: JausAddress) -> float | None:
         asked = self._asked.pop(sender, None)
         return None if asked is None else time.perf_counter() - asked
 
-    def _answered(self, sender: JausAddress, answer: Answer) -> None:
+    def _answered(self, sender: JausAddress, answer: ComponentAnswer) -> None:
         if sender != self._operator.own:
             self._failures.pop(sender, None)
             self._take(answer)
 
 
-def _found(component: KnownComponent) -> Answer:
-    return Answer(
+def _found(component: KnownComponent) -> ComponentAnswer:
+    return ComponentAnswer(
         str(component.address),
         name=component.identification or None,
         type=type_name(component.type) or None,
         services=tuple(f"{each.urn}/{each.major}.{each.minor}" for each in component.services)
         or None,
-        source=Source.DISCOVERY,
+        source=AnswerSource.DISCOVERY,
     )
 
 
-class Observation:
+class Monitor:
     """A state that goes on; its times are those of `time.monotonic`."""
 
     def __init__(self, state: SystemState) -> None:
@@ -194,17 +196,19 @@ class Observation:
             self._state = fold_time(self._state, time.monotonic())
             return self._state
 
-    def take_statuses(self, statuses: list[Status]) -> None:
+    def take_statuses(self, statuses: list[DiagnosticStatus]) -> None:
         """Takes a message of `/diagnostics`."""
         with self._lock:
             self._state = fold_statuses(self._state, statuses, time.monotonic())
 
-    def take_answer(self, answer: Answer) -> None:
+    def take_answer(self, answer: ComponentAnswer) -> None:
         """Takes what a component tells."""
         with self._lock:
             self._state = fold_answer(self._state, answer, time.monotonic())
 
-    def take_model(self, declarations: Iterable[Declaration], components: dict[str, str]) -> None:
+    def take_model(
+        self, declarations: Iterable[DeclaredConnection], components: dict[str, str]
+    ) -> None:
         """Takes what the model promises now that it has changed."""
         with self._lock:
             self._state = fold_model(self._state, declarations, components, time.monotonic())
@@ -216,16 +220,16 @@ class Observation:
 
 
 @contextmanager
-def listening(observation: Observation) -> Iterator[RosDiagnostics | None]:
+def listening(monitor: Monitor) -> Iterator[RosDiagnostics | None]:
     """Listens to `/diagnostics` as long as the block; yields None where there is no ROS."""
-    ros = RosDiagnostics(observation.take_statuses)
+    ros = RosDiagnostics(monitor.take_statuses)
     try:
         ros.start()
     except RosFault as error:
-        observation.take_source("ROS", str(error))
+        monitor.take_source("ROS", str(error))
         yield None
         return
-    observation.take_source("ROS", "")
+    monitor.take_source("ROS", "")
     try:
         yield ros
     finally:
@@ -233,11 +237,11 @@ def listening(observation: Observation) -> Iterator[RosDiagnostics | None]:
 
 
 @contextmanager
-def asking(observation: Observation, operator: Operator) -> Iterator[None]:
+def polling(monitor: Monitor, operator: Operator) -> Iterator[None]:
     """Asks JAUS components as long as the block."""
-    observation.take_source("JAUS", "")
-    declared = _declared(observation.state())
-    observer = JausObserver(operator, declared, observation.take_answer)
+    monitor.take_source("JAUS", "")
+    declared = _declared(monitor.state())
+    observer = JausObserver(operator, declared, monitor.take_answer)
     observer.start()
     try:
         yield

@@ -10,7 +10,7 @@ from jausml.language.metamodel.classes.bridge import Bridge
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.systems.declared import components_of, declarations_of
-from jausml.live.systems.looking import Looking, reporters_of, topic_of
+from jausml.live.systems.inspection import Inspection, reporters_of, topic_of
 from jausml.live.systems.state import ConnectionState
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -83,12 +83,12 @@ def test_services_and_actions_are_declared_too(name):
 
 
 def test_without_sources_it_says_so():
-    looking = Looking(None, None)
-    assert looking.at(ConnectionState("/b", "c")) == (
+    inspection = Inspection(None, None)
+    assert inspection.at(ConnectionState("/b", "c")) == (
         ["there is no ROS here"],
         ["there is no JAUS here"],
     )
-    looking.close()
+    inspection.close()
 
 
 @pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")

@@ -60,7 +60,7 @@ class NoAnswer(Exception):  # noqa: N818 - an outcome of the network, not a faul
     """A component does not answer."""
 
 
-class Asker:
+class QueryClient:
     """Asks components for one of ours."""
 
     def __init__(

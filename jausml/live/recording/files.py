@@ -20,7 +20,7 @@ CAPTURE = ".pcap"
 
 
 @dataclass(frozen=True)
-class Limits:
+class SplitLimits:
     """When a recording goes on in new files, and how many of them stay; None for no limit.
 
     Attributes:
@@ -38,7 +38,7 @@ class Limits:
         return self.size is not None or self.duration is not None
 
 
-class Part:
+class FilePair:
     """An MCAP file and the capture beside it, which are being written.
 
     Attributes:
@@ -96,7 +96,7 @@ class Part:
                 os.truncate(path, size)
 
 
-class Parts:
+class RecordingFiles:
     """The files of a recording, one pair after the other.
 
     Attributes:
@@ -104,7 +104,12 @@ class Parts:
     """
 
     def __init__(
-        self, path: Path, limits: Limits, compression: str = "zstd", *, overwrites: bool = False
+        self,
+        path: Path,
+        limits: SplitLimits,
+        compression: str = "zstd",
+        *,
+        overwrites: bool = False,
     ) -> None:
         """Creates the first.
 
@@ -136,7 +141,7 @@ class Parts:
         self._forget()
         return True
 
-    def _further(self) -> Part:
+    def _further(self) -> FilePair:
         """Begins the next files; numbers that another recorder has taken meanwhile are left out."""
         while True:
             path = self._path.with_stem(f"{self._path.stem}_{self._next}")
@@ -146,8 +151,8 @@ class Parts:
             except FileExistsError:
                 continue
 
-    def _part(self, path: Path, *, overwrites: bool) -> Part:
-        part = Part(path, self._compression, overwrites=overwrites)
+    def _part(self, path: Path, *, overwrites: bool) -> FilePair:
+        part = FilePair(path, self._compression, overwrites=overwrites)
         self.paths.append(path)
         return part
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from jausml.live.peers.asking import NoAnswer
 from jausml.live.peers.operator import running_operator
+from jausml.live.peers.query_client import NoAnswer
 
 if TYPE_CHECKING:
     from jausml.live.messages import Catalogue
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 _TIMEOUT_S = 1.0
 
 
-class Met(NamedTuple):
+class PeerFinding(NamedTuple):
     """What is told of a peer.
 
     Attributes:
@@ -26,22 +26,22 @@ class Met(NamedTuple):
     text: str
 
 
-def met(network: Network, catalogue: Catalogue) -> list[Met]:
+def check_peers(network: Network, catalogue: Catalogue) -> list[PeerFinding]:
     """Returns what the peers of a network are like, which are asked one after the other.
 
     Raises:
         OSError: The network cannot be used as the settings say.
     """
-    found: list[Met] = []
+    found: list[PeerFinding] = []
     with running_operator(network, catalogue, _TIMEOUT_S) as operator:
         for peer in network.settings.address_book:
             try:
                 services = operator.meet(peer)
             except NoAnswer as error:
-                found.append(Met(str(peer), "error", str(error)))
+                found.append(PeerFinding(str(peer), "error", str(error)))
                 continue
             count = f"{len(services)} services" if services else "no services that it tells of"
-            found.append(Met(str(peer), "ok", f"answers; {count}"))
+            found.append(PeerFinding(str(peer), "ok", f"answers; {count}"))
             learnt = [each for each in operator.quirks() if each[0] == peer]
-            found += [Met(str(peer), "note", str(each)) for _, each in learnt]
+            found += [PeerFinding(str(peer), "note", str(each)) for _, each in learnt]
     return found

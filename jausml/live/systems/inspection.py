@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from jausml.live.peers.entry_messages import EntryMessage
     from jausml.live.peers.operator import Operator
     from jausml.live.systems.ros_diagnostics import RosDiagnostics
-    from jausml.live.systems.state import ConnectionState, Declaration, TopicName
+    from jausml.live.systems.state import ConnectionState, DeclaredConnection, TopicName
 
 PAUSE = 1.0
 """Seconds from one question for a report to the next."""
@@ -28,7 +28,7 @@ MOST_LINES = 60
 _NO_MODEL = "which it is says the model: jausml top MODEL"
 
 
-class Looking:
+class Inspection:
     """Subscribes to the topic and asks for the report of one connection at a time."""
 
     def __init__(self, operator: Operator | None, ros: RosDiagnostics | None) -> None:
@@ -45,7 +45,7 @@ class Looking:
         self._ros_fault = ""
         self._jaus: list[str] = []
         self._next = 0.0
-        self._threads = ThreadPoolExecutor(max_workers=1, thread_name_prefix="looking")
+        self._threads = ThreadPoolExecutor(max_workers=1, thread_name_prefix="inspection")
         self._question: Future[None] | None = None
 
     def at(self, connection: ConnectionState) -> tuple[list[str], list[str]]:
@@ -127,7 +127,7 @@ class Looking:
                 self._jaus = [f"{name} of {target}: {error}"]
 
 
-def topic_of(connection: ConnectionState, declaration: Declaration) -> TopicName:
+def topic_of(connection: ConnectionState, declaration: DeclaredConnection) -> TopicName:
     """Returns the first topic of a connection, in the namespace that its bridge runs in."""
     topic = declaration.topics[0]
     there = declaration.bridge.rpartition("/")[0] + "/"
@@ -137,7 +137,7 @@ def topic_of(connection: ConnectionState, declaration: Declaration) -> TopicName
     return replace(topic, name=here + topic.name.removeprefix(there))
 
 
-def reporters_of(connection: ConnectionState, declaration: Declaration) -> list[str]:
+def reporters_of(connection: ConnectionState, declaration: DeclaredConnection) -> list[str]:
     """Returns the JAUS ids of the components that can be asked for a report."""
     if declaration.direction == "to JAUS":
         return [connection.jaus_id]

@@ -7,8 +7,8 @@ from click.testing import CliRunner
 from recordings import by_mcap
 
 from jausml.cli import main
-from jausml.live.recording.parts import Limits, Parts
-from jausml.live.recording.selection import Selection
+from jausml.live.recording.files import RecordingFiles, SplitLimits
+from jausml.live.recording.filters import TrafficFilter
 
 
 def fill(parts, number):
@@ -28,12 +28,12 @@ def names(folder):
 
 def test_a_row_by_size_goes_on_where_the_former_one_ended(tmp_path):
     path = tmp_path / "run.mcap"
-    fill(Parts(path, Limits(size=1)), 2)
+    fill(RecordingFiles(path, SplitLimits(size=1)), 2)
     assert names(tmp_path) == [
         f"run_{number}.{end}" for number in range(3) for end in ("mcap", "pcap")
     ]
     assert [len(by_mcap(tmp_path / f"run_{number}.mcap")) for number in range(3)] == [1, 1, 0]
-    again = Parts(path, Limits(size=1, files=2), overwrites=True)
+    again = RecordingFiles(path, SplitLimits(size=1, files=2), overwrites=True)
     fill(again, 1)
     assert names(tmp_path) == ["run_3.mcap", "run_3.pcap", "run_4.mcap", "run_4.pcap"]
     assert [each.name for each in again.paths] == ["run_3.mcap", "run_4.mcap"]
@@ -41,7 +41,7 @@ def test_a_row_by_size_goes_on_where_the_former_one_ended(tmp_path):
 
 def test_two_recorders_of_a_row_take_numbers_in_turn(tmp_path):
     path = tmp_path / "run.mcap"
-    rows = [Parts(path, Limits(size=1)) for _ in range(2)]
+    rows = [RecordingFiles(path, SplitLimits(size=1)) for _ in range(2)]
     for row in rows:
         fill(row, 2)
     first, second = ([each.name for each in row.paths] for row in rows)
@@ -51,20 +51,20 @@ def test_two_recorders_of_a_row_take_numbers_in_turn(tmp_path):
 
 def test_without_limits_there_is_one_pair(tmp_path):
     path = tmp_path / "run.mcap"
-    fill(Parts(path, Limits()), 3)
+    fill(RecordingFiles(path, SplitLimits()), 3)
     assert names(tmp_path) == ["run.mcap", "run.pcap"]
     with pytest.raises(FileExistsError):
-        Parts(path, Limits())
+        RecordingFiles(path, SplitLimits())
     assert len(by_mcap(path)) == 3
 
 
 @pytest.mark.parametrize(
     ("selection", "wanted"),
     [
-        (Selection(), ["/a", "/a/b", "/c"]),
-        (Selection(topics=("/a*",)), ["/a", "/a/b"]),
-        (Selection(topics=("/a", "/c"), excluded=("/c",)), ["/a"]),
-        (Selection(excluded=("/a/*",)), ["/a", "/c"]),
+        (TrafficFilter(), ["/a", "/a/b", "/c"]),
+        (TrafficFilter(topics=("/a*",)), ["/a", "/a/b"]),
+        (TrafficFilter(topics=("/a", "/c"), excluded=("/c",)), ["/a"]),
+        (TrafficFilter(excluded=("/a/*",)), ["/a", "/c"]),
     ],
 )
 def test_topics_by_patterns(selection, wanted):

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 
-class Verdict(Enum):
+class Outcome(Enum):
     """How a check ended, the gravest last."""
 
     OK = "ok"
@@ -16,7 +16,7 @@ class Verdict(Enum):
 
 
 @dataclass(frozen=True)
-class Check:
+class Finding:
     """What was found about one thing.
 
     Attributes:
@@ -27,6 +27,6 @@ class Check:
 
     topic: str
     name: str
-    verdict: Verdict
+    verdict: Outcome
     text: str
     cure: str = ""

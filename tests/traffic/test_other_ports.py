@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from capture_files import ETHERNET, QUERY_STATUS, ethernet, ipv4, udp
 
-from jausml.live.traffic.captures import Frame
+from jausml.live.traffic.captures import CapturedFrame
 from jausml.live.traffic.frames import UdpReader, is_judp
 
 
@@ -14,7 +14,7 @@ def read(*datagrams):
     found = []
     for number, (data, source, destination) in enumerate(datagrams, 1):
         frame = ethernet(ipv4(udp(data, source, destination)))
-        found.append(reader.read(Frame(number, float(number), ETHERNET, frame)))
+        found.append(reader.read(CapturedFrame(number, float(number), ETHERNET, frame)))
     return [each.number for each in found if each is not None], reader
 
 
@@ -25,23 +25,23 @@ def test_unicast_of_an_endpoint_that_has_multicast_is_taken():
         (QUERY_STATUS, 51000, 46884),
     )
     assert numbers == [1, 2]  # 10.9.0.1 speaks at 46884; the hosts of the third are the same ones
-    assert reader.elsewhere.unclaimed == 1
+    assert reader.other_ports.unclaimed == 1
 
 
 def test_the_ports_of_processes_that_share_are_known():
     numbers, reader = read((QUERY_STATUS, 53794, 53825), (QUERY_STATUS, 53826, 53793))
-    assert (numbers, reader.elsewhere.unclaimed) == ([1], 1)
+    assert (numbers, reader.other_ports.unclaimed) == ([1], 1)
 
 
 def test_who_was_not_seen_on_the_port_is_counted():
     numbers, reader = read((QUERY_STATUS, 50000, 50001), (b"\2 is no JUDP", 50000, 50001))
     assert numbers == []
-    assert reader.elsewhere.unclaimed == 1
+    assert reader.other_ports.unclaimed == 1
 
 
 def test_other_protocols_of_a_speaker_are_left_alone():
     numbers, reader = read((QUERY_STATUS, 46884, 3794), (b"\2" + bytes(40), 46884, 53))
-    assert (numbers, reader.elsewhere.unclaimed) == ([1], 0)
+    assert (numbers, reader.other_ports.unclaimed) == ([1], 0)
     assert not reader.skipped
 
 
