@@ -146,11 +146,8 @@ class Component:
             provides: Services that others may find, by URN or name; what they inherit, and the
                 core services that each tool has, come along.
             peers: Where components are that multicast does not reach: host and port by JAUS id.
-            models: Files with services of your own.
-            timeout: Seconds to wait for an answer.
 
         Raises:
-            ValueError: An argument means nothing.
             MessageError: A model cannot be read, or there is no such service.
         """
         if not timeout > 0:
@@ -234,9 +231,7 @@ class Component:
             rate: Reports each second; None means at every change.
 
         Raises:
-            NoAnswer: The component does not answer.
             Refused: It gives no such event; the text says why.
-            MessageError: There is no such message.
         """
         subscription = Subscription()
         subscription.begin(self.watch(target, name, rate, subscription.take))
@@ -255,9 +250,7 @@ class Component:
             A function that cancels the event.
 
         Raises:
-            NoAnswer: The component does not answer.
             Refused: It gives no such event; the text says why.
-            MessageError: There is no such message.
         """
 
         def taking(entry: MessageEntry, fields: Fields) -> None:
@@ -292,7 +285,6 @@ class Component:
             resume: Whether to bring it to Ready (AS5710, Resume).
 
         Raises:
-            NoAnswer: The component does not answer.
             Refused: It gives no control, or does not come to Ready.
         """
         address = self._other(target)
@@ -334,7 +326,6 @@ class Component:
             A function to be called when the report may have changed, for events at every change.
 
         Raises:
-            MessageError: There is no such message.
             TypeError: What gives is no function, or is async.
             ValueError: The query is answered already.
         """
@@ -356,7 +347,6 @@ class Component:
         """Has a function take a message: a command from the controller in Ready alone.
 
         Raises:
-            MessageError: There is no such message.
             TypeError: What takes is no function, or is async.
             ValueError: Something takes it already, or it is a query.
         """

@@ -46,10 +46,6 @@ def decode(
     Args:
         service: Where a code has several meanings, that of this service: URN or name.
         message: Where it still has several, the message of this name.
-
-    Raises:
-        MessageError: The bytes are no message, or may be several.
-        ValueError: The hex is none.
     """
     data = bytes.fromhex(payload) if isinstance(payload, str) else payload
     return catalogue(models).decode(data, service, message)

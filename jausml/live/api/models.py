@@ -81,7 +81,6 @@ def generate(
         What happened to each file.
 
     Raises:
-        ModelError: The model has errors.
         GenerationError: A target is unknown, or cannot generate what the model has.
         OwnershipError: A file is not ours to overwrite.
     """

@@ -206,9 +206,6 @@ def measure(
 
     Returns:
         One stream for each report.
-
-    Raises:
-        MessageError: There is no such message.
     """
     streams = [ReportTimes(target, *operator.exchange(target, name)) for target, name in reports]
     events = [_subscribed(operator, stream, rate) for stream in streams]

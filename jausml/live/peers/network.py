@@ -115,9 +115,6 @@ def make_network(
         transport: How messages travel, as `TransportKind` names it.
         node_manager_directory: Where a node manager has its local sockets; empty for the folder of
             temporary files.
-
-    Raises:
-        ValueError: One of them cannot be.
     """
     settings = TransportSettings(
         interface=interface,

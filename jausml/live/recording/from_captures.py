@@ -111,11 +111,7 @@ class CaptureReplay:
         self._jaus = jaus
 
     def run(self, datagrams: Iterable[Datagram]) -> None:
-        """Writes what becomes of datagrams.
-
-        Raises:
-            RecordingError: The translations have failed.
-        """
+        """Writes what becomes of datagrams."""
         for found in self._translator.translate(self._messages(datagrams)):
             for topic in found.route.topics:
                 channel = self._file.ros_channel(topic.name, topic.type, topic.definition)

@@ -168,9 +168,6 @@ class McapFile:
 
         Args:
             compression: One of `COMPRESSIONS`.
-
-        Raises:
-            RecordingError: The library `mcap` is missing.
         """
         need_library()
         from mcap.writer import CompressionType, Writer  # noqa: PLC0415 - an extra

@@ -67,7 +67,6 @@ class Recorder:
     """What comes from both sides, each on its thread, and a third that gives it to the disk.
 
     Attributes:
-        undefined: Topics whose type nobody defines here.
         fault: Why files cannot be written any more; None while they can.
         lost: How many frames and messages came after that.
         reached: When the disk had all that had come, by the clock; None for never.

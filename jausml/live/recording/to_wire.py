@@ -60,11 +60,7 @@ class ReplayPace:
         self._paused = 0.0
 
     def messages(self, found: Iterable[RosMessage]) -> Iterator[RosMessage]:
-        """Yields messages when their time has come; the first at once.
-
-        Args:
-            found: The messages, in the order of their times.
-        """
+        """Yields messages when their time has come; the first at once."""
         first, begin, free = None, 0.0, 0.0
         for each in found:
             if first is None:
@@ -159,9 +155,6 @@ class WireReplay:
 
     def __init__(self, model: Model, transport: dict[str, Any], *, allow_commands: bool) -> None:
         """Opens the bridges.
-
-        Args:
-            model: A model without errors, of which nobody makes anything else.
 
         Raises:
             RecordingError: No bridge has anything to say, or the network cannot be used.

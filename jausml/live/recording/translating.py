@@ -88,9 +88,6 @@ class Translator:
     def __init__(self, model: Model) -> None:
         """Starts the process of the translations.
 
-        Args:
-            model: A model without errors, of which nobody makes anything else.
-
         Raises:
             RecordingError: It has no bridge with a connection that could be used.
         """
@@ -115,11 +112,7 @@ class Translator:
         self._worker.close()
 
     def translate(self, messages: Iterable[JausMessage]) -> Iterator[TranslatedMessage]:
-        """Yields what becomes of messages, in their order.
-
-        Args:
-            messages: The messages, in the order of their times.
-        """
+        """Yields what becomes of messages, in their order."""
         waiting: list[tuple[JausMessage, int, str]] = []
         for message in messages:
             takers = self._takers_of(message)

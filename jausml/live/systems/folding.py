@@ -188,11 +188,7 @@ def fold_answer(state: SystemState, answer: ComponentAnswer, now: float) -> Syst
 
 
 def fold_time(state: SystemState, now: float) -> SystemState:
-    """Returns the state at a time: who says nothing for long is not heard any more.
-
-    Args:
-        now: The time; the state never goes back.
-    """
+    """Returns the state at a time: who says nothing for long is not heard any more."""
     now = max(now, state.now)
     connections = {}
     for key, each in state.connections.items():

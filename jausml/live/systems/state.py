@@ -150,7 +150,6 @@ class ComponentState:
             never; None when unknown.
         services: URN and version of what it provides.
         round_trip: Seconds of its last answer, None before the first one.
-        told: When it last answered, None when it never did.
     """
 
     address: str

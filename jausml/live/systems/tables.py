@@ -126,9 +126,6 @@ def arranged(
     """Returns the connections whose names hold a text, in the order of a column.
 
     Their ages are those of the moment: they grow while their bridge says nothing.
-
-    Args:
-        wanted: The text, in any case; several words must all be there.
     """
     words = wanted.casefold().split()
     found = sorted(

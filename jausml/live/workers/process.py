@@ -70,9 +70,6 @@ class Worker:
 
         Args:
             seconds: How long it may take; then it is ended.
-
-        Raises:
-            WorkerError: It has no answer, or none in time.
         """
         late = threading.Event()
 

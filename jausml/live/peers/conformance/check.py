@@ -92,11 +92,7 @@ class CheckResult:
 
 @dataclass(frozen=True, slots=True)
 class ConformanceReport:
-    """The outcome of a run.
-
-    Attributes:
-        results: One result for each check, in the order of the checks.
-    """
+    """The outcome of a run."""
 
     target: str
     endpoint: str

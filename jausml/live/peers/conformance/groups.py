@@ -26,12 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class CheckGroup:
-    """Checks of one topic, by the first part of their ids.
-
-    Attributes:
-        requires: Returns why the group cannot run against a target, or nothing.
-        checks: Returns its checks for a target.
-    """
+    """Checks of one topic, by the first part of their ids."""
 
     name: str
     requires: Callable[[Session], str]

@@ -94,11 +94,7 @@ class RawEndpoint:
         return self._port.well_known
 
     def put(self, datagram: bytes, endpoint: Endpoint) -> None:
-        """Send one datagram.
-
-        Raises:
-            OSError: The network refuses it.
-        """
+        """Send one datagram."""
         if self._port.unicast is not None:
             self._port.unicast.sendto(datagram, endpoint)
 
@@ -142,7 +138,6 @@ class Probe:
 
     Attributes:
         endpoint: Where it is; None until it was heard.
-        timeout: Seconds to wait for an answer.
     """
 
     def __init__(
