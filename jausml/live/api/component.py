@@ -12,7 +12,7 @@ from inspect import iscoroutinefunction
 from queue import Empty, Full, Queue
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.api.messages import catalogue
+from jausml.live.api.payloads import catalogue
 from jausml.live.peers.entry_messages import find_exchange, find_message
 from jausml.live.peers.network import DEFAULT_GROUP, Network, component_address, fault, identified
 from jausml.live.peers.operator import Identity, Operator, running_operator
@@ -23,7 +23,7 @@ from jausml.runtime.services.definitions import ServiceIdentity, Status
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
-    from jausml.live.api.messages import Models
+    from jausml.live.api.payloads import Models
     from jausml.live.messages import Catalogue, MessageEntry
     from jausml.runtime.base.address import JausAddress
 

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 from jausml.language.interfaces import Installation
 from jausml.language.metamodel.classes import bridge, system
 from jausml.language.semantics.topics import endpoints, resolve_topic
-from jausml.live.recording.definitions import installed_definition, modelled_definition
 from jausml.live.recording.from_captures import CapturedMessages, JausWriter
+from jausml.live.recording.type_definitions import installed_definition, modelled_definition
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -17,7 +17,7 @@ from jausml.language.semantics.report_joins import joined_reports
 from jausml.language.semantics.services import code
 from jausml.language.semantics.topics import endpoints
 from jausml.language.semantics.ways import TO_ROS
-from jausml.live.recording.definitions import full_name, modelled_definition
+from jausml.live.recording.type_definitions import full_name, modelled_definition
 from jausml.live.workers.bridge_code import Maker
 from jausml_generators.bridge.views import bridge_views
 from jausml_generators.common.components import own_bridges

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 from jausml.generation.system import system_of
 from jausml.language.semantics.topics import endpoints, resolve_topic
 from jausml.language.semantics.ways import MESSAGE, TO_JAUS
-from jausml.live.recording.definitions import full_name
 from jausml.live.recording.mcap_files import RecordingError
+from jausml.live.recording.type_definitions import full_name
 from jausml.live.workers.bridge_code import bridge_code
-from jausml.live.workers.process import Worker, WorkerError
+from jausml.live.workers.worker import Worker, WorkerError
 from jausml_generators.bridge.views import bridge_views
 from jausml_generators.common.components import own_bridges
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.recording.routes import routes_of
 from jausml.live.workers.bridge_code import bridge_code
-from jausml.live.workers.process import Worker, WorkerError
+from jausml.live.workers.worker import Worker, WorkerError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -31,7 +31,7 @@ from jausml.language.semantics.attributes import (
 from jausml.language.semantics.jaus_paths import JausPlace
 from jausml.language.semantics.paths import COUNTERS, outer_scope, source_paths
 from jausml.language.semantics.ros_paths import RosPlace
-from jausml.live.workers.process import Worker, WorkerError
+from jausml.live.workers.worker import Worker, WorkerError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
