@@ -70,8 +70,8 @@ def skipped_lines(reader: UdpReader, port: int) -> Iterator[str]:
     """
     for reason, number in sorted(reader.skipped.items()):
         yield f"skipped {number} {reason}"
-    if reader.elsewhere.unclaimed:
-        what = f"skipped {reader.elsewhere.unclaimed} datagrams that look like JUDP"
+    if reader.other_ports.unclaimed:
+        what = f"skipped {reader.other_ports.unclaimed} datagrams that look like JUDP"
         why = f"between endpoints that were not seen with port {port}; --port chooses another"
         yield f"{what}, {why}"
     if reader.unfinished:

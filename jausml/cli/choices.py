@@ -21,7 +21,7 @@ CONFORMANCE_FORMATS = ("text", "json", "junit")
 """`jausml.live.peers.conformance.formats`."""
 
 QUESTIONS = ("heartbeat", "identification", "status", "control")
-"""`jausml.live.peers.pinging`."""
+"""`jausml.live.peers.measuring`."""
 
 AUTHORITY = 205
 """`jausml.live.peers.console`."""

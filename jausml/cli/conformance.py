@@ -20,8 +20,8 @@ from jausml.cli.options import format_option
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.live.peers.conformance.check import ConformanceReport, Result
-    from jausml.live.peers.conformance.groups import Group, Selection
+    from jausml.live.peers.conformance.check import CheckResult, ConformanceReport
+    from jausml.live.peers.conformance.groups import CheckFilter, CheckGroup
     from jausml.live.peers.conformance.session import Session
     from jausml.live.peers.network import Network
     from jausml.runtime.base.address import JausAddress
@@ -113,12 +113,12 @@ def command(
     Exit status: 0 no check failed, 1 checks failed, 2 the target cannot be reached or an option is
     wrong, 3 internal error.
     """
-    from jausml.live.peers.conformance.groups import Selection
-    from jausml.live.peers.conformance.opening import TargetNotReached, opened
+    from jausml.live.peers.conformance.groups import CheckFilter
+    from jausml.live.peers.conformance.run import TargetNotReached, opened
     from jausml.live.peers.conformance.session import Limits
     from jausml.live.peers.network import fault
 
-    selection = Selection(frozenset(only), frozenset(skip))
+    selection = CheckFilter(frozenset(only), frozenset(skip))
     if list_checks:
         _list_checks(selection)
         return
@@ -162,27 +162,27 @@ def _target(target: str, network: Network) -> JausAddress:
     return address
 
 
-def _checked(session: Session, groups: Sequence[Group], *, live: bool) -> ConformanceReport:
+def _checked(session: Session, groups: Sequence[CheckGroup], *, live: bool) -> ConformanceReport:
     """Runs the checks and, on a terminal, shows each result as it comes."""
-    from jausml.live.peers.conformance.formats import text
-    from jausml.live.peers.conformance.runner import run
+    from jausml.live.peers.conformance.formats import heading, result_lines
+    from jausml.live.peers.conformance.run import run
 
     latest = ""
 
-    def show(result: Result) -> None:
+    def show(result: CheckResult) -> None:
         nonlocal latest
         if not live:
             return
         if result.check.group != latest:
             latest = result.check.group
             click.echo(f"\n{latest}")
-        for line in text.result_lines(result):
+        for line in result_lines(result):
             click.echo(line)
 
     if live:
         host, port = session.probe.endpoint or ("", 0)
         services = tuple(f"{each.urn} {each.major}.{each.minor}" for each in session.services)
-        for line in text.heading(str(session.probe.target), f"{host}:{port}", services):
+        for line in heading(str(session.probe.target), f"{host}:{port}", services):
             click.echo(line)
     return run(session, groups, show)
 
@@ -190,17 +190,17 @@ def _checked(session: Session, groups: Sequence[Group], *, live: bool) -> Confor
 def _write(
     report: ConformanceReport, output_format: str, output: str | None, *, live: bool
 ) -> None:
-    from jausml.live.peers.conformance.formats import RENDERERS, text
+    from jausml.live.peers.conformance.formats import RENDERERS, summary
 
     if live:
-        click.echo(f"\n{text.summary(report)}")
+        click.echo(f"\n{summary(report)}")
         return
     write_report(RENDERERS[output_format](report), output)
     if output is not None:
-        click.echo(text.summary(report), err=True)
+        click.echo(summary(report), err=True)
 
 
-def _list_checks(selection: Selection) -> None:
+def _list_checks(selection: CheckFilter) -> None:
     from jausml.live.peers.conformance.groups import fixed_checks
 
     for check in fixed_checks():

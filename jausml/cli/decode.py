@@ -260,8 +260,8 @@ class _Reading:
 
     def _bytes(self, lines: Iterable[Line]) -> Iterator[tuple[str, bytes]]:
         """Yields the bytes of lines that have some."""
-        from jausml.live.traffic.errors import TrafficError
-        from jausml.live.traffic.hexlines import parse_hex
+        from jausml.live.traffic.captures import TrafficError
+        from jausml.live.traffic.text import parse_hex
 
         for place, line in lines:
             try:
@@ -294,8 +294,7 @@ class _Reading:
 
     def capture(self, path: str, port: int) -> None:
         """Shows the JUDP traffic of a capture."""
-        from jausml.live.traffic.captures import read_frames
-        from jausml.live.traffic.errors import TrafficError
+        from jausml.live.traffic.captures import TrafficError, read_frames
         from jausml.live.traffic.frames import UdpReader
 
         reader = UdpReader(port)
@@ -313,7 +312,7 @@ class _Reading:
         self, port: int, interface: str, multicast_group: str, duration: float | None
     ) -> None:
         """Shows what is sent to the multicast group."""
-        from jausml.live.traffic.errors import TrafficError
+        from jausml.live.traffic.captures import TrafficError
         from jausml.live.traffic.listening import MulticastListener
         from jausml.runtime.base.settings import TransportSettings
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.cli.common import Reading
-    from jausml.live.machine.check import Check
+    from jausml.live.machine.finding import Finding
 
 
 @click.command("doctor")
@@ -56,7 +56,7 @@ def command(
     usage, 3 internal error.
     """
     from jausml.live.machine import network, python, ros
-    from jausml.live.machine.check import Verdict
+    from jausml.live.machine.finding import Outcome
 
     try:
         settings = network.settings_of(interface, port, multicast_group)
@@ -66,28 +66,28 @@ def command(
     found = [*python.checks(), *ros.checks(packages), *network.checks(settings)]
     if peers:
         found += _peers(interface, port, multicast_group, peers)
-    shown = [each for each in found if not (quiet and each.verdict is Verdict.OK)]
+    shown = [each for each in found if not (quiet and each.verdict is Outcome.OK)]
     if shown or output_format == "json":
         click.echo(_as_json(shown) if output_format == "json" else _as_text(shown))
-    if any(each.verdict is Verdict.ERROR for each in found):
+    if any(each.verdict is Outcome.ERROR for each in found):
         raise click.exceptions.Exit(PROBLEMS)
 
 
-def _peers(interface: str, port: int, group: str, peers: Sequence[str]) -> list[Check]:
+def _peers(interface: str, port: int, group: str, peers: Sequence[str]) -> list[Finding]:
     """Returns what components are like that are asked."""
     from jausml.cli.messages import open_catalogue
     from jausml.cli.network import identified_network, network_from
-    from jausml.live.machine.check import Check, Verdict
-    from jausml.live.peers.meeting import met
+    from jausml.live.machine.finding import Finding, Outcome
+    from jausml.live.peers.peer_checks import check_peers
 
     network = network_from(None, interface, port, group, peers)
     try:
         with identified_network(network) as ours:
-            found = met(ours, open_catalogue(()))
+            found = check_peers(ours, open_catalogue(()))
     except OSError as error:
         text = f"nobody can be asked: {error.strerror or error}"
-        return [Check("peers", "network", Verdict.ERROR, text)]
-    return [Check("peers", each.name, Verdict(each.verdict), each.text) for each in found]
+        return [Finding("peers", "network", Outcome.ERROR, text)]
+    return [Finding("peers", each.name, Outcome(each.verdict), each.text) for each in found]
 
 
 def _packages(paths: Sequence[str], reading: Reading) -> list[str]:
@@ -101,7 +101,7 @@ def _packages(paths: Sequence[str], reading: Reading) -> list[str]:
     return sorted({each.name for each in used if each.name and model.is_library(each)})
 
 
-def _as_text(found: Sequence[Check]) -> str:
+def _as_text(found: Sequence[Finding]) -> str:
     lines: list[str] = []
     topic = ""
     for each in found:
@@ -118,12 +118,12 @@ def _as_text(found: Sequence[Check]) -> str:
 _COUNTED = ("error", "warning", "note")
 
 
-def _count(found: Sequence[Check], word: str) -> str:
+def _count(found: Sequence[Finding], word: str) -> str:
     number = sum(each.verdict.value == word for each in found)
     return f"{number} {word}{'' if number == 1 else 's'}"
 
 
-def _as_json(found: Sequence[Check]) -> str:
+def _as_json(found: Sequence[Finding]) -> str:
     checks = [
         {
             "topic": each.topic,

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from jausml.authoring.proposals.topics import TopicEnd
-    from jausml.live.systems.ros_graph import GraphEnd, GraphTopic
+    from jausml.live.ros import RosEndpoint, RunningTopic
 
 
 def graph_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -48,8 +48,7 @@ def topics_that_run(words: Sequence[str], seconds: float, namespace: str = "") -
         EnvironmentFault: ROS cannot be used here, or nothing runs.
         UsageError: A topic that is named does not run.
     """
-    from jausml.live.ros import RosFault
-    from jausml.live.systems.ros_graph import running_topics
+    from jausml.live.ros import RosFault, running_topics
 
     try:
         running = running_topics(seconds)
@@ -76,15 +75,15 @@ def _named(word: str, known: dict[str, TopicEnd]) -> TopicEnd:
     return replace(found, maps=tuple(each for each in maps.split(",") if each))
 
 
-def _line(topic: GraphTopic) -> str:
-    def nodes(ends: Sequence[GraphEnd]) -> str:
+def _line(topic: RunningTopic) -> str:
+    def nodes(ends: Sequence[RosEndpoint]) -> str:
         return ", ".join(dict.fromkeys(each.node for each in ends)) or "nobody"
 
     kinds = " and ".join(topic.types)
     return f"{topic.name}  {kinds}  from {nodes(topic.publishers)} to {nodes(topic.subscriptions)}"
 
 
-def _end(topic: GraphTopic, namespace: str) -> TopicEnd:
+def _end(topic: RunningTopic, namespace: str) -> TopicEnd:
     """Returns a topic with the direction and quality of service that its ends leave."""
     from jausml.authoring.proposals.topics import TopicEnd
 
@@ -99,7 +98,7 @@ def _end(topic: GraphTopic, namespace: str) -> TopicEnd:
     )
 
 
-def _heard(publishers: Sequence[GraphEnd]) -> dict[str, str] | None:
+def _heard(publishers: Sequence[RosEndpoint]) -> dict[str, str] | None:
     """Returns what hears all of some publishers: no more than the least of them offers."""
     if not publishers:
         return None
@@ -110,7 +109,7 @@ def _heard(publishers: Sequence[GraphEnd]) -> dict[str, str] | None:
     return {**found, "durability": "transient_local"} if kept else found
 
 
-def _published(subscriptions: Sequence[GraphEnd]) -> dict[str, str] | None:
+def _published(subscriptions: Sequence[RosEndpoint]) -> dict[str, str] | None:
     """Returns what all of some subscriptions get: as much as the most demanding asks for."""
     if not subscriptions:
         return None

@@ -17,8 +17,7 @@ from jausml.cli.operating import Settings, operator_options, until_interrupted
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.live.peers.measuring import Stream
-    from jausml.live.peers.spread import Spread
+    from jausml.live.peers.measuring import ReportTimes, Spread
     from jausml.live.systems.state import ConnectionState
     from jausml.runtime.base.address import JausAddress
 
@@ -80,7 +79,7 @@ def command(
     answers or an option is wrong, 3 internal error.
     """
     from jausml.live.peers.measuring import measure, offered_reports
-    from jausml.live.systems.observing import Observation, listening
+    from jausml.live.systems.monitoring import Monitor, listening
     from jausml.live.systems.state import SystemState
 
     model, target = _meant(source)
@@ -88,13 +87,13 @@ def command(
         raise click.UsageError("MESSAGE goes with an ID; a MODEL says by itself what it carries")
     if model:
         settings = replace(settings, models=(*settings.models, source))
-    streams: list[Stream] = []
-    observation = Observation(SystemState())
+    streams: list[ReportTimes] = []
+    monitor = Monitor(SystemState())
     with ExitStack() as stack:
         operator = stack.enter_context(settings.operator())
         stack.enter_context(until_interrupted())
         if model:
-            stack.enter_context(listening(observation))
+            stack.enter_context(listening(monitor))
         if target is not None:
             names = messages or offered_reports(operator, target)
             wanted = [(target, each) for each in names]
@@ -103,7 +102,7 @@ def command(
         if not wanted:
             raise click.UsageError(f"{source} has no report that could be measured")
         streams = measure(operator, wanted, duration=duration, rate=rate, interval=interval)
-    connections = [each for each in observation.state().connections.values() if each.latency]
+    connections = [each for each in monitor.state().connections.values() if each.latency]
     _show(streams, connections, as_json=settings.as_json)
     if any(not each.arrivals and each.answers is None for each in streams) or not streams:
         raise click.exceptions.Exit(PROBLEMS)
@@ -111,7 +110,7 @@ def command(
 
 def _meant(source: str) -> tuple[list[tuple[JausAddress, str]], JausAddress | None]:
     """Returns what the model carries, or the component that is meant."""
-    from jausml.live.peers.modelled import reports_of
+    from jausml.live.peers.measuring import reports_of
     from jausml.live.peers.network import component_address
 
     if not Path(source).is_file():
@@ -123,7 +122,7 @@ def _meant(source: str) -> tuple[list[tuple[JausAddress, str]], JausAddress | No
 
 
 def _show(
-    streams: Sequence[Stream], connections: Sequence[ConnectionState], *, as_json: bool
+    streams: Sequence[ReportTimes], connections: Sequence[ConnectionState], *, as_json: bool
 ) -> None:
     for each in streams:
         if each.fault:
@@ -149,7 +148,7 @@ def _print_table(rows: Sequence[tuple[str, ...]]) -> None:
         click.echo("  ".join(cells).rstrip())
 
 
-def _row(stream: Stream) -> tuple[str, ...]:
+def _row(stream: ReportTimes) -> tuple[str, ...]:
     rate = "-" if stream.rate is None else f"{stream.rate:.2f}"
     lost = sum(each is None for each in stream.round_trips)
     return (
@@ -186,7 +185,7 @@ def _cells(spread: Spread | None) -> tuple[str, str]:
     return f"{spread.median * 1e3:.3f}", f"{spread.p99 * 1e3:.3f}"
 
 
-def _as_json(stream: Stream) -> dict[str, Any]:
+def _as_json(stream: ReportTimes) -> dict[str, Any]:
     spreads = {"jitter": stream.jitter, "age": stream.ages, "query": stream.answers}
     return {
         "component": str(stream.component),

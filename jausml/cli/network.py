@@ -93,7 +93,7 @@ def identified_network(network: Network, count: int = 1) -> Iterator[Network]:
         network: The network.
         count: Ids that are needed, one after the other.
     """
-    from jausml.live.peers.identity import identified
+    from jausml.live.peers.network import identified
 
     with identified(network, count) as ours:
         if ours.is_shared:

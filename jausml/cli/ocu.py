@@ -82,7 +82,7 @@ def session(settings: Settings) -> None:
 def discover(settings: Settings, duration: float) -> None:
     """Show subsystems, nodes, components and their services."""
     from jausml.live.peers import rendering
-    from jausml.live.peers.asking import NoAnswer
+    from jausml.live.peers.query_client import NoAnswer
 
     with settings.operator() as operator:
         found = operator.survey.take(duration)

@@ -61,9 +61,9 @@ class Settings:
             click.UsageError: A message is unknown or its fields are wrong.
         """
         from jausml.live.messages import MessageError
-        from jausml.live.peers.asking import NoAnswer
         from jausml.live.peers.network import fault
         from jausml.live.peers.operator import Refused, running_operator
+        from jausml.live.peers.query_client import NoAnswer
 
         try:
             with (

@@ -15,8 +15,8 @@ from jausml.cli.messages import to_json
 from jausml.cli.operating import TARGET, Settings, operator_options, until_interrupted
 
 if TYPE_CHECKING:
-    from jausml.live.peers.asking import Asker
-    from jausml.live.peers.pinging import Pings
+    from jausml.live.peers.measuring import Pings
+    from jausml.live.peers.query_client import QueryClient
     from jausml.runtime.base.address import JausAddress
 
 AUTOMATIC = "automatic"
@@ -58,7 +58,7 @@ def command(
     Exit status: 0 answers came, 1 none came, 2 the network cannot be used or an option is wrong, 3
     internal error.
     """
-    from jausml.live.peers.pinging import Pings, answered_question
+    from jausml.live.peers.measuring import Pings, answered_question
 
     pings = Pings()
     with settings.operator() as operator:
@@ -74,7 +74,7 @@ def command(
 
 
 def _ping(
-    asker: Asker,
+    client: QueryClient,
     target: JausAddress,
     question: str,
     pings: Pings,
@@ -83,7 +83,7 @@ def _ping(
     *,
     as_json: bool,
 ) -> None:
-    from jausml.live.peers.pinging import QUESTIONS
+    from jausml.live.peers.measuring import QUESTIONS
 
     query, report = QUESTIONS[question]
     if not as_json:
@@ -93,19 +93,19 @@ def _ping(
         time.sleep(max(0.0, due - time.monotonic()))
         # A late answer delays the next question; what was missed is not caught up.
         due = max(due + interval, time.monotonic())
-        seconds = asker.round_trip(target, query, report)
+        seconds = client.round_trip(target, query, report)
         pings.round_trips.append(seconds)
         milliseconds = None if seconds is None else round(seconds * 1e3, 3)
         if as_json:
             click.echo(to_json({"question": number, "milliseconds": milliseconds}))
         elif milliseconds is None:
-            click.echo(f"{target}: question {number}: no answer within {asker.timeout:g} s")
+            click.echo(f"{target}: question {number}: no answer within {client.timeout:g} s")
         else:
             click.echo(f"{target}: question {number}: {milliseconds:.3f} ms")
 
 
 def _summarize(target: JausAddress, question: str | None, pings: Pings, *, as_json: bool) -> None:
-    from jausml.live.peers.pinging import QUESTIONS
+    from jausml.live.peers.measuring import QUESTIONS
 
     spread = pings.spread
     figures = None if spread is None else spread.milliseconds()

@@ -28,10 +28,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from threading import Event
 
-    from jausml.live.recording.parts import Limits, Parts
+    from jausml.live.recording.files import RecordingFiles, SplitLimits
     from jausml.live.recording.recorder import Recorder
     from jausml.live.recording.ros_topics import RosTopics
-    from jausml.live.traffic.captures import Frame
+    from jausml.live.traffic.captures import CapturedFrame
     from jausml.live.traffic.frames import UdpReader
     from jausml.live.traffic.interface import InterfaceCapture
     from jausml.live.traffic.listening import MulticastListener
@@ -140,15 +140,15 @@ def command(
     """
     from threading import Event
 
-    from jausml.live.recording.parts import Limits
+    from jausml.live.recording.files import SplitLimits
+    from jausml.live.recording.filters import TrafficFilter
     from jausml.live.recording.recorder import Recorder, topics_of
     from jausml.live.recording.ros_topics import RosTopics
-    from jausml.live.recording.selection import Selection
     from jausml.live.traffic.frames import UdpReader
     from jausml.runtime.base.settings import TransportSettings
 
     size = None if max_size is None else int(max_size * _MEGA)
-    limits = Limits(size, max_duration, max_files)
+    limits = SplitLimits(size, max_duration, max_files)
     path = _output(output, limits, force=force)
     try:
         settings = TransportSettings(
@@ -158,7 +158,7 @@ def command(
         raise click.UsageError(str(error)) from error
     definitions = topics_of(valid_model(model)) if model is not None else {}
     catalogue = open_catalogue([model] if model is not None else [])
-    selection = Selection(topics, excluded, components)
+    selection = TrafficFilter(topics, excluded, components)
     is_any = all_topics or (model is None and bool(topics))
     stop = Event()
     with ExitStack() as stack:
@@ -182,7 +182,7 @@ def command(
     _tell_files(parts, recorder)
 
 
-def _output(output: str | None, limits: Limits, *, force: bool) -> Path:
+def _output(output: str | None, limits: SplitLimits, *, force: bool) -> Path:
     """Returns where the MCAP file stands, once it is sure that nothing would be overwritten."""
     if output is None:
         raise click.UsageError("say with --output which file is written")
@@ -198,13 +198,13 @@ def _output(output: str | None, limits: Limits, *, force: bool) -> Path:
     return path
 
 
-def _parts(path: Path, limits: Limits, compression: str, *, force: bool) -> Parts:
+def _parts(path: Path, limits: SplitLimits, compression: str, *, force: bool) -> RecordingFiles:
     """Returns the files, which are made."""
-    from jausml.live.recording.errors import RecordingError
-    from jausml.live.recording.parts import Parts
+    from jausml.live.recording.files import RecordingFiles
+    from jausml.live.recording.mcap_files import RecordingError
 
     try:
-        return Parts(path, limits, compression, overwrites=force)
+        return RecordingFiles(path, limits, compression, overwrites=force)
     except RecordingError as error:
         raise EnvironmentFault(str(error)) from error
     except OSError as error:
@@ -216,22 +216,22 @@ def _cannot_write(path: Path, error: OSError) -> EnvironmentFault:
     return EnvironmentFault(f"cannot write {name}: {error.strerror or error}")
 
 
-def _so_far(recorder: Recorder, parts: Parts) -> str:
+def _so_far(recorder: Recorder, parts: RecordingFiles) -> str:
     """Returns what a terminal shows while it is recorded."""
     of_ros = sum(list(recorder.topics.values()))  # at once: others add topics
     size = f"{parts.current.size / _MEGA:.1f} MB of {parts.current.path.name}"
     return f"{recorder.captured.count} JAUS messages, {of_ros} of ROS, {size}"
 
 
-def _take(frame: Frame | None, reader: UdpReader, recorder: Recorder) -> None:
+def _take(frame: CapturedFrame | None, reader: UdpReader, recorder: Recorder) -> None:
     datagram = None if frame is None else reader.read(frame)
     if frame is not None and (datagram is not None or _is_fragment(frame.data)):
         recorder.take_frame(frame, datagram)
 
 
 def _until(
-    frames: Iterator[Frame | None], duration: float | None, stop: Event, recorder: Recorder
-) -> Iterator[Frame | None]:
+    frames: Iterator[CapturedFrame | None], duration: float | None, stop: Event, recorder: Recorder
+) -> Iterator[CapturedFrame | None]:
     end = float("inf") if duration is None else time.monotonic() + duration
     for frame in frames:
         yield frame
@@ -241,7 +241,7 @@ def _until(
 
 def _entered(ros: RosTopics, stack: ExitStack, *, is_wanted: bool) -> bool:
     """Enters ROS; returns whether that is possible here."""
-    from jausml.live.recording.errors import RecordingError
+    from jausml.live.recording.mcap_files import RecordingError
 
     try:
         ros.open()
@@ -260,12 +260,14 @@ def _is_fragment(packet: bytes) -> bool:
     return not is_first_version or bool(int.from_bytes(packet[6:8], "big") & _FRAGMENT)
 
 
-def _opened(settings: TransportSettings, stack: ExitStack) -> tuple[Iterator[Frame | None], str]:
+def _opened(
+    settings: TransportSettings, stack: ExitStack
+) -> tuple[Iterator[CapturedFrame | None], str]:
     """Returns what passes the interface, None where nothing does, and what is said of it.
 
     Where that cannot be seen, it is what the group is sent.
     """
-    from jausml.live.traffic.errors import TrafficError
+    from jausml.live.traffic.captures import TrafficError
     from jausml.live.traffic.interface import InterfaceCapture
     from jausml.live.traffic.listening import MulticastListener
 
@@ -288,8 +290,8 @@ def _tell_lost(capture: InterfaceCapture) -> None:
         click.echo(f"{lost} frames were lost: the host was too busy", err=True)
 
 
-def _heard(listener: MulticastListener) -> Iterator[Frame | None]:
-    from jausml.live.traffic.writing import frame_of
+def _heard(listener: MulticastListener) -> Iterator[CapturedFrame | None]:
+    from jausml.live.traffic.frames import frame_of
 
     while True:
         yield from map(frame_of, listener.datagrams(_TURN))
@@ -322,7 +324,7 @@ def _tell(
         click.echo(f"skipped {number}: {reason}", err=True)
 
 
-def _tell_files(parts: Parts, recorder: Recorder) -> None:
+def _tell_files(parts: RecordingFiles, recorder: Recorder) -> None:
     """Tells which files there are, or why nothing more could be written.
 
     Raises:

@@ -32,12 +32,11 @@ if TYPE_CHECKING:
     from jausml.cli.manners import Progress
     from jausml.language.model import Model
     from jausml.live.recording.bags import Bag, RosMessage
+    from jausml.live.recording.filters import TimeSpan
     from jausml.live.recording.from_captures import CaptureReplay, JausWriter
-    from jausml.live.recording.pace import Pace
-    from jausml.live.recording.spans import Span
-    from jausml.live.recording.to_wire import WireReplay
+    from jausml.live.recording.to_wire import ReplayPace, WireReplay
     from jausml.live.recording.translating import Translator
-    from jausml.live.traffic.captures import Frame
+    from jausml.live.traffic.captures import CapturedFrame
 
 _NANO = 10**9
 
@@ -142,10 +141,10 @@ def command(
     """
     from jausml.generation import GenerationError, NoSystemError
     from jausml.live.recording.bags import is_bag
-    from jausml.live.recording.errors import RecordingError
-    from jausml.live.recording.spans import Span
+    from jausml.live.recording.filters import TimeSpan
+    from jausml.live.recording.mcap_files import RecordingError
 
-    span = Span(start, duration)
+    span = TimeSpan(start, duration)
     if output is not None:
         not_itself(recording, output)
     if model is None:
@@ -176,12 +175,12 @@ def command(
         raise click.exceptions.Exit(PROBLEMS)
 
 
-def _again(recording: str, output: str | None, span: Span, *, force: bool, ros_only: bool) -> None:
+def _again(
+    recording: str, output: str | None, span: TimeSpan, *, force: bool, ros_only: bool
+) -> None:
     """Writes an MCAP file again, as far as it goes, or a part of it."""
     from jausml.live.recording.bags import MCAP
-    from jausml.live.recording.copying import copied
-    from jausml.live.recording.errors import RecordingError
-    from jausml.live.recording.mcap_reading import McapRecording
+    from jausml.live.recording.mcap_files import McapRecording, RecordingError, copied
 
     if not recording.endswith(MCAP) or output is None:
         raise click.UsageError("Missing argument '[MODEL]': an MCAP file with --output needs none")
@@ -208,19 +207,18 @@ def _told_cut(path: str, fault: str, reached: int | None) -> bool:
     return bool(fault)
 
 
-def _to_wire(recording: str, model: Model, span: Span, options: dict[str, Any]) -> bool:
+def _to_wire(recording: str, model: Model, span: TimeSpan, options: dict[str, Any]) -> bool:
     """Gives a recording of ROS to bridges; returns whether all that they take could be used."""
     from threading import Event
 
     from jausml.live.recording.bags import Bag
-    from jausml.live.recording.pace import Pace
-    from jausml.live.recording.to_wire import WireReplay
+    from jausml.live.recording.to_wire import ReplayPace, WireReplay
 
     if not Path(recording).exists():
         raise EnvironmentFault(f"{shown_path(recording)}: there is no such file")
     stop = Event()
     bag, allowed = Bag(recording, span), options["allow_commands"]
-    pace = Pace(options["speed"], options["max_rate"], stop)
+    pace = ReplayPace(options["speed"], options["max_rate"], stop)
     transport = {name: options[name] for name in ("interface", "port", "multicast_group")}
     list(islice(bag.messages(), 1))  # what cannot be read opens no bridge
     with (
@@ -247,12 +245,12 @@ def _to_wire(recording: str, model: Model, span: Span, options: dict[str, Any]) 
     return not (replay.refused or is_cut)
 
 
-def _pause(pace: Pace, key: str) -> None:
+def _pause(pace: ReplayPace, key: str) -> None:
     if key == " ":
         pace.is_paused = not pace.is_paused
 
 
-def _rounds(bag: Bag, pace: Pace, stop: Event, *, is_loop: bool) -> Iterator[RosMessage]:
+def _rounds(bag: Bag, pace: ReplayPace, stop: Event, *, is_loop: bool) -> Iterator[RosMessage]:
     """Yields the messages of a recording when their time has come, once or forever."""
     is_next = True
     while is_next and not stop.is_set():
@@ -263,7 +261,7 @@ def _rounds(bag: Bag, pace: Pace, stop: Event, *, is_loop: bool) -> Iterator[Ros
 
 
 def _shown(
-    messages: Iterable[RosMessage], pace: Pace, length: float | None, progress: Progress
+    messages: Iterable[RosMessage], pace: ReplayPace, length: float | None, progress: Progress
 ) -> Iterator[RosMessage]:
     """Yields messages, and lets somebody at a terminal see how far they are."""
     progress.told = lambda: "paused" if pace.is_paused else f"{pace.position:.1f} s of it"
@@ -287,11 +285,11 @@ def _wire_lines(replay: WireReplay) -> Iterator[str]:
 
 
 def _to_file(
-    read: Model, paths: tuple[str, str, str], port: int, span: Span, *, force: bool, jaus: bool
+    read: Model, paths: tuple[str, str, str], port: int, span: TimeSpan, *, force: bool, jaus: bool
 ) -> bool:
     """Makes a file of a capture; returns whether all of it could be used."""
     from jausml.live.recording.from_captures import CaptureReplay, JausWriter
-    from jausml.live.recording.mcap_writing import McapFile
+    from jausml.live.recording.mcap_files import McapFile
     from jausml.live.recording.translating import Translator
 
     recording, model, output = paths
@@ -308,16 +306,15 @@ def _to_file(
     return is_whole and is_complete
 
 
-def _replayed(replay: CaptureReplay, path: str, port: int, span: Span) -> bool:
+def _replayed(replay: CaptureReplay, path: str, port: int, span: TimeSpan) -> bool:
     """Reads a capture; returns whether it could be read to its end."""
-    from jausml.live.traffic.captures import read_frames
-    from jausml.live.traffic.errors import TrafficError
+    from jausml.live.traffic.captures import TrafficError, read_frames
     from jausml.live.traffic.frames import UdpReader
 
     reader = UdpReader(port)
     faults: list[str] = []
 
-    def readable(stream: BinaryIO) -> Iterator[Frame]:
+    def readable(stream: BinaryIO) -> Iterator[CapturedFrame]:
         reached = None
         try:
             for frame in read_frames(stream):

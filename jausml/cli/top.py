@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from jausml.cli.operating import Settings
     from jausml.live.peers.operator import Operator
-    from jausml.live.systems.observing import Observation
+    from jausml.live.systems.monitoring import Monitor
     from jausml.live.systems.ros_diagnostics import RosDiagnostics
     from jausml.live.systems.state import SystemState
 
@@ -77,19 +77,19 @@ def command(
         _require_terminal()
     known = models if model is None else (*models, model)
     settings = Settings(network_from(**network), known, timeout=1.0, as_json=as_json)
-    observation = _expected(model)
+    monitor = _expected(model)
     with ExitStack() as stack:
         stack.enter_context(until_interrupted())
-        operator, ros = stack.enter_context(_sources(settings, observation))
+        operator, ros = stack.enter_context(_sources(settings, monitor))
         if once:
             time.sleep(duration)
-            _print(observation.state(), as_json=as_json)
+            _print(monitor.state(), as_json=as_json)
         elif as_json:
-            _print_each(observation, interval)
+            _print_each(monitor, interval)
         else:
-            _show(observation, operator, ros, interval)
+            _show(monitor, operator, ros, interval)
     if once:
-        raise click.exceptions.Exit(observation.state().weight)
+        raise click.exceptions.Exit(monitor.state().weight)
 
 
 def _refuse_id(model: str) -> None:
@@ -113,54 +113,54 @@ def _require_terminal() -> None:
         raise EnvironmentFault(f"this is no terminal; {without}")
 
 
-def _expected(model: str | None) -> Observation:
-    """Returns the observation of a system of which only the model is known yet."""
+def _expected(model: str | None) -> Monitor:
+    """Returns the monitor of a system of which only the model is known yet."""
     from jausml.live.systems.declared import components_of, declarations_of
     from jausml.live.systems.folding import expected
-    from jausml.live.systems.observing import Observation
+    from jausml.live.systems.monitoring import Monitor
     from jausml.live.systems.state import SystemState
 
     if model is None:
-        return Observation(SystemState(time.monotonic()))
+        return Monitor(SystemState(time.monotonic()))
     try:
         read = read_model(model)
     except ModelFault as error:  # 1 would say that something is in WARN
         raise EnvironmentFault(error.message) from error
-    return Observation(expected(declarations_of(read), components_of(read), time.monotonic()))
+    return Monitor(expected(declarations_of(read), components_of(read), time.monotonic()))
 
 
 @contextmanager
 def _sources(
-    settings: Settings, observation: Observation
+    settings: Settings, monitor: Monitor
 ) -> Iterator[tuple[Operator | None, RosDiagnostics | None]]:
     """Yields what listens and asks; one of both is enough.
 
     Raises:
         EnvironmentFault: There is neither ROS nor a network for JAUS.
     """
-    from jausml.live.systems.observing import asking, listening
+    from jausml.live.systems.monitoring import listening, polling
 
     with ExitStack() as stack:
-        ros = stack.enter_context(listening(observation))
+        ros = stack.enter_context(listening(monitor))
         operator = None
         try:
             operator = stack.enter_context(settings.operator())
         except EnvironmentFault as error:
             if ros is None:
                 raise
-            observation.take_source("JAUS", error.message)
+            monitor.take_source("JAUS", error.message)
         else:
-            stack.enter_context(asking(observation, operator))
+            stack.enter_context(polling(monitor, operator))
         yield operator, ros
 
 
 def _print(state: SystemState, *, as_json: bool) -> None:
     if as_json:
         from jausml.cli.messages import to_json
-        from jausml.live.systems.shown import as_values
+        from jausml.live.systems.state import state_as_json
 
         now = datetime.now(timezone.utc).isoformat(timespec="milliseconds")
-        click.echo(to_json({"time": now, **as_values(state)}))
+        click.echo(to_json({"time": now, **state_as_json(state)}))
         return
     from jausml.live.systems import tables
 
@@ -192,19 +192,19 @@ def _print_table(
         click.echo("  ".join(cells).rstrip())
 
 
-def _print_each(observation: Observation, interval: float) -> None:
+def _print_each(monitor: Monitor, interval: float) -> None:
     while True:
         time.sleep(interval)
-        _print(observation.state(), as_json=True)
+        _print(monitor.state(), as_json=True)
 
 
 def _show(
-    observation: Observation,
+    monitor: Monitor,
     operator: Operator | None,
     ros: RosDiagnostics | None,
     interval: float,
 ) -> None:
-    from jausml.live.systems.looking import Looking
-    from jausml.live.terminal.app import SystemView
+    from jausml.live.systems.inspection import Inspection
+    from jausml.live.systems.terminal import SystemView
 
-    SystemView(observation.state, Looking(operator, ros), interval).run()
+    SystemView(monitor.state, Inspection(operator, ros), interval).run()

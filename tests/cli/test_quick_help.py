@@ -9,7 +9,7 @@ import pytest
 
 from jausml.cli import VERBS, choices
 from jausml.language.validation import formats
-from jausml.live.peers import console, network, pinging
+from jausml.live.peers import console, measuring, network
 from jausml.live.peers.conformance import formats as conformance_formats
 
 HEAVY = {
@@ -51,7 +51,7 @@ def test_help_loads_nothing_heavy(verb):
 def test_options_offer_what_there_is():
     assert tuple(formats.RENDERERS) == choices.REPORT_FORMATS
     assert tuple(conformance_formats.RENDERERS) == choices.CONFORMANCE_FORMATS
-    assert tuple(pinging.QUESTIONS) == choices.QUESTIONS
+    assert tuple(measuring.QUESTIONS) == choices.QUESTIONS
     assert choices.AUTHORITY == console.DEFAULT_AUTHORITY
     assert choices.TRANSPORTS == network.TRANSPORTS
     assert choices.INTERFACE == network.DEFAULT_INTERFACE

@@ -17,7 +17,7 @@ pytest.importorskip("rclpy")
 from mcap.reader import make_reader
 
 from jausml.live.api.component import Component
-from jausml.live.peers.asking import NoAnswer
+from jausml.live.peers.query_client import NoAnswer
 
 from .bridge_support import Process, RosPeer, generate, wait_for
 

@@ -17,7 +17,7 @@ pytest.importorskip("rclpy")
 
 from jausml.generation.system import system_of
 from jausml.language.model import read_models
-from jausml.live.traffic.captures import Frame
+from jausml.live.traffic.captures import CapturedFrame
 from jausml.live.traffic.frames import UdpReader
 from jausml.runtime.base.counters import Counters
 from jausml.runtime.transports.packets.packet import AckNak, parse_datagram
@@ -63,7 +63,9 @@ class Capture:
                 continue
             if kind != PACKET_OUTGOING:
                 number += 1
-                self._take(self._reader.read(Frame(number, time.monotonic(), ETHERNET, data)))
+                self._take(
+                    self._reader.read(CapturedFrame(number, time.monotonic(), ETHERNET, data))
+                )
 
     def _take(self, datagram) -> None:
         if datagram is None or datagram.data.startswith(HOST_FRAMES):

@@ -17,8 +17,8 @@ from jausml.live.peers.network import make_network
 from jausml.live.peers.operator import running_operator
 from jausml.live.systems.declared import components_of, declarations_of
 from jausml.live.systems.folding import expected
-from jausml.live.systems.looking import Looking
-from jausml.live.systems.observing import Observation, asking, listening
+from jausml.live.systems.inspection import Inspection
+from jausml.live.systems.monitoring import Monitor, listening, polling
 from jausml.runtime.base.address import JausAddress
 
 from .bridge_support import MODEL, Process, RosPeer, generate, wait_for
@@ -210,20 +210,20 @@ def test_a_hostile_status_is_data(system):
 
 def test_the_last_message_on_both_sides(system):
     model = read_model(str(MODEL))
-    observation = Observation(expected(declarations_of(model), components_of(model), 0.0))
+    monitor = Monitor(expected(declarations_of(model), components_of(model), 0.0))
     catalogue = open_catalogue([str(MODEL)])
     before = system.ros.node.count_subscribers("/odometry")
     with (
         running_operator(system.network(), catalogue, timeout=1.0) as operator,
-        listening(observation) as ros,
-        asking(observation, operator),
+        listening(monitor) as ros,
+        polling(monitor, operator),
     ):
-        looking = Looking(operator, ros)
+        inspection = Inspection(operator, ros)
 
         def at(name):
-            return looking.at(observation.state().connections["/loop_bridge", name])
+            return inspection.at(monitor.state().connections["/loop_bridge", name])
 
-        wait_for(lambda: observation.state().connections["/loop_bridge", "odometry"].told, "status")
+        wait_for(lambda: monitor.state().connections["/loop_bridge", "odometry"].told, "status")
         wait_for(lambda: any("linear:" in line for line in at("odometry")[0]), "Odometry")
         wait_for(lambda: any("Velocity_X: 2" in line for line in at("odometry")[1]), "report")
         wait_for(lambda: system.ros.node.count_subscribers("/odometry") == before + 1, "the look")
@@ -232,7 +232,7 @@ def test_the_last_message_on_both_sides(system):
         wait_for(
             lambda: system.ros.node.count_subscribers("/odometry") == before, "end of the look"
         )
-        looking.close()
+        inspection.close()
 
 
 def test_what_a_bridge_measures_is_shown_beside_what_is_measured_outside(system):

@@ -32,7 +32,7 @@ STREAMS = {
     "cli/decode.py": "lines, after is_file",
     "cli/messages.py": "lines of bounded length, by pipes too",
     "cli/recordings.py": "writes",
-    "live/recording/parts.py": "writes",
+    "live/recording/files.py": "writes",
     "live/machine/network.py": "a setting of the kernel",
 }
 

@@ -7,12 +7,10 @@ from dataclasses import replace
 
 import pytest
 
+from jausml.live.peers.conformance.evidence import Verdict, describe
 from jausml.live.peers.conformance.groups import all_groups, fixed_checks
-from jausml.live.peers.conformance.opening import TargetNotReached, opened
-from jausml.live.peers.conformance.runner import run
+from jausml.live.peers.conformance.run import TargetNotReached, opened, run
 from jausml.live.peers.conformance.session import Limits
-from jausml.live.peers.conformance.verdicts import Verdict
-from jausml.live.peers.describing import describe
 from jausml.live.peers.network import make_network
 from jausml.runtime import JausComponent, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
@@ -173,6 +171,10 @@ def test_a_component_of_ours_has_no_failures(component, network, catalogue):
         "management.shutdown-by-other",
     }
     assert report.count(Verdict.NOTE) == 0
+    codecs = [r.check for r in report.results if r.check.group == "codecs"]
+    assert {c.explanation.partition(".")[0] for c in codecs} == {
+        "Sends the query and decodes its report"
+    }
     assert not target.elements
     assert target.status is Status.STANDBY
     assert target.controller is None
@@ -262,6 +264,7 @@ def test_services_of_a_target_without_discovery_come_from_its_subsystem(
     assert report.services == tuple(f"{each.urn} 1.1" for each in services)
     assert verdicts(report)["liveness.event"] is Verdict.PASS
     (winch,) = [r for r in report.results if r.check.id == "codecs.Winch"]
+    assert winch.check.explanation.startswith("The layouts of the service are not known")
     assert winch.messages == ("the library lacks it; --model FILE adds a service",)
 
 

@@ -9,12 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jausml.live.messages import MessageError, load_catalogue
-from jausml.live.peers.conformance.formats import json, junit, text
+from jausml.live.peers.conformance.evidence import MAX_LENGTH, Verdict, describe
+from jausml.live.peers.conformance.formats import render_json, render_junit, render_text
 from jausml.live.peers.conformance.groups import all_groups
-from jausml.live.peers.conformance.opening import opened
-from jausml.live.peers.conformance.runner import run
-from jausml.live.peers.conformance.verdicts import Verdict
-from jausml.live.peers.describing import MAX_LENGTH, describe
+from jausml.live.peers.conformance.run import opened, run
 from jausml.live.peers.rendering import report_json, report_line
 from jausml.runtime.base.address import JausAddress
 
@@ -72,5 +70,5 @@ def test_a_target_that_babbles_gets_a_report(seed, peer_module, free_port, netwo
     finally:
         babbler.close()
     assert report.count(Verdict.FAIL) > 0
-    for render in (text.render, json.render, junit.render):
+    for render in (render_text, render_json, render_junit):
         assert render(report)

@@ -10,11 +10,10 @@ from threading import Event, Thread
 
 import pytest
 
-from jausml.live.peers.conformance.groups import Selection
-from jausml.live.peers.conformance.opening import opened
-from jausml.live.peers.conformance.runner import run
+from jausml.live.peers.conformance.evidence import Verdict
+from jausml.live.peers.conformance.groups import CheckFilter
+from jausml.live.peers.conformance.run import opened, run
 from jausml.live.peers.conformance.session import Limits
-from jausml.live.peers.conformance.verdicts import Verdict
 from jausml.runtime.base.address import JausAddress
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
@@ -53,7 +52,7 @@ def supervised(component):
 
 
 def checked(network, catalogue, *only, skip=(), limits=None):
-    selection = Selection(frozenset(only), frozenset(skip))
+    selection = CheckFilter(frozenset(only), frozenset(skip))
     limits = limits or Limits(restart=1.0)
     with opened(network, ADDRESS, catalogue, limits=limits, **QUICK) as session:
         return run(session, selection.groups(), lambda _: None)
@@ -140,7 +139,7 @@ def test_a_check_can_be_left_out(network, catalogue, waypoint_driver):
 
 
 def test_the_selection_of_a_check_is_of_its_group_alone():
-    selection = Selection(frozenset({"access.request", "list"}), frozenset({"list.elements"}))
+    selection = CheckFilter(frozenset({"access.request", "list"}), frozenset({"list.elements"}))
     assert [each.name for each in selection.groups()] == ["access", "list"]
     assert selection.takes("access.request")
     assert not selection.takes("access.release")

@@ -11,8 +11,7 @@ import pytest
 
 from jausml.language.model import read_models
 from jausml.live.peers.entry_messages import message_class
-from jausml.live.peers.measuring import Stream
-from jausml.live.peers.modelled import reports_of
+from jausml.live.peers.measuring import ReportTimes, reports_of
 from jausml.runtime.base.address import JausAddress
 
 TARGET = JausAddress(100, 1, 1)
@@ -150,7 +149,7 @@ def test_reports_of_a_model():
 @pytest.fixture
 def stream(catalogue):
     query, report = map(catalogue.message, ("QueryVelocityState", "ReportVelocityState"))
-    return Stream(TARGET, query, report)
+    return ReportTimes(TARGET, query, report)
 
 
 def test_rate_and_jitter_of_arrivals(stream):

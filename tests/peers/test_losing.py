@@ -10,8 +10,7 @@ from threading import Event, Thread
 
 import pytest
 
-from jausml.live.peers.identity import identified
-from jausml.live.peers.network import make_network
+from jausml.live.peers.network import identified, make_network
 from jausml.runtime import JausComponent
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.settings import TransportSettings

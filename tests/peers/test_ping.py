@@ -10,8 +10,7 @@ import sys
 
 import pytest
 
-from jausml.live.peers.pinging import Pings
-from jausml.live.peers.spread import spread_of
+from jausml.live.peers.measuring import Pings, spread_of
 from jausml.runtime.base.address import JausAddress
 
 pytestmark = pytest.mark.ports

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from jausml.live.peers.services import service_list, services_of
+from jausml.live.peers.discovery import service_list, services_of
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import ReportServiceList, ReportServices
 

@@ -11,7 +11,7 @@ import time
 import pytest
 
 from jausml.live.peers.operator import running_operator
-from jausml.live.systems.jaus_observer import ROUND
+from jausml.live.systems.monitoring import ROUND
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import CreateEvent, QueryControl, QueryStatus, RequestControl
 

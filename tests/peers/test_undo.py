@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from jausml.live.peers.conformance.client import Client
-from jausml.live.peers.conformance.opening import opened
+from jausml.live.peers.conformance.run import opened
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import ClearEmergency, SetEmergency
 from jausml.runtime.services.definitions import Status

@@ -5,9 +5,8 @@ from __future__ import annotations
 import pytest
 
 from jausml.live.messages import MessageError
-from jausml.live.peers.entry_messages import find_exchange, message_class
-from jausml.live.peers.samples import full_query, plain_query
-from jausml.live.peers.values import shown_fields
+from jausml.live.peers.entry_messages import find_exchange, full_query, message_class, plain_query
+from jausml.live.peers.rendering import shown_fields
 from jausml.runtime import ServiceIdentity
 from jausml.runtime.wire.message import DecodeError, EncodeError
 

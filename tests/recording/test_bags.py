@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from mcap.writer import Writer
 
 from jausml.live.recording.bags import Bag
-from jausml.live.recording.errors import RecordingError
+from jausml.live.recording.mcap_files import RecordingError
 
 
 def recording():

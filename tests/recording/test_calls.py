@@ -13,13 +13,12 @@ from jausml.language.interfaces import Installation
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.messages import Catalogue
-from jausml.live.recording.copying import copied
-from jausml.live.recording.definitions import installed_definition
-from jausml.live.recording.mcap_reading import McapRecording
-from jausml.live.recording.parts import Limits, Parts
+from jausml.live.recording.files import RecordingFiles, SplitLimits
+from jausml.live.recording.filters import TrafficFilter
+from jausml.live.recording.mcap_files import McapRecording, copied
 from jausml.live.recording.recorder import Recorder, topics_of
 from jausml.live.recording.ros_topics import RosTopics
-from jausml.live.recording.selection import Selection
+from jausml.live.recording.type_definitions import installed_definition
 
 PATIENCE = 60.0
 FLEET = Path(__file__).resolve().parents[2] / "models" / "examples" / "fleet" / "fleet.ros2jaus"
@@ -103,8 +102,10 @@ def test_calls_are_recorded_where_a_node_publishes_them(tmp_path, monkeypatch):
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
     path, whole = tmp_path / "calls.mcap", tmp_path / "whole.mcap"
-    recorder = Recorder(Parts(path, Limits()), Catalogue(read(FLEET)), {}, Selection())
-    ros = RosTopics(None, Selection(topics=("/switch/*",)))
+    recorder = Recorder(
+        RecordingFiles(path, SplitLimits()), Catalogue(read(FLEET)), {}, TrafficFilter()
+    )
+    ros = RosTopics(None, TrafficFilter(topics=("/switch/*",)))
     with Introspected() as node, recorder.kept(0.1, ros.repeat_latched):
         ros.open()
         ros.begin(recorder.take_topic)

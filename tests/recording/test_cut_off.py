@@ -13,10 +13,8 @@ from recordings import by_mcap, by_rosbags
 
 from jausml.cli import main
 from jausml.live.recording.bags import Bag
-from jausml.live.recording.errors import RecordingError
-from jausml.live.recording.mcap_reading import McapRecording
-from jausml.live.recording.mcap_writing import COMPRESSIONS, McapFile
-from jausml.live.recording.spans import Span
+from jausml.live.recording.filters import TimeSpan
+from jausml.live.recording.mcap_files import COMPRESSIONS, McapFile, McapRecording, RecordingError
 
 EACH, FLUSHES = 3, 4
 SECOND = 10**9
@@ -103,7 +101,7 @@ def test_a_bag_without_metadata_is_read_file_by_file(tmp_path):
     bag = Bag(str(tmp_path))
     assert len(list(bag.messages())) == EACH * FLUSHES + EACH
     assert "run_11.mcap cannot be read" in bag.fault
-    part = Bag(str(tmp_path), Span(start=10.0))
+    part = Bag(str(tmp_path), TimeSpan(start=10.0))
     assert [each.time for each in part.messages()][:2] == [BEGIN + 10 * SECOND, BEGIN + 11 * SECOND]
     for path in tmp_path.glob("run_*.mcap"):
         path.write_bytes(data[:30])

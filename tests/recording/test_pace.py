@@ -17,8 +17,8 @@ from terminal import at_terminal
 
 from jausml.cli import main
 from jausml.live.recording.bags import Bag, RosMessage
-from jausml.live.recording.pace import Pace
-from jausml.live.recording.spans import Span
+from jausml.live.recording.filters import TimeSpan
+from jausml.live.recording.to_wire import ReplayPace
 
 ROOT = Path(__file__).resolve().parents[2]
 FLEET = str(ROOT / "models" / "examples" / "fleet" / "fleet.ros2jaus")
@@ -51,7 +51,7 @@ def bag(path, count):
 @given(st.lists(st.one_of(st.none(), st.integers(0, 20))), st.floats(0, 20), STOPS)
 def test_a_span_has_what_lies_in_it(seconds, start, duration):
     timed = sorted(each for each in seconds if each is not None)
-    found = Span(start, duration).of(timed, lambda each: (7 + each) * SECOND)
+    found = TimeSpan(start, duration).of(timed, lambda each: (7 + each) * SECOND)
     end = float("inf") if duration is None else start + duration
     since = [each - timed[0] for each in timed]
     assert [each - timed[0] for each in found] == [
@@ -60,7 +60,7 @@ def test_a_span_has_what_lies_in_it(seconds, start, duration):
 
 
 def test_what_nobody_timed_is_in_every_span():
-    assert list(Span(5.0, 1.0).of([None, None], lambda each: each)) == [None, None]
+    assert list(TimeSpan(5.0, 1.0).of([None, None], lambda each: each)) == [None, None]
 
 
 def test_a_part_of_a_recording(tmp_path):
@@ -70,8 +70,8 @@ def test_a_part_of_a_recording(tmp_path):
     assert (result.exit_code, result.stderr) == (0, "3 messages\n")
     times = [message.log_time for _, _, message in by_mcap(part)]
     assert times == [BEGIN + number * SECOND for number in (2, 3, 4)]
-    assert Bag(path, Span(2.0, 3.0)).length() == 3.0
-    assert Bag(path, Span(7.0)).length() == 2.0
+    assert Bag(path, TimeSpan(2.0, 3.0)).length() == 3.0
+    assert Bag(path, TimeSpan(7.0)).length() == 2.0
 
 
 def test_a_part_of_a_capture(tmp_path):
@@ -90,7 +90,7 @@ def test_a_part_of_a_capture(tmp_path):
 
 def test_nothing_passes_in_a_pause():
     stop, passed = Event(), []
-    pace = Pace(100.0, 1000.0, stop)
+    pace = ReplayPace(100.0, 1000.0, stop)
     pace.is_paused = True
     reader = Thread(target=lambda: passed.extend(pace.messages(messages(0, 1, 2))))
     reader.start()
@@ -110,7 +110,7 @@ def test_nothing_passes_in_a_pause():
 def test_the_end_comes_in_the_midst_of_waiting():
     stop = Event()
     passed = []
-    pace = Pace(1.0, 1000.0, stop)
+    pace = ReplayPace(1.0, 1000.0, stop)
     for each in pace.messages(messages(0, 3600)):
         passed.append(each)
         stop.set()

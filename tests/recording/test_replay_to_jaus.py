@@ -16,7 +16,7 @@ from ports import free_port
 
 from jausml.cli import main
 from jausml.live.api.component import Component
-from jausml.live.peers.asking import NoAnswer
+from jausml.live.peers.query_client import NoAnswer
 
 pytestmark = [pytest.mark.live, pytest.mark.ports]
 ROOT = Path(__file__).resolve().parents[2]

@@ -13,10 +13,10 @@ from ports import free_domain
 from recordings import by_mcap
 
 from jausml.cli.messages import open_catalogue
-from jausml.live.recording.parts import Limits, Parts
+from jausml.live.recording.files import RecordingFiles, SplitLimits
+from jausml.live.recording.filters import TrafficFilter
 from jausml.live.recording.recorder import Recorder
 from jausml.live.recording.ros_topics import RosTopics
-from jausml.live.recording.selection import Selection
 
 pytestmark = [
     pytest.mark.live,
@@ -56,9 +56,9 @@ def test_each_file_has_the_latest_of_a_latched_topic(tmp_path, publisher):
     from std_msgs.msg import String
 
     publisher(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL).publish(String(data="a robot"))
-    parts = Parts(tmp_path / "run.mcap", Limits(duration=0.5))
-    recorder = Recorder(parts, open_catalogue([]), {}, Selection())
-    ros = RosTopics(["/description"], Selection())
+    parts = RecordingFiles(tmp_path / "run.mcap", SplitLimits(duration=0.5))
+    recorder = Recorder(parts, open_catalogue([]), {}, TrafficFilter())
+    ros = RosTopics(["/description"], TrafficFilter())
     with recorder.kept(0.05, ros.repeat_latched):
         ros.open()
         ros.begin(recorder.take_topic)
@@ -88,7 +88,7 @@ def test_messages_for_which_there_was_no_time_are_counted(publisher):
         came.append(message)
 
     made = publisher(depth=10)
-    ros = RosTopics(["/description"], Selection())
+    ros = RosTopics(["/description"], TrafficFilter())
     ros.open()
     ros.begin(take)
     try:

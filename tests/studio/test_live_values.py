@@ -11,10 +11,10 @@ from jausml.authoring.studio.live_values import HISTORY, Places, live_values, pl
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.systems.declared import components_of, declarations_of
-from jausml.live.systems.diagnostics import Status
+from jausml.live.systems.diagnostics import DiagnosticStatus
 from jausml.live.systems.folding import (
-    Answer,
-    Source,
+    AnswerSource,
+    ComponentAnswer,
     expected,
     fold_answer,
     fold_model,
@@ -53,7 +53,7 @@ def silent(model):
 
 
 def status(name="odometry", level=0, values=VALUES, message="running"):
-    return Status(level, f"/loop_bridge: {name}", message, LOOP, values)
+    return DiagnosticStatus(level, f"/loop_bridge: {name}", message, LOOP, values)
 
 
 def edges_of(model, row):
@@ -112,7 +112,7 @@ def test_control_is_told_at_its_edge_and_in_the_box(places, silent):
     def told(*answers):
         state = silent
         for each in answers:
-            state = fold_answer(state, Answer(LOOP, **each), 1.0)
+            state = fold_answer(state, ComponentAnswer(LOOP, **each), 1.0)
         values = live_values(state, places)
         return values["edges"][edge], values["boxes"]["loop_bridge"]
 
@@ -127,7 +127,7 @@ def test_control_is_told_at_its_edge_and_in_the_box(places, silent):
 
 def test_what_a_bridge_says_of_itself_is_told_in_its_box(places, silent):
     of_bridge = status("jaus socket", 1, message="datagrams are lost", values=())
-    state = fold_answer(silent, Answer(LOOP, state="READY"), 1.0)
+    state = fold_answer(silent, ComponentAnswer(LOOP, state="READY"), 1.0)
     box = live_values(fold_statuses(state, [of_bridge], 1.0), places)["boxes"]["loop_bridge"]
     assert box["level"] == "warning"
     assert box["text"] == "READY; jaus socket: datagrams are lost"
@@ -146,7 +146,7 @@ def test_little_is_told_of_much(places, silent):
 
 def test_a_changed_model_keeps_what_was_heard(model, places, silent):
     heard = fold_statuses(silent, [status()], 1.0)
-    heard = fold_answer(heard, Answer(LOOP, state="READY"), 1.0)
+    heard = fold_answer(heard, ComponentAnswer(LOOP, state="READY"), 1.0)
     declared = [each for each in declarations_of(model) if each.name != "odometry"]
     state = fold_model(heard, declared, {"10.1.77": "new"}, 2.0)
     assert state.connections["/loop_bridge", "odometry"].declaration is None
@@ -163,14 +163,14 @@ def test_a_death_is_told_as_one_and_ages_go_on(places, silent):
     row = places.rows["/loop_bridge", "odometry"]
     alive = fold_answer(
         fold_statuses(silent, [status()], 1.0),
-        Answer(LOOP, state="READY", controller="100.1.5", round_trip=0.0025),
+        ComponentAnswer(LOOP, state="READY", controller="100.1.5", round_trip=0.0025),
         1.0,
     )
     told = live_values(fold_time(alive, 4.0), places)["edges"][row]
     assert (told["age"], told["gone"]) == (pytest.approx(3.031), False)
     dead = fold_time(alive, 60.0)
     for number in range(3):
-        dead = fold_answer(dead, Answer(LOOP, source=Source.NOBODY), 60.0 + number)
+        dead = fold_answer(dead, ComponentAnswer(LOOP, source=AnswerSource.NOBODY), 60.0 + number)
     values = live_values(fold_time(dead, 63.0), places)
     edge = values["edges"][row]
     assert (edge["gone"], edge["text"], edge["rate"], edge["latency"]) == (True, "gone", None, {})
@@ -187,7 +187,7 @@ def test_a_death_is_told_as_one_and_ages_go_on(places, silent):
     # It stays so however often it is looked at, and lives again with its first answer.
     again = fold_time(dead, 70.0).components[LOOP]
     assert again.reason == "does not answer any more; was in READY"
-    back = fold_answer(dead, Answer(LOOP, state="STANDBY"), 71.0).components[LOOP]
+    back = fold_answer(dead, ComponentAnswer(LOOP, state="STANDBY"), 71.0).components[LOOP]
     assert (back.state, back.is_gone) == ("STANDBY", False)
 
 

@@ -8,28 +8,33 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.live.systems.diagnostics import LONGEST_TEXT, MOST_VALUES, Status, connection_of
+from jausml.live.systems.diagnostics import (
+    LONGEST_TEXT,
+    MOST_VALUES,
+    DiagnosticStatus,
+    connection_of,
+)
 from jausml.live.systems.folding import (
     FORGOTTEN,
     MOST_COMPONENTS,
     MOST_CONNECTIONS,
-    Answer,
-    Source,
+    AnswerSource,
+    ComponentAnswer,
     expected,
     fold_answer,
     fold_source,
     fold_statuses,
     fold_time,
 )
-from jausml.live.systems.shown import as_values
 from jausml.live.systems.state import (
     HISTORY,
     SILENCE,
     ConnectionState,
-    Declaration,
+    DeclaredConnection,
     Level,
     SystemState,
     TopicName,
+    state_as_json,
 )
 from jausml.live.systems.tables import (
     COLUMNS,
@@ -55,7 +60,7 @@ VALUES = (
     ("peer 10.1.1", "confirmed"),
     ("search", "bound to 10.1.2"),
 )
-DECLARED = Declaration(
+DECLARED = DeclaredConnection(
     "/robot/bridge",
     "odometry",
     "10.1.9",
@@ -70,7 +75,7 @@ DECLARED = Declaration(
 
 def status(name="odometry", node="/robot/bridge", level=0, values=VALUES, **others):
     fields = {"message": "running", "hardware_id": "10.1.9", **others}
-    return Status(level, f"{node}: {name}", values=values, **fields)
+    return DiagnosticStatus(level, f"{node}: {name}", values=values, **fields)
 
 
 def only(state: SystemState) -> ConnectionState:
@@ -102,11 +107,11 @@ def test_levels_of_ros(level, expected_level):
 @pytest.mark.parametrize(
     "foreign",
     [
-        Status(2, "battery: voltage", "low", "pack 7", (("volts", "3"),)),
-        Status(2, "no colon", "", "10.1.9", VALUES),
-        Status(2, "/a: b", "", "10.1.9", (("rate (Hz)", "3"),)),
-        Status(2, "/a: b", "", "a.b.c", VALUES),
-        Status(2, "", "", "", ()),
+        DiagnosticStatus(2, "battery: voltage", "low", "pack 7", (("volts", "3"),)),
+        DiagnosticStatus(2, "no colon", "", "10.1.9", VALUES),
+        DiagnosticStatus(2, "/a: b", "", "10.1.9", (("rate (Hz)", "3"),)),
+        DiagnosticStatus(2, "/a: b", "", "a.b.c", VALUES),
+        DiagnosticStatus(2, "", "", "", ()),
     ],
 )
 def test_statuses_of_other_makers_are_passed_over(foreign):
@@ -190,27 +195,29 @@ def test_two_bridges_of_one_declaration():
 def test_without_ros_a_connection_is_unknown_and_no_error():
     state = fold_source(expected([DECLARED], {}, 0.0), "ROS", "no ROS here")
     assert (only(state).level, only(state).reason) == (Level.UNKNOWN, "no ROS here")
-    assert fold_answer(state, Answer("10.1.1", state="READY"), 1.0).weight == 1
+    assert fold_answer(state, ComponentAnswer("10.1.1", state="READY"), 1.0).weight == 1
     assert only(fold_source(state, "ROS", "")).level is Level.NOT_HEARD
 
 
 def test_answers_of_a_component_come_together():
     state = SystemState()
     for answer in (
-        Answer("10.1.1", name="rover", services=("urn/1.0",), source=Source.DISCOVERY),
-        Answer("10.1.1", state="READY", round_trip=0.002),
-        Answer("10.1.1", controller="20.1.1", authority=127),
+        ComponentAnswer(
+            "10.1.1", name="rover", services=("urn/1.0",), source=AnswerSource.DISCOVERY
+        ),
+        ComponentAnswer("10.1.1", state="READY", round_trip=0.002),
+        ComponentAnswer("10.1.1", controller="20.1.1", authority=127),
     ):
         state = fold_answer(state, answer, 3.0)
     told = state.components["10.1.1"]
     assert (told.name, told.state, told.controller) == ("rover", "READY", "20.1.1")
     assert (told.authority, told.round_trip, told.services) == (127, 0.002, ("urn/1.0",))
     assert (told.level, told.told) == (Level.OK, 3.0)
-    state = fold_answer(state, Answer("10.1.1", control_timeout=5), 3.0)
+    state = fold_answer(state, ComponentAnswer("10.1.1", control_timeout=5), 3.0)
     assert "20.1.1 (authority 127, lapses after 5 s)" in component_row(state.components["10.1.1"])
-    state = fold_answer(state, Answer("10.1.1", control_timeout=0), 3.0)
+    state = fold_answer(state, ComponentAnswer("10.1.1", control_timeout=0), 3.0)
     assert "20.1.1 (authority 127, never lapses)" in component_row(state.components["10.1.1"])
-    released = fold_answer(state, Answer("10.1.1", controller="", authority=1), 4.0)
+    released = fold_answer(state, ComponentAnswer("10.1.1", controller="", authority=1), 4.0)
     assert released.components["10.1.1"].controller == ""
 
 
@@ -218,27 +225,29 @@ def test_answers_of_a_component_come_together():
     ("name", "weight"), [("READY", 0), ("STANDBY", 0), ("INITIALIZE", 1), ("EMERGENCY", 2)]
 )
 def test_management_states(name, weight):
-    assert fold_answer(SystemState(), Answer("10.1.1", state=name), 0.0).weight == weight
+    assert fold_answer(SystemState(), ComponentAnswer("10.1.1", state=name), 0.0).weight == weight
 
 
 def test_a_component_that_answers_no_more():
     state = expected([], {"10.1.1": "vehicle"}, 0.0)
     for address in ("10.1.1", "10.1.2"):
-        state = fold_answer(state, Answer(address, state="READY"), 0.0)
+        state = fold_answer(state, ComponentAnswer(address, state="READY"), 0.0)
     for _ in range(3):
         assert state.weight == 0
         for address in ("10.1.1", "10.1.2"):
-            state = fold_answer(state, Answer(address, source=Source.NOBODY), 3.0)
+            state = fold_answer(state, ComponentAnswer(address, source=AnswerSource.NOBODY), 3.0)
     levels = {address: each.level for address, each in state.components.items()}
     # Whom the model has must be there; others come and go, and are forgotten.
     assert levels == {"10.1.1": Level.NOT_HEARD, "10.1.2": Level.STALE}
     assert list(fold_time(state, FORGOTTEN + 1).components) == ["10.1.1"]
-    back = fold_answer(state, Answer("10.1.1", state="READY"), 4.0)
+    back = fold_answer(state, ComponentAnswer("10.1.1", state="READY"), 4.0)
     assert back.components["10.1.1"].level is Level.OK
 
 
 def test_whom_only_discovery_names_is_no_error():
-    state = fold_answer(SystemState(), Answer("10.1.1", name="x", source=Source.DISCOVERY), 0.0)
+    state = fold_answer(
+        SystemState(), ComponentAnswer("10.1.1", name="x", source=AnswerSource.DISCOVERY), 0.0
+    )
     assert state.components["10.1.1"].level is Level.STALE
     assert not state.is_heard
 
@@ -250,7 +259,7 @@ def test_there_is_a_bound_to_what_is_kept():
     assert not fold_statuses(state, many[:1], 1.0).ignored - 3
     state = SystemState()
     for number in range(MOST_COMPONENTS + 2):
-        state = fold_answer(state, Answer(f"{number + 1}.1.1"), 0.0)
+        state = fold_answer(state, ComponentAnswer(f"{number + 1}.1.1"), 0.0)
     assert (len(state.components), state.ignored) == (MOST_COMPONENTS, 2)
     huge = status(values=(*VALUES, *(("k" * 10_000, "v" * 10_000) for _ in range(1000))))
     values = only(fold_statuses(SystemState(), [huge], 0.0)).values
@@ -277,7 +286,7 @@ TEXTS = st.one_of(
     st.just("\x1b[2J[red]\u202e\ud800" + "x" * 1000),
 )
 STATUSES = st.builds(
-    Status,
+    DiagnosticStatus,
     st.integers(0, 255),
     TEXTS,
     TEXTS,
@@ -285,14 +294,14 @@ STATUSES = st.builds(
     st.lists(st.tuples(TEXTS, TEXTS), max_size=8).map(tuple),
 )
 ANSWERS = st.builds(
-    Answer,
+    ComponentAnswer,
     st.sampled_from(["10.1.1", "10.1.9", "20.1.1"]),
     st.none() | TEXTS,
     st.none() | TEXTS,
     st.none() | TEXTS,
     st.sampled_from([None, "", "1.1.1"]),
     st.none() | st.integers(0, 255),
-    source=st.sampled_from(Source),
+    source=st.sampled_from(AnswerSource),
 )
 EVENTS = st.lists(
     st.tuples(st.floats(0, 100), st.lists(STATUSES, max_size=3) | ANSWERS), max_size=12
@@ -304,12 +313,12 @@ def test_whatever_is_told_the_state_can_be_shown(events):
     state = expected([DECLARED], {"10.1.1": "vehicle"}, 0.0)
     for now, event in events:
         before = state
-        fold = fold_answer if isinstance(event, Answer) else fold_statuses
+        fold = fold_answer if isinstance(event, ComponentAnswer) else fold_statuses
         state = fold(state, event, now)
         assert state.now == max(before.now, now)
         assert "10.1.1" in state.components
         assert any(each.name == "odometry" for each in state.connections.values())
-    assert json.loads(json.dumps(as_values(state), allow_nan=False))["health"]
+    assert json.loads(json.dumps(state_as_json(state), allow_nan=False))["health"]
     for index in range(len(COLUMNS)):
         shown = arranged(state, index)
         assert {each.key for each in shown} == state.connections.keys()
@@ -325,7 +334,7 @@ def test_whatever_is_told_the_state_can_be_shown(events):
 def test_time_alone_changes_nothing_twice(events):
     state = SystemState()
     for now, event in events:
-        fold = fold_answer if isinstance(event, Answer) else fold_statuses
+        fold = fold_answer if isinstance(event, ComponentAnswer) else fold_statuses
         state = fold(state, event, now)
     once = fold_time(state, state.now)
     assert fold_time(once, once.now) == once
@@ -391,10 +400,10 @@ def test_a_connection_has_the_state_that_its_bridge_says():
     state = fold_statuses(SystemState(), [told], 0.0)
     assert (only(state).phase, only(state).level) == ("refused", Level.STALE)
     assert row(only(state))[0] == "refused"
-    assert as_values(state)["connections"][0]["state"] == "refused"
+    assert state_as_json(state)["connections"][0]["state"] == "refused"
     gone = fold_time(state, SILENCE + 1.0)
     assert row(only(gone))[0] == "not heard"
-    assert as_values(gone)["connections"][0]["state"] is None
+    assert state_as_json(gone)["connections"][0]["state"] is None
 
 
 def test_a_bridge_that_says_no_state_is_shown_by_its_level():

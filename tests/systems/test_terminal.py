@@ -10,11 +10,11 @@ pytest.importorskip("textual")
 
 from textual.widgets import DataTable, Input, Static
 
-from jausml.live.systems.diagnostics import Status
-from jausml.live.systems.folding import Answer, fold_answer, fold_statuses
-from jausml.live.systems.looking import Looking
+from jausml.live.systems.diagnostics import DiagnosticStatus
+from jausml.live.systems.folding import ComponentAnswer, fold_answer, fold_statuses
+from jausml.live.systems.inspection import Inspection
 from jausml.live.systems.state import SystemState
-from jausml.live.terminal.app import SystemView
+from jausml.live.systems.terminal import SystemView
 
 EVIL = "[red]x[/red]\x1b]0;title\x07\x1b[2J\u202e"
 
@@ -32,11 +32,11 @@ class System:
     def tell(self, name, rate="1", level=0, message="running", values=()):
         self.now += 1.0
         pairs = (("declared rate (Hz)", "10"), ("rate (Hz)", rate), *values)
-        status = Status(level, f"/robot/bridge: {name}", message, "10.1.9", pairs)
+        status = DiagnosticStatus(level, f"/robot/bridge: {name}", message, "10.1.9", pairs)
         self.state = fold_statuses(self.state, [status], self.now)
 
     def answer(self, *arguments, **fields):
-        self.state = fold_answer(self.state, Answer(*arguments, **fields), self.now)
+        self.state = fold_answer(self.state, ComponentAnswer(*arguments, **fields), self.now)
 
 
 @pytest.fixture
@@ -53,7 +53,7 @@ def drive(system, test):
     """Runs a test with the application and what presses its keys."""
 
     async def run():
-        app = SystemView(system, Looking(None, None), interval=3600.0)
+        app = SystemView(system, Inspection(None, None), interval=3600.0)
         async with app.run_test(size=(160, 40)) as pilot:
             await test(app, pilot)
 

@@ -12,8 +12,7 @@ from capture_files import block, interface, option, packet, pcap, section
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jausml.live.traffic.captures import read_frames
-from jausml.live.traffic.errors import CaptureError
+from jausml.live.traffic.captures import CaptureError, read_frames
 
 FRAMES = [b"first frame", b"x", b""]
 

@@ -19,7 +19,7 @@ from capture_files import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jausml.live.traffic.captures import Frame
+from jausml.live.traffic.captures import CapturedFrame
 from jausml.live.traffic.frames import UdpReader
 
 DATA = b"a datagram of some length"
@@ -28,7 +28,9 @@ DATA = b"a datagram of some length"
 def read(*frames, link_type=ETHERNET, port=3794, is_cut=False):
     reader = UdpReader(port)
     numbered = enumerate(frames, 1)
-    found = [reader.read(Frame(n, float(n), link_type, data, is_cut)) for n, data in numbered]
+    found = [
+        reader.read(CapturedFrame(n, float(n), link_type, data, is_cut)) for n, data in numbered
+    ]
     return [each for each in found if each is not None], reader
 
 

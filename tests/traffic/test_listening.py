@@ -8,7 +8,7 @@ import pytest
 from capture_files import QUERY_STATUS
 from ports import free_port
 
-from jausml.live.traffic.errors import TrafficError
+from jausml.live.traffic.captures import TrafficError
 from jausml.live.traffic.listening import MulticastListener
 from jausml.runtime.base.settings import TransportSettings
 

@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 
 from jausml.live.messages import load_catalogue
 from jausml.live.traffic import text
-from jausml.live.traffic.elsewhere import Endpoint
-from jausml.live.traffic.frames import Datagram
+from jausml.live.traffic.frames import Datagram, Endpoint
 from jausml.live.traffic.observing import Observer
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.transports.packets.packet import DataFlags, Packet

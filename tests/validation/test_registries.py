@@ -10,7 +10,6 @@ import pytest
 from jausml.language.validation import formats
 from jausml.language.validation.rule import Rule
 from jausml.language.validation.rules import MODULES, all_rules, bridge, jaus, ros
-from jausml.live.peers.conformance import formats as conformance_formats
 
 
 def modules_in(package):
@@ -31,7 +30,6 @@ def test_each_module_has_rules_and_each_rule_an_id_of_its_own():
         assert any(isinstance(each, Rule) for each in vars(module).values())
 
 
-@pytest.mark.parametrize("package", [formats, conformance_formats], ids=["models", "conformance"])
-def test_each_module_that_renders_is_a_format(package):
-    names = [each.__name__ for each in modules_in(package) if hasattr(each, "render")]
-    assert [name.rpartition(".")[2] for name in names] == sorted(package.RENDERERS)
+def test_each_module_that_renders_is_a_format():
+    names = [each.__name__ for each in modules_in(formats) if hasattr(each, "render")]
+    assert [name.rpartition(".")[2] for name in names] == sorted(formats.RENDERERS)

@@ -11,14 +11,13 @@ from typing import TYPE_CHECKING, Any
 from jausml.authoring.studio.live_values import live_values, places_of, row_of
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.messages import CatalogueError, load_catalogue
-from jausml.live.peers.asking import NoAnswer
-from jausml.live.peers.identity import identified
-from jausml.live.peers.network import fault, silence_log
+from jausml.live.peers.network import fault, identified, silence_log
 from jausml.live.peers.operator import running_operator
+from jausml.live.peers.query_client import NoAnswer
 from jausml.live.systems.declared import components_of, declarations_of
 from jausml.live.systems.folding import expected
-from jausml.live.systems.looking import Looking
-from jausml.live.systems.observing import Observation, asking, listening
+from jausml.live.systems.inspection import Inspection
+from jausml.live.systems.monitoring import Monitor, listening, polling
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -83,14 +82,14 @@ class LiveSystem:
         self._watched = watched
         self._network = network
         self._tell = tell
-        self._observation = Observation(
+        self._monitor = Monitor(
             expected(declarations_of(watched.model), components_of(watched.model), time.monotonic())
         )
         self._places = places_of(watched.model)
         self._changed: Model | None = None
         self._is_wanted = False
         self._told = 0.0
-        self._looking: Looking | None = None
+        self._inspection: Inspection | None = None
         self._glanced: float | None = None
         self._lock = Lock()
         self._end = Event()
@@ -132,9 +131,9 @@ class LiveSystem:
         """
         connection, age = self._connection(row)
         with self._lock:
-            if self._looking is None:
+            if self._inspection is None:
                 raise NotWatchedError("the system is not watched yet")
-            ros, jaus = self._looking.at(connection)
+            ros, jaus = self._inspection.at(connection)
             self._glanced = time.monotonic()
         return {
             "ros": "\n".join(ros),
@@ -148,7 +147,7 @@ class LiveSystem:
         """Returns a connection and the age of its last message."""
         with self._lock:
             places = self._places
-        state = self._observation.state()
+        state = self._monitor.state()
         for each in state.connections.values():
             if row_of(each, places) == row:
                 return each, state.age_of(each)
@@ -158,7 +157,7 @@ class LiveSystem:
 
     def _run(self) -> None:
         with ExitStack() as stack:
-            ros = stack.enter_context(listening(self._observation))
+            ros = stack.enter_context(listening(self._monitor))
             operator = self._operator(stack)
             self._open(operator, ros)
             stack.callback(self._close)
@@ -173,11 +172,11 @@ class LiveSystem:
             network = stack.enter_context(identified(self._network))
             operator = stack.enter_context(running_operator(network, self._catalogue(), _TIMEOUT))
         except NoAnswer as error:
-            self._observation.take_source("JAUS", str(error))
+            self._monitor.take_source("JAUS", str(error))
         except OSError as error:
-            self._observation.take_source("JAUS", fault(error, self._network, _REMEDY))
+            self._monitor.take_source("JAUS", fault(error, self._network, _REMEDY))
         else:
-            stack.enter_context(asking(self._observation, operator))
+            stack.enter_context(polling(self._monitor, operator))
             return operator
         return None
 
@@ -192,18 +191,18 @@ class LiveSystem:
 
     def _open(self, operator: Operator | None, ros: RosDiagnostics | None) -> None:
         with self._lock:
-            self._looking = Looking(operator, ros)
+            self._inspection = Inspection(operator, ros)
 
     def _close(self) -> None:
         with self._lock:
-            looking, self._looking = self._looking, None
-        if looking is not None:
-            looking.close()
+            inspection, self._inspection = self._inspection, None
+        if inspection is not None:
+            inspection.close()
 
     def _look(self, before: tuple[object, ...] | None) -> tuple[object, ...]:
         """Tells the state if it is another than before, and returns what is compared."""
         self._take_model()
-        state = self._observation.state()
+        state = self._monitor.state()
         with self._lock:
             places = self._places
             is_wanted, self._is_wanted = self._is_wanted, False
@@ -219,7 +218,7 @@ class LiveSystem:
             model, self._changed = self._changed, None
         if model is not None:
             places = places_of(model)
-            self._observation.take_model(declarations_of(model), components_of(model))
+            self._monitor.take_model(declarations_of(model), components_of(model))
             with self._lock:
                 self._places = places
 
@@ -228,8 +227,8 @@ class LiveSystem:
         if self._glanced is None or time.monotonic() - self._glanced < GLANCE:
             return
         self._glanced = None
-        if self._looking is not None:
-            self._looking.away()
+        if self._inspection is not None:
+            self._inspection.away()
 
 
 def _facts(state: SystemState) -> tuple[object, ...]:

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.live.systems.declared import node_of
-from jausml.live.systems.shown import as_values
-from jausml.live.systems.state import Level
-from jausml.live.systems.tables import cell, shown_state
+from jausml.live.systems.state import Level, state_as_json
+from jausml.live.systems.tables import cell, state_text
 from jausml.views.diagrams.views import SYSTEM, graph_of, view_names
 from jausml.views.diagrams.views.context import Context
 
@@ -86,7 +85,7 @@ def live_values(state: SystemState, places: Places) -> dict[str, Any]:
         state: The state.
         places: Where the page shows what.
     """
-    values = as_values(state)
+    values = state_as_json(state)
     for each, connection in zip(values["connections"], state.connections.values(), strict=True):
         del each["values"]
         each["history"] = each["history"][-HISTORY:]
@@ -132,10 +131,10 @@ def _edge(connection: ConnectionState, age: float | None) -> dict[str, Any]:
 def _connection_text(connection: ConnectionState) -> str:
     """Returns a few words for the diagram; why it is so stands in the table."""
     if connection.level is not Level.OK:
-        return "gone" if connection.is_gone else shown_state(connection)
+        return "gone" if connection.is_gone else state_text(connection)
     rate, declared = connection.rate, connection.declared_rate
     if rate is None:
-        return shown_state(connection)
+        return state_text(connection)
     return f"{rate:.1f} Hz" if declared is None else f"{rate:.1f} of {declared:g} Hz"
 
 

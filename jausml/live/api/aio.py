@@ -40,11 +40,7 @@ class AsyncSubscription:
             yield report
 
     async def next(self) -> Received:
-        """Returns the next report.
-
-        Raises:
-            EOFError: The subscription is closed.
-        """
+        """Returns the next report."""
         report = await self._reports.get()
         if report is None:
             raise EOFError("the subscription is closed")
@@ -105,10 +101,8 @@ class AsyncComponent:
 
         Args:
             address: JAUS id, subsystem.node.component; None for a free one of 65000.
-            options: Those of `Component`.
 
         Raises:
-            ValueError: An argument means nothing.
             MessageError: A model cannot be read, or there is no such service.
         """
         self._inner = Component(address, **options)

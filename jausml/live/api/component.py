@@ -12,10 +12,9 @@ from inspect import iscoroutinefunction
 from queue import Empty, Full, Queue
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.api.messages import catalogue
+from jausml.live.api.payloads import catalogue
 from jausml.live.peers.entry_messages import find_exchange, find_message
-from jausml.live.peers.identity import identified
-from jausml.live.peers.network import DEFAULT_GROUP, Network, component_address, fault
+from jausml.live.peers.network import DEFAULT_GROUP, Network, component_address, fault, identified
 from jausml.live.peers.operator import Identity, Operator, running_operator
 from jausml.runtime.base.settings import JUDP_PORT, TransportSettings
 from jausml.runtime.messages import Resume
@@ -24,7 +23,7 @@ from jausml.runtime.services.definitions import ServiceIdentity, Status
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
-    from jausml.live.api.messages import Models
+    from jausml.live.api.payloads import Models
     from jausml.live.messages import Catalogue, MessageEntry
     from jausml.runtime.base.address import JausAddress
 
@@ -42,9 +41,7 @@ class Received:
     """A message that came.
 
     Attributes:
-        name: Its name.
         fields: Its fields, in units of the standard.
-        sender: JAUS id of the component that sent it.
     """
 
     name: str
@@ -148,16 +145,9 @@ class Component:
             address: JAUS id, subsystem.node.component; None for a free one of 65000.
             provides: Services that others may find, by URN or name; what they inherit, and the
                 core services that each tool has, come along.
-            name: What Discovery reports.
-            interface: IPv4 address of the network interface.
-            port: UDP port of JUDP (AS5669A), which the component shares with others of the host.
-            multicast_group: Multicast group of JUDP.
             peers: Where components are that multicast does not reach: host and port by JAUS id.
-            models: Files with services of your own.
-            timeout: Seconds to wait for an answer.
 
         Raises:
-            ValueError: An argument means nothing.
             MessageError: A model cannot be read, or there is no such service.
         """
         if not timeout > 0:
@@ -223,7 +213,6 @@ class Component:
         """Asks for a report and returns its fields.
 
         Args:
-            target: JAUS id of the component.
             name: Name or code of the query or of its report, or what both share (`VelocityState`).
             fields: Fields of the query; without it everything is asked for.
 
@@ -239,14 +228,10 @@ class Component:
         """Subscribes to a report by an event (AS5710, CreateEvent).
 
         Args:
-            target: JAUS id of the component.
-            name: Name or code of the query or of its report.
             rate: Reports each second; None means at every change.
 
         Raises:
-            NoAnswer: The component does not answer.
             Refused: It gives no such event; the text says why.
-            MessageError: There is no such message.
         """
         subscription = Subscription()
         subscription.begin(self.watch(target, name, rate, subscription.take))
@@ -258,8 +243,6 @@ class Component:
         """Subscribes to a report, and has a function take each.
 
         Args:
-            target: JAUS id of the component.
-            name: Name or code of the query or of its report.
             rate: Reports each second; None means at every change.
             take: Takes a report, on a thread of the component.
 
@@ -267,9 +250,7 @@ class Component:
             A function that cancels the event.
 
         Raises:
-            NoAnswer: The component does not answer.
             Refused: It gives no such event; the text says why.
-            MessageError: There is no such message.
         """
 
         def taking(entry: MessageEntry, fields: Fields) -> None:
@@ -301,12 +282,9 @@ class Component:
         """Controls a component as long as the block, and brings it to Ready.
 
         Args:
-            target: JAUS id of the component.
-            authority: Authority code to ask with.
             resume: Whether to bring it to Ready (AS5710, Resume).
 
         Raises:
-            NoAnswer: The component does not answer.
             Refused: It gives no control, or does not come to Ready.
         """
         address = self._other(target)
@@ -323,8 +301,6 @@ class Component:
         """Sends a message once, without waiting; commands are obeyed under control alone.
 
         Args:
-            target: JAUS id of the component.
-            name: Name or code of the message.
             fields: Its fields; the one record of a body need not be named.
 
         Raises:
@@ -344,14 +320,12 @@ class Component:
         """Answers a query, and events on it, with what a function returns; also before the start.
 
         Args:
-            name: Name or code of the query or of its report, or what both share.
             give: Returns the fields of the present report; None when there is none now.
 
         Returns:
             A function to be called when the report may have changed, for events at every change.
 
         Raises:
-            MessageError: There is no such message.
             TypeError: What gives is no function, or is async.
             ValueError: The query is answered already.
         """
@@ -372,12 +346,7 @@ class Component:
     def obey(self, name: str | int, take: Callable[[Received], None]) -> None:
         """Has a function take a message: a command from the controller in Ready alone.
 
-        Args:
-            name: Name or code of the message.
-            take: Takes the message.
-
         Raises:
-            MessageError: There is no such message.
             TypeError: What takes is no function, or is async.
             ValueError: Something takes it already, or it is a query.
         """

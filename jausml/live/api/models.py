@@ -22,11 +22,7 @@ if TYPE_CHECKING:
 
 
 class ModelError(Exception):
-    """A model has errors; the text lists them with their places.
-
-    Attributes:
-        report: All findings.
-    """
+    """A model has errors; the text lists them with their places."""
 
     def __init__(self, report: Report) -> None:
         super().__init__(text.render(report).rstrip())
@@ -41,9 +37,7 @@ def read(
     """Reads models, XMI or ros2jaus text, and all that they refer to.
 
     Args:
-        paths: Files.
         project_root: The folder that references may not leave; found by itself when None.
-        allow_outside: Whether references may leave it.
 
     Returns:
         The model, as far as it can be read, and what is wrong with it.
@@ -61,9 +55,7 @@ def validate(
     """Reads models and checks them by all rules.
 
     Args:
-        paths: Files.
         project_root: The folder that references may not leave; found by itself when None.
-        allow_outside: Whether references may leave it.
 
     Returns:
         The findings, with their places, hints and rules.
@@ -82,17 +74,13 @@ def generate(
     """Generates the workspace of a model.
 
     Args:
-        path: The model.
-        out: The folder; it may be missing.
         targets: Names of targets; all that need not be asked for by name when there is none.
         force: Whether to overwrite edited generated files, after a copy. Skeletons stay.
-        write: Whether to write; else the result tells what would happen.
 
     Returns:
         What happened to each file.
 
     Raises:
-        ModelError: The model has errors.
         GenerationError: A target is unknown, or cannot generate what the model has.
         OwnershipError: A file is not ours to overwrite.
     """

@@ -10,7 +10,7 @@ from ipaddress import IPv4Address
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jausml.live.machine.check import Check, Verdict
+from jausml.live.machine.finding import Finding, Outcome
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.transports.port_holder import holders, manager_folder
 
@@ -32,44 +32,40 @@ def settings_of(interface: str, port: int, multicast_group: str) -> TransportSet
     return TransportSettings(interface=interface, port=port, multicast_group=multicast_group)
 
 
-def checks(settings: TransportSettings) -> Iterator[Check]:
-    """Yields what is to be said of the network; sends one datagram to a port of its own.
-
-    Args:
-        settings: Interface, port and multicast group.
-    """
+def checks(settings: TransportSettings) -> Iterator[Finding]:
+    """Yields what is to be said of the network; sends one datagram to a port of its own."""
     interface = _interface(settings)
     yield interface
     manager = manager_folder(settings)
-    if interface.verdict is not Verdict.ERROR:
+    if interface.verdict is not Outcome.ERROR:
         yield _multicast(settings)
         for protocol in ("udp", "tcp"):
             yield _port(settings, protocol, has_manager=manager is not None)
     if manager is not None:
         text = f"a node manager runs, its socket is in {manager}"
         cure = "to speak through it: --jaus-transport node-manager"
-        yield Check(_TOPIC, "node manager", Verdict.NOTE, text, cure)
+        yield Finding(_TOPIC, "node manager", Outcome.NOTE, text, cure)
     else:
-        yield Check(_TOPIC, "node manager", Verdict.OK, "none runs on this host")
+        yield Finding(_TOPIC, "node manager", Outcome.OK, "none runs on this host")
     yield from _buffer(settings.receive_buffer)
 
 
-def _interface(settings: TransportSettings) -> Check:
+def _interface(settings: TransportSettings) -> Finding:
     address = settings.interface
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             probe.bind((address, 0))
         except OSError as error:
             cure = "name an address of this host by --interface; `ip -4 address` lists them"
-            return Check(_TOPIC, "interface", Verdict.ERROR, f"{address}: {error.strerror}", cure)
+            return Finding(_TOPIC, "interface", Outcome.ERROR, f"{address}: {error.strerror}", cure)
     if IPv4Address(address).is_loopback:
         text = f"{address} is this host alone"
         cure = "name the interface of the vehicle's network by --interface"
-        return Check(_TOPIC, "interface", Verdict.NOTE, text, cure)
-    return Check(_TOPIC, "interface", Verdict.OK, f"{address} is an address of this host")
+        return Finding(_TOPIC, "interface", Outcome.NOTE, text, cure)
+    return Finding(_TOPIC, "interface", Outcome.OK, f"{address} is an address of this host")
 
 
-def _multicast(settings: TransportSettings) -> Check:
+def _multicast(settings: TransportSettings) -> Finding:
     group = settings.multicast_group
     try:
         came = _comes_back(settings)
@@ -78,13 +74,13 @@ def _multicast(settings: TransportSettings) -> Check:
     else:
         if came:
             text = f"a datagram to {group} on {settings.interface} comes back"
-            return Check(_TOPIC, "multicast", Verdict.OK, text)
+            return Finding(_TOPIC, "multicast", Outcome.OK, text)
         reason = f"a datagram to {group} on {settings.interface} does not come back"
     cure = (
         "look at the firewall, and at `ip link`: the interface needs MULTICAST (for loopback"
         " `ip link set lo multicast on`); without multicast name peers by --jaus-peer"
     )
-    return Check(_TOPIC, "multicast", Verdict.WARNING, reason, cure)
+    return Finding(_TOPIC, "multicast", Outcome.WARNING, reason, cure)
 
 
 def _comes_back(settings: TransportSettings) -> bool:
@@ -104,7 +100,7 @@ def _comes_back(settings: TransportSettings) -> bool:
             return False
 
 
-def _port(settings: TransportSettings, protocol: str, *, has_manager: bool) -> Check:
+def _port(settings: TransportSettings, protocol: str, *, has_manager: bool) -> Finding:
     name = f"{protocol} port {settings.port}"
     kind = socket.SOCK_DGRAM if protocol == "udp" else socket.SOCK_STREAM
     with socket.socket(socket.AF_INET, kind) as probe:
@@ -113,7 +109,7 @@ def _port(settings: TransportSettings, protocol: str, *, has_manager: bool) -> C
         except OSError as error:
             if error.errno != errno.EADDRINUSE:
                 cure = "take another port by --port"
-                return Check(_TOPIC, name, Verdict.ERROR, str(error.strerror), cure)
+                return Finding(_TOPIC, name, Outcome.ERROR, str(error.strerror), cure)
             known = " and ".join(map(str, holders(protocol, settings.port)))
             text = f"held by {known or 'a program that cannot be seen'}"
             cure = (
@@ -121,18 +117,18 @@ def _port(settings: TransportSettings, protocol: str, *, has_manager: bool) -> C
                 if protocol == "udp" or has_manager
                 else "only one program of a host can have it: --jaus-port takes another"
             )
-            return Check(_TOPIC, name, Verdict.WARNING, text, cure)
-    return Check(_TOPIC, name, Verdict.OK, "free")
+            return Finding(_TOPIC, name, Outcome.WARNING, text, cure)
+    return Finding(_TOPIC, name, Outcome.OK, "free")
 
 
-def _buffer(wanted: int) -> Iterator[Check]:
+def _buffer(wanted: int) -> Iterator[Finding]:
     try:
         limit = int(_LIMIT.read_text("ascii"))
     except (OSError, ValueError):
         return
     name, text = "receive buffer", f"the kernel grants {limit:,} bytes to a socket"
     if limit >= wanted:
-        yield Check(_TOPIC, name, Verdict.OK, text)
+        yield Finding(_TOPIC, name, Outcome.OK, text)
         return
     cure = f"sysctl -w net.core.rmem_max={wanted}: else bursts of large messages may be lost"
-    yield Check(_TOPIC, name, Verdict.NOTE, text, cure)
+    yield Finding(_TOPIC, name, Outcome.NOTE, text, cure)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import jausml
 from jausml import __version__
-from jausml.live.machine.check import Check, Verdict
+from jausml.live.machine.finding import Finding, Outcome
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -29,20 +29,20 @@ _PAGE = Path(jausml.__file__).parent / "authoring" / "studio" / "page" / "index.
 """What the studio shows; it is built, and a wheel may have been made without."""
 
 
-def checks() -> Iterator[Check]:
+def checks() -> Iterator[Finding]:
     """Yields what is to be said of Python."""
     found = f"Python {platform.python_version()} at {sys.executable}, jausml {__version__}"
     if sys.version_info < OLDEST:
         oldest = ".".join(map(str, OLDEST))
-        yield Check("python", "version", Verdict.ERROR, found, f"use Python {oldest} or newer")
+        yield Finding("python", "version", Outcome.ERROR, found, f"use Python {oldest} or newer")
     else:
-        yield Check("python", "version", Verdict.OK, found)
+        yield Finding("python", "version", Outcome.OK, found)
     for extra, module, purpose in _EXTRAS:
         if find_spec(module) is None:
             cure = f"pip install 'jausml[{extra}]'"
-            yield Check("python", extra, Verdict.NOTE, f"{purpose} is not installed", cure)
+            yield Finding("python", extra, Outcome.NOTE, f"{purpose} is not installed", cure)
         elif extra == "studio" and not _PAGE.is_file():
             cure = "run `make studio` in the checkout of jausml, or install its `make wheel`"
-            yield Check("python", extra, Verdict.NOTE, f"{purpose} has no page", cure)
+            yield Finding("python", extra, Outcome.NOTE, f"{purpose} has no page", cure)
         else:
-            yield Check("python", extra, Verdict.OK, f"{purpose} is installed")
+            yield Finding("python", extra, Outcome.OK, f"{purpose} is installed")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
 from jausml.language.interfaces.installed import Installation
-from jausml.live.machine.check import Check, Verdict
+from jausml.live.machine.finding import Finding, Outcome
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -28,16 +28,12 @@ _PROFILES = (
 _SHARED_MEMORY = Path("/dev/shm")  # noqa: S108 - where Fast DDS puts what it shares
 
 
-def checks(packages: Iterable[str]) -> Iterator[Check]:
-    """Yields what is to be said of ROS.
-
-    Args:
-        packages: Packages of interfaces that the model uses.
-    """
+def checks(packages: Iterable[str]) -> Iterator[Finding]:
+    """Yields what is to be said of ROS."""
     if find_spec("rclpy") is None:
         cure = "source the setup.bash of a ROS 2 installation, or pip install 'jausml[ros]'"
         text = "Python finds no rclpy: bridges do not start; JAUS alone works"
-        yield Check(_TOPIC, "rclpy", Verdict.WARNING, text, cure)
+        yield Finding(_TOPIC, "rclpy", Outcome.WARNING, text, cure)
     else:
         yield _rclpy()
         yield _middleware()
@@ -49,87 +45,89 @@ def checks(packages: Iterable[str]) -> Iterator[Check]:
     yield from _packages(packages)
 
 
-def _rclpy() -> Check:
+def _rclpy() -> Finding:
     distribution = os.environ.get("ROS_DISTRO", "")
     named = f"rclpy is installed{f', ROS_DISTRO is {distribution}' if distribution else ''}"
     if distribution in ("", _DISTRIBUTION):
-        return Check(_TOPIC, "rclpy", Verdict.OK, named)
+        return Finding(_TOPIC, "rclpy", Outcome.OK, named)
     cure = f"source /opt/ros/{_DISTRIBUTION}/setup.bash: bridges are made for ROS 2 Jazzy"
-    return Check(_TOPIC, "rclpy", Verdict.WARNING, named, cure)
+    return Finding(_TOPIC, "rclpy", Outcome.WARNING, named, cure)
 
 
-def _middleware() -> Check:
+def _middleware() -> Finding:
     name = os.environ.get("RMW_IMPLEMENTATION") or _DEFAULT_MIDDLEWARE
     installation = Installation()
     if any((share / name).is_dir() for share in installation.shares) or find_spec(name):
-        return Check(_TOPIC, "middleware", Verdict.OK, f"{name} is installed")
+        return Finding(_TOPIC, "middleware", Outcome.OK, f"{name} is installed")
     debian = name.replace("_", "-")
     cure = f"apt install ros-jazzy-{debian}, or unset RMW_IMPLEMENTATION"
-    return Check(_TOPIC, "middleware", Verdict.ERROR, f"{name} is not installed", cure)
+    return Finding(_TOPIC, "middleware", Outcome.ERROR, f"{name} is not installed", cure)
 
 
-def _domain() -> Check:
+def _domain() -> Finding:
     text = os.environ.get("ROS_DOMAIN_ID", "")
     if not text:
         cure = "set ROS_DOMAIN_ID where several robots share a network"
-        return Check(_TOPIC, "domain", Verdict.NOTE, "ROS_DOMAIN_ID is not set: it is 0", cure)
+        return Finding(_TOPIC, "domain", Outcome.NOTE, "ROS_DOMAIN_ID is not set: it is 0", cure)
     number = int(text) if text.isascii() and text.isdigit() else -1
     if not 0 <= number <= _LARGEST_DOMAIN:
-        return Check(
+        return Finding(
             _TOPIC,
             "domain",
-            Verdict.ERROR,
+            Outcome.ERROR,
             f"ROS_DOMAIN_ID is {text!a}",
             f"set a number from 0 to {_LARGEST_SAFE_DOMAIN}",
         )
     if number > _LARGEST_SAFE_DOMAIN:
         text = f"ROS_DOMAIN_ID is {number}: its ports may be among those that Linux gives away"
-        return Check(
-            _TOPIC, "domain", Verdict.WARNING, text, f"set one up to {_LARGEST_SAFE_DOMAIN}"
+        return Finding(
+            _TOPIC, "domain", Outcome.WARNING, text, f"set one up to {_LARGEST_SAFE_DOMAIN}"
         )
-    return Check(_TOPIC, "domain", Verdict.OK, f"ROS_DOMAIN_ID is {number}")
+    return Finding(_TOPIC, "domain", Outcome.OK, f"ROS_DOMAIN_ID is {number}")
 
 
-def _discovery() -> Iterator[Check]:
+def _discovery() -> Iterator[Finding]:
     name = "ROS_AUTOMATIC_DISCOVERY_RANGE"
     text = os.environ.get(name, "")
     if text and text not in _RANGES:
         cure = f"set one of {', '.join(_RANGES)}"
-        yield Check(_TOPIC, "discovery", Verdict.ERROR, f"{name} is {text!a}", cure)
+        yield Finding(_TOPIC, "discovery", Outcome.ERROR, f"{name} is {text!a}", cure)
     elif text == "OFF":
         cure = "set SUBNET, or name the hosts in ROS_STATIC_PEERS"
-        yield Check(_TOPIC, "discovery", Verdict.WARNING, f"{name} is OFF: nodes do not meet", cure)
+        yield Finding(
+            _TOPIC, "discovery", Outcome.WARNING, f"{name} is OFF: nodes do not meet", cure
+        )
     else:
-        yield Check(_TOPIC, "discovery", Verdict.OK, f"{name} is {text or 'not set: SUBNET'}")
+        yield Finding(_TOPIC, "discovery", Outcome.OK, f"{name} is {text or 'not set: SUBNET'}")
     if os.environ.get("ROS_LOCALHOST_ONLY"):
-        yield Check(
+        yield Finding(
             _TOPIC,
             "discovery",
-            Verdict.WARNING,
+            Outcome.WARNING,
             f"ROS_LOCALHOST_ONLY is set, which overrides {name}",
             f"unset it, and use {name}=LOCALHOST",
         )
 
 
-def _profiles() -> Iterator[Check]:
+def _profiles() -> Iterator[Finding]:
     for name in _PROFILES:
         text = os.environ.get(name, "")
         if not text or text.lstrip().startswith("<"):
             continue
         path = Path(urlsplit(text).path if text.startswith("file:") else text)
         if path.is_file():
-            yield Check(_TOPIC, "middleware settings", Verdict.OK, f"{name} is {path}")
+            yield Finding(_TOPIC, "middleware settings", Outcome.OK, f"{name} is {path}")
         else:
-            yield Check(
+            yield Finding(
                 _TOPIC,
                 "middleware settings",
-                Verdict.ERROR,
+                Outcome.ERROR,
                 f"{name} names {path}, which is no file",
                 "correct it or unset it: the middleware may not start",
             )
 
 
-def _security() -> Iterator[Check]:
+def _security() -> Iterator[Finding]:
     """Looks at what SROS 2 is told; whether the keys fit, it says itself when a node starts."""
     name = "security"
     if os.environ.get("ROS_SECURITY_ENABLE", "").lower() != "true":
@@ -138,38 +136,38 @@ def _security() -> Iterator[Check]:
     enclaves = Path(keystore) / "enclaves"
     if not keystore:
         text = "ROS_SECURITY_ENABLE is true, but ROS_SECURITY_KEYSTORE is not set"
-        yield Check(_TOPIC, name, Verdict.ERROR, text, "set it to the folder of the keys")
+        yield Finding(_TOPIC, name, Outcome.ERROR, text, "set it to the folder of the keys")
     elif not os.access(enclaves, os.R_OK | os.X_OK):
         text = f"ROS_SECURITY_KEYSTORE has no folder {enclaves} that can be read"
         cure = "correct it, or let the user of the processes read the keys"
-        yield Check(_TOPIC, name, Verdict.ERROR, text, cure)
+        yield Finding(_TOPIC, name, Outcome.ERROR, text, cure)
     elif os.environ.get("ROS_SECURITY_STRATEGY") != "Enforce":
         text = "ROS_SECURITY_STRATEGY is not Enforce: nodes without keys run unprotected"
-        yield Check(_TOPIC, name, Verdict.WARNING, text, "set ROS_SECURITY_STRATEGY=Enforce")
+        yield Finding(_TOPIC, name, Outcome.WARNING, text, "set ROS_SECURITY_STRATEGY=Enforce")
     else:
-        yield Check(_TOPIC, name, Verdict.OK, f"keys are in {keystore}")
+        yield Finding(_TOPIC, name, Outcome.OK, f"keys are in {keystore}")
 
 
-def _shared_memory() -> Check:
+def _shared_memory() -> Finding:
     name = "shared memory"
     if os.access(_SHARED_MEMORY, os.W_OK):
-        return Check(_TOPIC, name, Verdict.OK, f"{_SHARED_MEMORY} can be written")
+        return Finding(_TOPIC, name, Outcome.OK, f"{_SHARED_MEMORY} can be written")
     text = f"{_SHARED_MEMORY} cannot be written: nodes of one host speak by UDP"
-    return Check(_TOPIC, name, Verdict.NOTE, text, "in a container: --ipc=host")
+    return Finding(_TOPIC, name, Outcome.NOTE, text, "in a container: --ipc=host")
 
 
-def _packages(packages: Iterable[str]) -> Iterator[Check]:
+def _packages(packages: Iterable[str]) -> Iterator[Finding]:
     for name in packages:
         found = PathFinder.find_spec(name)
         # Without an __init__ it is a folder that happens to be there.
         if found is not None and found.origin is not None:
-            yield Check("model", name, Verdict.OK, "its messages are installed")
+            yield Finding("model", name, Outcome.OK, "its messages are installed")
             continue
         debian = name.replace("_", "-")
-        yield Check(
+        yield Finding(
             "model",
             name,
-            Verdict.ERROR,
+            Outcome.ERROR,
             "Python finds no such package of messages",
             f"apt install ros-jazzy-{debian}, pip install ros-jazzy-{debian}, or colcon build it",
         )

@@ -7,7 +7,7 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.asking import NoAnswer
+from jausml.live.peers.query_client import NoAnswer
 from jausml.live.peers.rendering import status_line
 from jausml.runtime.services.definitions import Status
 
@@ -26,7 +26,6 @@ class Course:
     Attributes:
         rate: Times each second, None for once.
         duration: Seconds to hold control after the first one.
-        keep_sending: Whether to go on when the component is Ready, or ours, no more.
     """
 
     rate: float | None = None
@@ -37,10 +36,6 @@ class Course:
         """Returns when the next message is due, None when there is none.
 
         Times are in seconds since the first message. What was missed is left out, not made up for.
-
-        Args:
-            last: When the last message was due.
-            now: The present time.
         """
         if not self.rate:
             return None
@@ -51,29 +46,21 @@ class Course:
 def command(
     operator: Operator, hold: Hold, message: Message, course: Course, tell: Callable[[str], None]
 ) -> None:
-    """Sends a message to a component that we control, and watches that it stays Ready and ours.
-
-    Args:
-        operator: Who sends.
-        hold: The control; afterwards it knows what became of it.
-        message: The command.
-        course: How often and how long.
-        tell: Told at once why the component is lost.
-    """
+    """Sends a message to a component that we control, and watches that it stays Ready and ours."""
     begin = time.monotonic()
-    told = False
+    is_lost = False
     due: float | None = 0.0
     while due is not None:
         operator.send(hold.target, message)
         due = course.next_due(due, time.monotonic() - begin)
         until = begin + (course.duration if due is None else due)
-        if not told and hold.wait_for_loss(until - time.monotonic()):
-            told = True
+        if not is_lost and hold.wait_for_loss(until - time.monotonic()):
+            is_lost = True
             tell(f"{hold.target} is lost: {_standing(operator, hold)}")
             if not course.keep_sending:
                 return
         time.sleep(max(0.0, until - time.monotonic()))
-    if not told:
+    if not is_lost:
         _look_once_more(operator, hold, tell)
 
 
@@ -98,12 +85,7 @@ def _standing(operator: Operator, hold: Hold) -> str:
 
 
 def outcome(name: str, hold: Hold) -> str:
-    """Returns what was sent, and how much of it may have had no effect.
-
-    Args:
-        name: Name of the message.
-        hold: The control under which it was sent.
-    """
+    """Returns what was sent, and how much of it may have had no effect."""
     times = f" {hold.sent} times" if hold.sent != 1 else ""
     text = f"{name} sent to {hold.target}{times}"
     if hold.doubtful:

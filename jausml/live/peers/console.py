@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.live.messages import MessageError
 from jausml.live.messages.errors import did_you_mean, similar
-from jausml.live.peers.asking import NoAnswer
 from jausml.live.peers.commanding import outcome
 from jausml.live.peers.operator import Refused
+from jausml.live.peers.query_client import NoAnswer
 from jausml.live.peers.rendering import report_line, service_lines, status_line, subsystem_lines
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import ClearEmergency, Resume, SetEmergency, Standby
@@ -37,14 +37,8 @@ class UsageError(Exception):
 
 
 @dataclass(frozen=True)
-class Command:
-    """A command of the session.
-
-    Attributes:
-        usage: Its arguments.
-        help: What it does.
-        run: Does it, given the rest of the line.
-    """
+class ConsoleCommand:
+    """A command of the session."""
 
     usage: str
     help: str
@@ -55,17 +49,12 @@ class Console:
     """Carries out commands for one operator.
 
     A command may name the component that it is for; without a name it is for the one named last.
-
-    Attributes:
-        failures: Commands that did not end well.
-        has_doubts: Whether messages were sent that may have found a component lost.
     """
 
     def __init__(self, operator: Operator, emit: Callable[[str], None]) -> None:
         """Starts a session without a target.
 
         Args:
-            operator: Does the work.
             emit: Takes each line for the user; also called on another thread.
         """
         self.failures = 0
@@ -76,31 +65,33 @@ class Console:
         self._emergencies: set[JausAddress] = set()
         self._watches: dict[tuple[JausAddress, str], EventSubscription] = {}
         self.commands = {
-            "discover": Command("[SECONDS]", "find subsystems and components", self._discover),
-            "target": Command("ID", "choose the component for the next commands", self._choose),
-            "services": Command("[ID]", "list its services", self._services),
-            "status": Command("[ID]", "show its state and who controls it", self._status),
-            "query": Command("[ID] MESSAGE [JSON]", "ask for a report", self._query),
-            "watch": Command("[ID] MESSAGE [HZ]", "show a report live", self._watch),
-            "unwatch": Command("", "stop showing reports", self._unwatch),
-            "control": Command("[ID] [AUTHORITY]", "take control and keep it", self._control),
-            "resume": Command("[ID]", "bring it to Ready", self._resume),
-            "standby": Command("[ID]", "bring it to Standby", self._standby),
-            "send": Command("[ID] MESSAGE [JSON]", "send a message", self._send),
-            "release": Command("[ID]", "release control", self._release),
-            "emergency": Command("[ID]", "set an emergency", self._emergency),
-            "clear": Command("[ID]", "clear our emergency", self._clear),
-            "wait": Command("SECONDS", "wait while reports are shown", self._wait),
-            "help": Command("", "show this list", self._help),
-            "quit": Command("", "release control, cancel reports, and quit", lambda _: None),
+            "discover": ConsoleCommand(
+                "[SECONDS]", "find subsystems and components", self._discover
+            ),
+            "target": ConsoleCommand(
+                "ID", "choose the component for the next commands", self._choose
+            ),
+            "services": ConsoleCommand("[ID]", "list its services", self._services),
+            "status": ConsoleCommand("[ID]", "show its state and who controls it", self._status),
+            "query": ConsoleCommand("[ID] MESSAGE [JSON]", "ask for a report", self._query),
+            "watch": ConsoleCommand("[ID] MESSAGE [HZ]", "show a report live", self._watch),
+            "unwatch": ConsoleCommand("", "stop showing reports", self._unwatch),
+            "control": ConsoleCommand(
+                "[ID] [AUTHORITY]", "take control and keep it", self._control
+            ),
+            "resume": ConsoleCommand("[ID]", "bring it to Ready", self._resume),
+            "standby": ConsoleCommand("[ID]", "bring it to Standby", self._standby),
+            "send": ConsoleCommand("[ID] MESSAGE [JSON]", "send a message", self._send),
+            "release": ConsoleCommand("[ID]", "release control", self._release),
+            "emergency": ConsoleCommand("[ID]", "set an emergency", self._emergency),
+            "clear": ConsoleCommand("[ID]", "clear our emergency", self._clear),
+            "wait": ConsoleCommand("SECONDS", "wait while reports are shown", self._wait),
+            "help": ConsoleCommand("", "show this list", self._help),
+            "quit": ConsoleCommand("", "release control, cancel reports, and quit", lambda _: None),
         }
 
     def run(self, lines: Iterable[str]) -> None:
-        """Carries out commands until `quit` or the last line; `#` starts a remark.
-
-        Args:
-            lines: Commands.
-        """
+        """Carries out commands until `quit` or the last line; `#` starts a remark."""
         for line in lines:
             word, _, rest = line.strip().partition(" ")
             if word in ("quit", "exit"):
@@ -116,12 +107,7 @@ class Console:
             )
 
     def execute(self, word: str, rest: str) -> None:
-        """Carries out one command; what goes wrong is told and counted.
-
-        Args:
-            word: The command.
-            rest: The rest of its line.
-        """
+        """Carries out one command; what goes wrong is told and counted."""
         command = self.commands.get(word)
         try:
             if command is None:
@@ -214,18 +200,14 @@ class Console:
         self._operator.look(target, lambda text: self._emit(f"note: {target} {text}"))
 
     def resume(self, target: JausAddress) -> None:
-        """Brings a component that we control to Ready and says so.
-
-        Raises:
-            Refused: It does not come to Ready.
-        """
+        """Brings a component that we control to Ready and says so."""
         self._change(target, Resume(), Status.READY)
 
     def release(self, target: JausAddress) -> None:
         """Releases control and says whether the component confirms it."""
         self._sum_up(target)
-        told = self._operator.release(target)
-        self._emit(f"{target} is released" if told else f"{target} confirms no release")
+        is_confirmed = self._operator.release(target)
+        self._emit(f"{target} is released" if is_confirmed else f"{target} confirms no release")
 
     def _sum_up(self, target: JausAddress) -> None:
         """Tells of messages that may have had no effect; all went well where there are none."""
@@ -244,8 +226,8 @@ class Console:
         self._require_control(target)
         self._change(target, Standby(), Status.STANDBY)
 
-    def _change(self, target: JausAddress, command: Resume | Standby, wanted: Status) -> None:
-        state = self._operator.change(target, command, wanted)
+    def _change(self, target: JausAddress, command: Resume | Standby, state_after: Status) -> None:
+        state = self._operator.change(target, command, state_after)
         self._emit(f"{target} is in {state.name}" if state else f"{target} does not tell its state")
 
     def _send(self, rest: str) -> None:
@@ -297,11 +279,7 @@ class Console:
 
 
 def parse_fields(text: str) -> dict[str, Any]:
-    """Returns the fields of a message from JSON.
-
-    Raises:
-        ValueError: The text is no JSON object.
-    """
+    """Returns the fields of a message from JSON."""
     try:
         fields = json.loads(text)
     except json.JSONDecodeError as error:

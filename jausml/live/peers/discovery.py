@@ -6,7 +6,6 @@ import time
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.services import services_of
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.clients.asking_by_id import AskingById
 from jausml.runtime.messages import (
@@ -18,18 +17,23 @@ from jausml.runtime.messages import (
     ReportServices,
     ReportStatus,
 )
-from jausml.runtime.services.definitions import Scope
+from jausml.runtime.services.definitions import Scope, ServiceIdentity
 from jausml.runtime.services.discovery_messages import query_all_services
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from jausml.runtime import JausComponent
-    from jausml.runtime.services.definitions import ServiceIdentity
+    from jausml.runtime.messages import ReportServiceList
+
+    _Component = ReportServices.ComponentSeq | ReportServiceList.ComponentSeq
+
+
+Services = dict[JausAddress, tuple[ServiceIdentity, ...]]
+"""The services of components."""
 
 ROUND = 0.5
 """Seconds between two rounds of questions; a datagram may be lost."""
-
 _TYPE_NAMES = {
     10001: "vehicle",
     20001: "OCU",
@@ -40,15 +44,58 @@ _TYPE_NAMES = {
 }
 
 
+def services_of(report: ReportServices, subsystem: int) -> Services:
+    """Returns the components of a ReportServices, which does not name their subsystem."""
+    return _merged(
+        (JausAddress(subsystem, node.node_rec.node_id, each.component_rec.component_id), each)
+        for node in report.node_list
+        for each in node.component_list
+    )
+
+
+def service_list(report: ReportServiceList) -> Services:
+    """Returns the components of a ReportServiceList (AS5710A v1.1, Discovery)."""
+    return _merged(
+        (
+            JausAddress(
+                subsystem.subsystem_rec.subsystem_id,
+                node.node_rec.node_id,
+                each.component_rec.component_id,
+            ),
+            each,
+        )
+        for subsystem in report.subsystem_list
+        for node in subsystem.node_list
+        for each in node.component_list
+    )
+
+
+def controller_of(report: ReportControl) -> str:
+    """Returns the dotted address of the controller; 0.0.0 when there is none (AS5710)."""
+    return f"{report.subsystem_id}.{report.node_id}.{report.component_id}"
+
+
+def _merged(records: Iterable[tuple[JausAddress, _Component]]) -> Services:
+    """Returns the services of each component, of all records that name it.
+
+    Components of the JAUS Tool Set report a node record for each of their services.
+    """
+    found: dict[JausAddress, dict[ServiceIdentity, None]] = {}
+    for address, component in records:
+        services = found.setdefault(address, {})
+        for each in component.service_list:
+            number = (each.major_version_number, each.minor_version_number)
+            services[ServiceIdentity(each.uri, *number)] = None
+    return {address: tuple(services) for address, services in found.items()}
+
+
 @dataclass
 class KnownComponent:
     """A component that was heard of.
 
     Attributes:
-        address: Its JAUS id.
         identification: Name that it reports of itself, empty when it was not heard.
         type: Type that it reports of itself (AS5710, ReportIdentification), 0 if unknown.
-        services: What it provides.
         is_silent: Whether it answers, but no question of Discovery.
     """
 
@@ -64,10 +111,8 @@ class KnownSubsystem:
     """A subsystem and its components.
 
     Attributes:
-        number: Its number.
         identification: Its name, empty when nobody answers for the subsystem.
         type: Its type, 0 if unknown.
-        components: Its components by address.
     """
 
     number: int
@@ -88,7 +133,6 @@ class Survey:
         """Listens from now on.
 
         Args:
-            component: Our component.
             peers: Components that are asked one by one as well, since multicast may miss them.
         """
         self._component = component

@@ -1,25 +1,44 @@
-"""Messages of the catalogue in the shape that the runtime's components send and receive."""
+"""Messages of the catalogue in the shape that the runtime's components send and receive.
+
+Queries are so plain that only the code matters, or so full that all is asked for.
+"""
 
 from __future__ import annotations
 
+from copy import deepcopy
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from jausml.language.semantics.jaus.answers import PRESENCE_VECTOR
 from jausml.live.messages import AmbiguousMessageError, MessageError, UnknownMessageError
+from jausml.live.messages.containers import Record
+from jausml.live.messages.samples import sample
 from jausml.runtime.wire.message import DecodeError, EncodeError, Message
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from jausml.live.messages import Catalogue, MessageEntry
     from jausml.runtime.services.definitions import ServiceIdentity
+
+_EVERYTHING = {"NodeRec": {"NodeID": 255}, "ComponentList": [{"ComponentID": 255}]}
+
+_TELLING_FIELDS: dict[str, dict[str, Any]] = {
+    "QueryIdentification": {"QueryIdentificationRec": {"QueryType": 4}},
+    "QueryConfiguration": {"QueryConfigurationRec": {"QueryType": 3}},
+    "QueryServices": {"NodeList": [_EVERYTHING]},
+    "QueryServiceList": {
+        "SubsystemList": [{"SubsystemRec": {"SubsystemID": 65535}, "NodeList": [_EVERYTHING]}]
+    },
+    "QueryEvents": {"QueryEventsVar": {"_tag": 3, "AllEventsRec": {"AllEvents": 0}}},
+}
+"""Fields with which the core queries are answered with more than an empty report (AS5710)."""
 
 
 class EntryMessage(Message):
     """A message whose layout comes from the catalogue instead of generated code.
 
     Attributes:
-        ENTRY: The message in the catalogue.
         fields: The fields in the shapes of `MessageEntry.decode`.
     """
 
@@ -28,11 +47,7 @@ class EntryMessage(Message):
     ENTRY: ClassVar[MessageEntry]
 
     def __init__(self, fields: dict[str, Any] | None = None) -> None:
-        """Makes a message.
-
-        Args:
-            fields: The fields; none when the message has no body.
-        """
+        """Makes a message."""
         self.fields: dict[str, Any] = {} if fields is None else fields
 
     def encode(self) -> bytes:
@@ -48,11 +63,7 @@ class EntryMessage(Message):
 
     @classmethod
     def decode(cls, payload: bytes) -> EntryMessage:
-        """Returns the message that the bytes hold.
-
-        Raises:
-            DecodeError: The bytes are no such message.
-        """
+        """Returns the message that the bytes hold."""
         try:
             return cls(cls.ENTRY.decode(payload))
         except MessageError as error:
@@ -72,8 +83,6 @@ def find_message(
     """Returns the message of a name or code.
 
     Args:
-        catalogue: All messages that we know.
-        name: Name or code.
         services: Services of the component that the message is for; of several messages of one
             name that of these services is meant.
 
@@ -98,13 +107,8 @@ def find_exchange(
     """Returns the query and the report that a name means.
 
     Args:
-        catalogue: All messages that we know.
         name: Name or code of the query or of the report, or what both names have in common,
             e.g. `VelocityState`.
-        services: Services of the component that is asked.
-
-    Raises:
-        MessageError: There is no such query or report.
     """
     topic = name.removeprefix("Query").removeprefix("Report")
     query = _first(catalogue, (f"Query{topic}", name), services)
@@ -125,3 +129,47 @@ def _first(
         except UnknownMessageError:
             continue
     return find_message(catalogue, names[-1], services)
+
+
+def plain_query(query: MessageEntry) -> dict[str, Any]:
+    """Returns fields with which a query is answered with something, as far as we can know."""
+    if query.name in _TELLING_FIELDS:
+        return deepcopy(_TELLING_FIELDS[query.name])
+    fields: dict[str, Any] = sample(query.codec)
+    return fields
+
+
+def full_query(query: MessageEntry, report: MessageEntry) -> dict[str, Any]:
+    """Returns the fields of a query that asks for everything its report may hold."""
+    fields = plain_query(query)
+    holder = presence_holder(fields)
+    if holder is not None:
+        holder[PRESENCE_VECTOR] = optional_bits([report])
+    return fields
+
+
+def presence_holder(fields: Any) -> dict[str, Any] | None:
+    """Returns the object of a query's fields that holds its presence vector, if it has one."""
+    if not isinstance(fields, dict):
+        return None
+    if isinstance(fields.get(PRESENCE_VECTOR), int):
+        return fields
+    found = (presence_holder(value) for value in fields.values())
+    return next((each for each in found if each is not None), None)
+
+
+def optional_bits(reports: Sequence[MessageEntry]) -> int:
+    """Returns the presence vector with all bits of the first record that has optional fields."""
+    for report in reports:
+        for record in _records(report.codec):
+            bits = sum(member.bit for member in record.members)
+            if bits:
+                return bits
+    return 0
+
+
+def _records(codec: Any) -> Iterator[Record]:
+    if isinstance(codec, Record):
+        yield codec
+        for member in codec.members:
+            yield from _records(member.codec)

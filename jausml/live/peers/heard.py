@@ -38,25 +38,14 @@ class Heard:
     """The messages that came to a tool: of each component and code the last one."""
 
     def __init__(self, catalogue: Catalogue, network: Network, counters: Counters) -> None:
-        """Starts with nothing.
-
-        Args:
-            catalogue: All messages that we know.
-            network: Where the tool listens.
-            counters: What could not be used.
-        """
+        """Starts with nothing."""
         self._catalogue = catalogue
         self._network = network
         self._counters = counters
         self._last: dict[JausAddress, dict[int, bytes]] = {}
 
     def note(self, payload: bytes, source: JausAddress) -> None:
-        """Remembers a message.
-
-        Args:
-            payload: Message code and body.
-            source: Who sent it.
-        """
+        """Remembers a message."""
         if source not in self._last and len(self._last) >= _MOST_COMPONENTS:
             return
         known = self._last.setdefault(source, {})
@@ -85,8 +74,6 @@ class Heard:
         """Returns what is known of a component that leaves a message unanswered.
 
         Args:
-            target: The component.
-            message: Name of the message that it was sent.
             report: Name of the answer, empty when there are several.
             services: What it says that it provides; none when it does not tell.
         """
@@ -123,12 +110,7 @@ class Heard:
         return ""
 
     def lack(self, message: str, services: Sequence[ServiceIdentity]) -> str:
-        """Returns that none of some services takes a message, empty when one does.
-
-        Args:
-            message: Name of the message.
-            services: What a component says that it provides; none when it does not tell.
-        """
+        """Returns that none of some services takes a message, empty when one does."""
         if not services or self._providing(message, services):
             return ""
         own = listed([printable(each.urn.rpartition(":")[2]) for each in services])

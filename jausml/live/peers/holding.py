@@ -31,12 +31,8 @@ class Hold:
     """Control of one component, asked for and given or not.
 
     Attributes:
-        target: The component.
-        sent: Messages sent to it since.
         doubtful: How many of them may have found it not Ready, or not ours.
         is_lost: Whether Ready, or control of a component that was not Ready, was lost at any time.
-        was_ready: Whether it came to Ready, and is to stay there.
-        session: Our share in its control.
         last_change: What became of control last, in words; empty when nothing did.
     """
 
@@ -44,7 +40,6 @@ class Hold:
         """Begins without control.
 
         Args:
-            target: The component.
             on_change: Told in words what becomes of control once it was given, on another thread.
         """
         self.target = target

@@ -1,43 +1,103 @@
-"""Times of the reports of a running system, measured from outside."""
+"""Times of a running system, measured from outside: those of reports, and of round trips."""
 
 from __future__ import annotations
 
+import math
 import statistics
 import time
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+from jausml.language.metamodel.classes import bridge
 from jausml.live.messages import MessageError
-from jausml.live.peers.asking import NoAnswer
-from jausml.live.peers.entry_messages import message_class
+from jausml.live.peers.entry_messages import full_query, message_class
 from jausml.live.peers.operator import Refused
-from jausml.live.peers.samples import full_query
-from jausml.live.peers.spread import spread_of
+from jausml.live.peers.query_client import NoAnswer
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.conversions import ConversionError, Time, TimeStamp, timestamp_to_time
+from jausml.runtime.messages import (
+    QueryControl,
+    QueryHeartbeatPulse,
+    QueryIdentification,
+    QueryStatus,
+    ReportControl,
+    ReportHeartbeatPulse,
+    ReportIdentification,
+    ReportStatus,
+)
+from jausml.runtime.services.definitions import Scope
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
+    from jausml.language.model.model import Model
     from jausml.live.messages import MessageEntry
     from jausml.live.peers.operator import Operator
-    from jausml.live.peers.spread import Spread
+    from jausml.live.peers.query_client import QueryClient
     from jausml.runtime import EventSubscription
-    from jausml.runtime.base.address import JausAddress
+    from jausml.runtime.wire.message import Message
 
 _STAMP = ("Milliseconds", "Seconds", "Minutes", "Hour", "Day")
+
 _MOST_REPORTS = 100_000
 """Reports that are kept of one stream; the first ones tell as much."""
 
+QUESTIONS: dict[str, tuple[Message, type[Message]]] = {
+    "heartbeat": (QueryHeartbeatPulse(), ReportHeartbeatPulse),
+    "identification": (QueryIdentification(query_type=Scope.COMPONENT), ReportIdentification),
+    "status": (QueryStatus(), ReportStatus),
+    "control": (QueryControl(), ReportControl),
+}
+"""Questions of the core services by name, and their answers; the shortest first.
+
+No service is in every component: Liveness has the heartbeat, Discovery the identification,
+Management the status, Access Control the control.
+"""
+
+
+@dataclass(frozen=True)
+class Spread:
+    """How a time was spread, in seconds.
+
+    Attributes:
+        p99: What 99 of 100 do not exceed (nearest rank).
+    """
+
+    count: int
+    least: float
+    median: float
+    p99: float
+    greatest: float
+
+    def milliseconds(self) -> dict[str, float]:
+        """Returns the figures by name, in milliseconds with three digits."""
+        named = {
+            "min": self.least,
+            "median": self.median,
+            "p99": self.p99,
+            "max": self.greatest,
+        }
+        return {name: round(value * 1e3, 3) for name, value in named.items()}
+
+
+def spread_of(seconds: Iterable[float]) -> Spread | None:
+    """Returns the figures of measured times; None without any."""
+    ranked = sorted(seconds)
+    if not ranked:
+        return None
+    return Spread(len(ranked), ranked[0], _ranked(ranked, 0.5), _ranked(ranked, 0.99), ranked[-1])
+
+
+def _ranked(ranked: list[float], share: float) -> float:
+    return ranked[math.ceil(share * len(ranked)) - 1]
+
 
 @dataclass
-class Stream:
+class ReportTimes:
     """A report of a component, while it is measured.
 
     Attributes:
-        component: The component.
-        query: The query for it.
-        report: The report.
         arrivals: When reports came by event: steady seconds, seconds since 1970, and the bytes.
         round_trips: Seconds from a query to its answer; None for one that did not come in time.
         fault: Why there are no events; empty when there may be some.
@@ -111,15 +171,7 @@ def _stamp_in(fields: Any) -> dict[str, Any] | None:
 
 
 def offered_reports(operator: Operator, target: JausAddress) -> list[str]:
-    """Returns the names of the queries for the reports that a component offers, without core ones.
-
-    Args:
-        operator: Who asks.
-        target: The component.
-
-    Raises:
-        NoAnswer: Nobody says what it provides.
-    """
+    """Returns names of the queries for the reports that a component offers, without core ones."""
     services = operator.services(target)
     if not services:
         raise operator.unanswered(target, "QueryServices", "ReportServices")
@@ -139,28 +191,23 @@ def offered_reports(operator: Operator, target: JausAddress) -> list[str]:
 
 def measure(
     operator: Operator,
-    wanted: Iterable[tuple[JausAddress, str]],
+    reports: Iterable[tuple[JausAddress, str]],
     *,
     duration: float,
     rate: float | None,
     interval: float,
-) -> list[Stream]:
+) -> list[ReportTimes]:
     """Measures reports for a while.
 
     Args:
-        operator: Who subscribes and asks.
-        wanted: Components, and the names of the queries or reports.
         duration: Seconds to measure.
         rate: Reports each second that the events are to have; None for one at every change.
         interval: Seconds between two questions for a report.
 
     Returns:
         One stream for each report.
-
-    Raises:
-        MessageError: There is no such message.
     """
-    streams = [Stream(target, *operator.exchange(target, name)) for target, name in wanted]
+    streams = [ReportTimes(target, *operator.exchange(target, name)) for target, name in reports]
     events = [_subscribed(operator, stream, rate) for stream in streams]
     try:
         end = time.monotonic() + duration
@@ -176,7 +223,9 @@ def measure(
     return streams
 
 
-def _subscribed(operator: Operator, stream: Stream, rate: float | None) -> EventSubscription | None:
+def _subscribed(
+    operator: Operator, stream: ReportTimes, rate: float | None
+) -> EventSubscription | None:
     exchange = (stream.query, stream.report)
     try:
         return operator.watch_encoded(stream.component, exchange, rate, stream.take)
@@ -185,6 +234,62 @@ def _subscribed(operator: Operator, stream: Stream, rate: float | None) -> Event
         return None
 
 
-def _round_trip(operator: Operator, stream: Stream) -> float | None:
+def _round_trip(operator: Operator, stream: ReportTimes) -> float | None:
     query = operator.message(stream.query, full_query(stream.query, stream.report))
     return operator.round_trip(stream.component, query, message_class(stream.report))
+
+
+@dataclass
+class Pings:
+    """What became of the questions to a component.
+
+    Attributes:
+        round_trips: Seconds until each answer, in order; None for one that did not come in time.
+    """
+
+    round_trips: list[float | None] = field(default_factory=list)
+
+    @property
+    def sent(self) -> int:
+        """How often was asked."""
+        return len(self.round_trips)
+
+    @property
+    def answered(self) -> int:
+        """How many answers came."""
+        return sum(each is not None for each in self.round_trips)
+
+    @property
+    def loss(self) -> float:
+        """Share of the questions without an answer, 0 to 1."""
+        return 1 - self.answered / self.sent if self.sent else 0.0
+
+    @property
+    def spread(self) -> Spread | None:
+        """How the round trips were spread; None without an answer."""
+        return spread_of(each for each in self.round_trips if each is not None)
+
+
+def answered_question(client: QueryClient, target: JausAddress) -> str | None:
+    """Returns the name of the first of QUESTIONS that a component answers; None without any."""
+    index = client.first_answered(target, list(QUESTIONS.values()))
+    return None if index is None else list(QUESTIONS)[index]
+
+
+def reports_of(model: Model) -> list[tuple[JausAddress, str]]:
+    """Returns components of a model with the names of their reports, each once, in model order.
+
+    A report that a bridge makes of topics is its own. Peers that are searched for by service have
+    no address in the model and are left out.
+    """
+    return list(dict.fromkeys(_reports(model)))
+
+
+def _reports(model: Model) -> Iterator[tuple[JausAddress, str]]:
+    for owner in model.instances(bridge.Bridge, library=False):
+        for connection in owner.bridgeConnections:
+            if connection.exchange.name == "message":
+                continue
+            to_ros = connection.direction.name == "jausToRos"
+            for component in connection.peers if to_ros else [owner]:
+                yield JausAddress.parse(str(component.address)), str(connection.map.message.name)

@@ -1,10 +1,17 @@
-"""Network of a live tool, made of the words that a user types."""
+"""Network of a live tool, made of the words that a user types, and the JAUS id of the tool there.
+
+It has the id that the user says, or one that no other tool of this host has.
+"""
 
 from __future__ import annotations
 
 import errno
 import logging
-from dataclasses import dataclass
+import os
+import socket
+import sys
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.runtime.base.address import JausAddress
@@ -18,7 +25,8 @@ from jausml.runtime.base.settings import (
 from jausml.runtime.transports.port_holder import manager_folder, who_holds
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
+
 
 TRANSPORTS = tuple(kind.value for kind in TransportKind)
 """How messages may travel."""
@@ -31,6 +39,8 @@ DEFAULT_GROUP = JUDP_GROUP
 SUBSYSTEM = 65000
 """Subsystem of our tools. No byte of their ids is 0xFF, which Junior takes for a wildcard."""
 
+_LAST = 254
+
 
 @dataclass(frozen=True, slots=True)
 class Network:
@@ -38,9 +48,6 @@ class Network:
 
     Attributes:
         own: Our JAUS id; see `identified`.
-        settings: Interface, port, multicast group and known peers.
-        is_own_given: Whether the user says it.
-        is_shared: Whether another tool of this host has it too.
     """
 
     own: JausAddress
@@ -79,13 +86,7 @@ class Network:
 
 
 def fault(error: OSError, network: Network, remedy: str) -> str:
-    """Returns why the network cannot be used; of a port that is taken also by whom.
-
-    Args:
-        error: What opening it raised.
-        network: The network.
-        remedy: What the tool can do when the port is taken.
-    """
+    """Returns why the network cannot be used; of a port that is taken also by whom."""
     settings = network.settings
     if error.errno != errno.EADDRINUSE:
         what = f"the network cannot be used: {error.strerror or error}"
@@ -110,16 +111,10 @@ def make_network(
 
     Args:
         own: Dotted JAUS id; None for one that is free.
-        interface: IPv4 address of the interface.
-        port: UDP port of JUDP.
-        group: Multicast group.
         peers: Known components as `ID=HOST:PORT`.
         transport: How messages travel, as `TransportKind` names it.
         node_manager_directory: Where a node manager has its local sockets; empty for the folder of
             temporary files.
-
-    Raises:
-        ValueError: One of them cannot be.
     """
     settings = TransportSettings(
         interface=interface,
@@ -159,3 +154,52 @@ def _peer(text: str) -> tuple[JausAddress, Endpoint]:
     if not host or not (port.isascii() and port.isdigit()):
         raise ValueError(f"{text!r} is not ID=HOST:PORT, e.g. 100.1.2=192.168.0.7:3794")
     return component_address(address), (host, int(port))
+
+
+@contextmanager
+def identified(network: Network, count: int = 1) -> Iterator[Network]:
+    """Yields the network with an id of ours, which other tools of this host see to be in use.
+
+    An id that the user says stays as it is; `is_shared` tells that another tool has it. Otherwise
+    it is 65000, the last number of the interface, which tells hosts of a network apart, and the
+    first number that is free on this host.
+
+    Args:
+        count: Ids that are needed, one after the other.
+    """
+    with ExitStack() as claims:
+        if network.is_own_given:
+            free = _claimed(network.own, count, claims)
+            yield replace(network, is_shared=not free)
+            return
+        for own in _candidates(network.settings.interface, count):
+            if _claimed(own, count, claims):
+                break
+            claims.close()
+        yield replace(network, own=own)
+
+
+def _candidates(interface: str, count: int) -> Iterator[JausAddress]:
+    node = int(interface.rpartition(".")[2])
+    node = node if 0 < node <= _LAST else 1
+    # Where ids cannot be claimed the number of the process makes them different, as a rule.
+    first = 1 if sys.platform == "linux" else os.getpid() % (_LAST - count) + 1
+    for component in range(first, _LAST - count + 2):
+        yield JausAddress(SUBSYSTEM, node, component)
+
+
+def _claimed(own: JausAddress, count: int, claims: ExitStack) -> bool:
+    """Claims ids until the stack is closed, and returns whether all of them were free."""
+    if sys.platform != "linux":
+        return True
+    for offset in range(count):
+        address = JausAddress(own.subsystem, own.node, (own.component - 1 + offset) % _LAST + 1)
+        # A name without a file: the system frees it with the process, in each network namespace.
+        claim = claims.enter_context(socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM))
+        try:
+            claim.bind(f"\0jausml tool {address}")
+        except OSError as error:
+            if error.errno != errno.EADDRINUSE:
+                raise
+            return False
+    return True

@@ -8,12 +8,11 @@ from dataclasses import dataclass
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.peers.asking import POLL, Asker, NoAnswer, status_of
-from jausml.live.peers.entry_messages import EntryMessage, message_class
+from jausml.live.peers.entry_messages import EntryMessage, full_query, message_class
 from jausml.live.peers.heard import Heard
 from jausml.live.peers.holding import Hold
+from jausml.live.peers.query_client import POLL, NoAnswer, QueryClient, status_of
 from jausml.live.peers.rendering import printable
-from jausml.live.peers.samples import full_query
 from jausml.runtime import ComponentSettings, ControlState, JausComponent, Scope
 from jausml.runtime.component.process import running_transport
 from jausml.runtime.messages import QueryStatus, RejectControl, ReportStatus
@@ -47,13 +46,7 @@ _SERVICES = tuple(
 
 @dataclass(frozen=True)
 class Identity:
-    """What a component of ours says of itself.
-
-    Attributes:
-        name: What Discovery reports.
-        services: What it provides.
-        component_type: Its type (AS5710, ReportIdentification).
-    """
+    """What a component of ours says of itself."""
 
     name: str = "jausml ocu"
     services: tuple[ServiceIdentity, ...] = _SERVICES
@@ -64,7 +57,7 @@ class Refused(Exception):  # noqa: N818 - an outcome, not a fault of ours
     """A component answers, but not as wished."""
 
 
-class Operator(Asker):
+class Operator(QueryClient):
     """The actions of an operator; each call waits for its outcome."""
 
     def __init__(
@@ -96,14 +89,10 @@ class Operator(Asker):
         When periodic reports stay away, that is counted and logged.
 
         Args:
-            target: The component.
-            name: Name or code of the query or of its report.
             rate: Reports each second; None means every change.
             on_report: Takes the report and its fields, on another thread.
 
         Raises:
-            MessageError: There is no such message.
-            NoAnswer: The component does not answer.
             Refused: It gives no such event.
         """
         query, report = self.exchange(target, name)
@@ -127,18 +116,7 @@ class Operator(Asker):
         rate: float | None,
         on_report: Callable[[bytes], None],
     ) -> EventSubscription:
-        """Subscribes to a report by an event, to take it as it arrives, undecoded.
-
-        Args:
-            target: The component.
-            exchange: The query and the report.
-            rate: Reports each second; None means every change.
-            on_report: Takes the encoded report, on another thread.
-
-        Raises:
-            NoAnswer: The component does not answer.
-            Refused: It gives no such event.
-        """
+        """Subscribes to a report by an event, to take it as it arrives, undecoded."""
         query, report = exchange
         subscription = self._component.subscribe(
             target,
@@ -176,12 +154,9 @@ class Operator(Asker):
         """Takes control and keeps it until `release`.
 
         Args:
-            target: The component.
-            authority: Authority code to ask with.
             on_change: Told in words what becomes of control afterwards, on another thread.
 
         Raises:
-            NoAnswer: The component does not answer.
             Refused: It does not give control.
         """
         self._forget(target)
@@ -198,13 +173,8 @@ class Operator(Asker):
             raise Refused(f"{target} gives no control: {self._why_refused(target)}")
         return hold
 
-    def change(self, target: JausAddress, message: Message, wanted: Status) -> Status | None:
+    def change(self, target: JausAddress, message: Message, state_after: Status) -> Status | None:
         """Sends Resume or Standby and returns the state that follows; None without Management.
-
-        Args:
-            target: A component that we control.
-            message: The command.
-            wanted: The state that it leads to.
 
         Raises:
             Refused: The component does not come to the state.
@@ -213,11 +183,11 @@ class Operator(Asker):
             state = status_of(self.ask(target, QueryStatus(), ReportStatus))
         except NoAnswer:
             return None
-        if wanted is not Status.READY and target in self._holds:
+        if state_after is not Status.READY and target in self._holds:
             self._holds[target].expect_standby()
         self._component.send(message, target)
         end = time.monotonic() + self.timeout
-        while state is not wanted:
+        while state is not state_after:
             if time.monotonic() > end:
                 raise Refused(
                     f"{target} stays in {state.name if state is not None else 'an unknown state'} "
@@ -245,12 +215,7 @@ class Operator(Asker):
         """Answers a query, and events on it.
 
         Args:
-            query: The query.
-            report: The report that answers it.
             give: Returns the fields of the present report; None when there is none now.
-
-        Raises:
-            ValueError: The query is answered already.
         """
         made = message_class(report)
 
@@ -276,7 +241,6 @@ class Operator(Asker):
         """Has a function take a message; commands come from the controller in Ready alone.
 
         Args:
-            entry: The message.
             take: Takes the message, its fields and its sender, on another thread.
 
         Raises:
@@ -293,11 +257,7 @@ class Operator(Asker):
         return target in self._holds and self._holds[target].is_held
 
     def check_obeyed(self, target: JausAddress) -> None:
-        """Refuses to go on when a component that we control obeys us no more.
-
-        Raises:
-            Refused: It does not; the text says what has become of it.
-        """
+        """Refuses to go on when a component that we control obeys us no more."""
         hold = self._holds.get(target)
         if hold is not None and not hold.is_obeyed:
             raise Refused(f"{target} {hold.last_change or 'does not obey us'}")
@@ -362,9 +322,6 @@ def running_operator(
     """Yields an operator on the network; releases control and cancels events at the end.
 
     Args:
-        network: Who we are, and how the others are reached.
-        catalogue: All messages that we know.
-        timeout: Seconds to wait for an answer.
         identity: What we say of ourselves; that of an operator control unit when None.
         prepare: Makes the operator answer and obey, before anybody can ask it.
 

@@ -9,15 +9,14 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jausml.live.recording.errors import RecordingError
-from jausml.live.recording.mcap_reading import McapRecording
-from jausml.live.recording.spans import WHOLE
+from jausml.live.recording.filters import WHOLE
+from jausml.live.recording.mcap_files import McapRecording, RecordingError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.live.recording.mcap_reading import Found
-    from jausml.live.recording.spans import Span
+    from jausml.live.recording.filters import TimeSpan
+    from jausml.live.recording.mcap_files import Found
 
 MCAP, SQLITE = ".mcap", ".db3"
 _CDR = "cdr"
@@ -30,10 +29,7 @@ class RosMessage:
     """A message of ROS of a recording.
 
     Attributes:
-        topic: Full name of its topic.
-        type: Full name of its type.
         time: When it was heard, in nanoseconds since 1970.
-        data: The message, serialized (CDR).
     """
 
     topic: str
@@ -56,13 +52,12 @@ class Bag:
         reached: Time of the latest message so far, in nanoseconds since 1970; None for none.
     """
 
-    def __init__(self, path: str, span: Span = WHOLE) -> None:
+    def __init__(self, path: str, span: TimeSpan = WHOLE) -> None:
         """Names a recording.
 
         Args:
             path: An MCAP file, or a bag of rosbag2: its folder, or the file of its storage. In a
                 folder that has no metadata yet, since its recorder was cut off, all MCAP files.
-            span: Which part of it is read.
         """
         self.others: Counter[str] = Counter()
         self.fault = ""

@@ -1,4 +1,7 @@
-"""A capture becomes an MCAP file: topics by the maps of a model, and JAUS messages where wanted."""
+"""A capture becomes an MCAP file: topics by the maps of a model, and JAUS messages where wanted.
+
+Reports come out of the events that carry them.
+"""
 
 from __future__ import annotations
 
@@ -6,42 +9,73 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 from jausml.live.messages import MessageError
-from jausml.live.recording.captured import CapturedMessages
+from jausml.live.recording.translating import JausMessage
+from jausml.live.traffic.observing import Observer
+from jausml.runtime.messages import Event
+from jausml.runtime.wire.message import DecodeError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from jausml.live.messages import Catalogue
-    from jausml.live.recording.mcap_writing import McapFile
-    from jausml.live.recording.translating import JausMessage, Translator
+    from jausml.live.recording.mcap_files import McapFile
+    from jausml.live.recording.translating import Translator
     from jausml.live.traffic.frames import Datagram
     from jausml.runtime.transports.packets.packet import Packet
 
 
-class JausWriter:
-    """Writes JAUS messages as JSON.
+_LEAST = 2
+_EVENT = Event.CODE.to_bytes(2, "little")
 
-    Attributes:
-        undecoded: How many could not be decoded, by reason.
-    """
+
+class CapturedMessages:
+    """The messages in datagrams, in their order."""
+
+    def __init__(self) -> None:
+        """Starts without packets."""
+        self.count = 0
+        self.skipped: Counter[str] = Counter()
+        self._observer = Observer()
+
+    def read(self, datagrams: Iterable[Datagram]) -> Iterator[tuple[JausMessage, Packet]]:
+        """Yields messages, each with the packet that completes it."""
+        for datagram in datagrams:
+            if datagram.nanoseconds is None:
+                self.skipped["datagrams of which the capture does not tell the time"] += 1
+                continue
+            for seen in self._observer.observe(datagram):
+                if seen.is_problem:
+                    self.skipped[seen.error] += 1
+                elif seen.packet is not None and len(seen.payload) >= _LEAST:
+                    self.count += 1
+                    yield self._message(datagram.nanoseconds, seen.packet, seen.payload)
+
+    def _message(self, time: int, packet: Packet, payload: bytes) -> tuple[JausMessage, Packet]:
+        source = packet.source
+        message = JausMessage(time, str(source), source.subsystem, _report_in(payload))
+        return message, packet
+
+
+def _report_in(payload: bytes) -> bytes:
+    """Returns the report of an event (AS5710, Event), or the payload itself."""
+    if payload[:_LEAST] != _EVENT:
+        return payload
+    try:
+        return Event.decode(payload).report_message
+    except DecodeError:
+        return payload
+
+
+class JausWriter:
+    """Writes JAUS messages as JSON."""
 
     def __init__(self, catalogue: Catalogue) -> None:
-        """Writes nothing yet.
-
-        Args:
-            catalogue: What messages there are.
-        """
+        """Writes nothing yet."""
         self.undecoded: Counter[str] = Counter()
         self._catalogue = catalogue
 
     def write(self, file: McapFile, message: JausMessage, packet: Packet) -> None:
-        """Writes a message.
-
-        Args:
-            file: Where it goes.
-            message: The message.
-            packet: The packet that completed it, of which the header is.
-        """
+        """Writes a message."""
         try:
             found = self._catalogue.decode(message.payload)
             channel = file.jaus_channel(message.source, found.entry)
@@ -59,13 +93,7 @@ class JausWriter:
 
 
 class CaptureReplay:
-    """The way of a capture into a file.
-
-    Attributes:
-        captured: What was found in the capture.
-        topics: How many messages each topic got.
-        sources: Who sent what became messages of each topic.
-    """
+    """The way of a capture into a file."""
 
     def __init__(
         self, translator: Translator, file: McapFile, jaus: JausWriter | None = None
@@ -73,8 +101,6 @@ class CaptureReplay:
         """Has read nothing yet.
 
         Args:
-            translator: The maps.
-            file: Where messages go.
             jaus: What writes the JAUS messages too; None leaves them out.
         """
         self.captured = CapturedMessages()
@@ -85,14 +111,7 @@ class CaptureReplay:
         self._jaus = jaus
 
     def run(self, datagrams: Iterable[Datagram]) -> None:
-        """Writes what becomes of datagrams.
-
-        Args:
-            datagrams: The datagrams, with their times.
-
-        Raises:
-            RecordingError: The translations have failed.
-        """
+        """Writes what becomes of datagrams."""
         for found in self._translator.translate(self._messages(datagrams)):
             for topic in found.route.topics:
                 channel = self._file.ros_channel(topic.name, topic.type, topic.definition)

@@ -20,11 +20,7 @@ _ANY: Schema = {"type": "object"}
 
 
 def schema_of(entry: MessageEntry) -> Schema:
-    """Returns the schema of a message of a recording: its header and its fields.
-
-    Args:
-        entry: The message, which has a layout.
-    """
+    """Returns the schema of a message of a recording: its header and its fields."""
     body = wire.resolve(entry.definition).body
     fields: Schema = _ANY
     if body is not None:

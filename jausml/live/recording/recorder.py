@@ -11,18 +11,17 @@ from typing import TYPE_CHECKING, Any
 from jausml.language.interfaces import Installation
 from jausml.language.metamodel.classes import bridge, system
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
-from jausml.live.recording.captured import CapturedMessages
-from jausml.live.recording.definitions import installed_definition, modelled_definition
-from jausml.live.recording.from_captures import JausWriter
+from jausml.live.recording.from_captures import CapturedMessages, JausWriter
+from jausml.live.recording.type_definitions import installed_definition, modelled_definition
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from jausml.language.model import Model
     from jausml.live.messages import Catalogue
-    from jausml.live.recording.parts import Parts
-    from jausml.live.recording.selection import Selection
-    from jausml.live.traffic.captures import Frame
+    from jausml.live.recording.files import RecordingFiles
+    from jausml.live.recording.filters import TrafficFilter
+    from jausml.live.traffic.captures import CapturedFrame
     from jausml.live.traffic.frames import Datagram
 
 CALLS = "/_service_event"
@@ -40,9 +39,6 @@ def topics_of(model: Model) -> dict[str, str]:
     So are those on which services and actions are seen, and those on which bridges tell what
     became of all messages. Their types are known where they are installed alone, and have no
     definition here.
-
-    Args:
-        model: The model.
     """
     found = {}
     for whole in (root for root in model.documents[0].roots if isinstance(root, system.System)):
@@ -71,10 +67,6 @@ class Recorder:
     """What comes from both sides, each on its thread, and a third that gives it to the disk.
 
     Attributes:
-        captured: What was found on the side of JAUS.
-        topics: How many messages each topic of ROS got.
-        jaus: What writes the messages of JAUS.
-        undefined: Topics whose type nobody defines here.
         fault: Why files cannot be written any more; None while they can.
         lost: How many frames and messages came after that.
         reached: When the disk had all that had come, by the clock; None for never.
@@ -82,19 +74,12 @@ class Recorder:
 
     def __init__(
         self,
-        parts: Parts,
+        parts: RecordingFiles,
         catalogue: Catalogue,
         definitions: dict[str, str],
-        selection: Selection,
+        selection: TrafficFilter,
     ) -> None:
-        """Has recorded nothing yet.
-
-        Args:
-            parts: Where all goes.
-            catalogue: What messages of JAUS there are.
-            definitions: Definitions of the types of topics, for those that are not installed.
-            selection: What is recorded.
-        """
+        """Has recorded nothing yet."""
         self.captured = CapturedMessages()
         self.topics: Counter[str] = Counter()
         self.jaus = JausWriter(catalogue)
@@ -129,11 +114,10 @@ class Recorder:
             if self.fault is not None:
                 self._parts.current.give_up()
 
-    def take_frame(self, frame: Frame, datagram: Datagram | None) -> None:
+    def take_frame(self, frame: CapturedFrame, datagram: Datagram | None) -> None:
         """Writes a frame, and what it says.
 
         Args:
-            frame: The frame, of raw IP.
             datagram: The datagram that it completes; None for a part of one.
         """
         if datagram is not None and not self._selection.wants(datagram):
@@ -144,15 +128,11 @@ class Recorder:
         """Writes a message of ROS.
 
         Args:
-            topic: Where it was published.
-            kind: Full name of its type.
-            data: It, serialized.
             heard: When it came, in nanoseconds since 1970.
-            published: When it was sent, by the clock of who did.
         """
         self._write(self._write_topic, topic, kind, data, heard, published or heard)
 
-    def _write_frame(self, frame: Frame, datagram: Datagram | None) -> None:
+    def _write_frame(self, frame: CapturedFrame, datagram: Datagram | None) -> None:
         self._parts.current.capture.write(frame)
         if datagram is not None:
             for message, packet in self.captured.read([datagram]):

@@ -6,13 +6,13 @@ import time
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.recording.errors import RecordingError
+from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.ros import QuietNode, RosFault, message_class
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
 
-    from jausml.live.recording.selection import Selection
+    from jausml.live.recording.filters import TrafficFilter
 
     Take = Callable[[str, str, bytes, int, int], None]
     """Takes topic, type, message, and when it was heard and published, in nanoseconds."""
@@ -32,18 +32,11 @@ class RosTopics:
 
     Attributes:
         wanted: Full names of the topics that are wanted, None for all.
-        heard: Topics that were subscribed to.
-        missing: Types that are not installed, by topic.
         lost: How many messages of each topic did not come, as their numbers tell.
     """
 
-    def __init__(self, wanted: Collection[str] | None, selection: Selection) -> None:
-        """Does nothing before `open`.
-
-        Args:
-            wanted: Full names of topics, None for all.
-            selection: Which of these are recorded.
-        """
+    def __init__(self, wanted: Collection[str] | None, selection: TrafficFilter) -> None:
+        """Does nothing before `open`."""
         self.lost: Counter[str] = Counter()
         self.heard: dict[str, Any] = {}
         self.missing: dict[str, str] = {}
@@ -55,11 +48,7 @@ class RosTopics:
         self._quiet = QuietNode("record")
 
     def open(self) -> None:
-        """Enters ROS.
-
-        Raises:
-            RecordingError: rclpy is missing or does not work.
-        """
+        """Enters ROS."""
         try:
             self._quiet.open()
         except RosFault as error:
@@ -127,16 +116,16 @@ class RosTopics:
         """Returns what takes the messages of a topic, and counts those that did not come."""
         expected = None
 
-        def note(data: bytes, told: Any) -> None:
+        def note(data: bytes, info: Any) -> None:
             nonlocal expected
-            number = told.get("publication_sequence_number")
+            number = info.get("publication_sequence_number")
             if number is not None:
                 # Nothing tells whose a message is: a gap is one where a single one publishes.
                 is_gap = expected is not None and number > expected
                 if is_gap and self._quiet.node.count_publishers(topic) == 1:
                     self.lost[topic] += number - expected
                 expected = number + 1
-            self._take(topic, kind, bytes(data), time.time_ns(), told["source_timestamp"])
+            self._take(topic, kind, bytes(data), time.time_ns(), info["source_timestamp"])
 
         return note
 

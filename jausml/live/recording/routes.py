@@ -17,8 +17,8 @@ from jausml.language.semantics.connections.exchanges import TO_ROS
 from jausml.language.semantics.connections.report_joins import joined_reports
 from jausml.language.semantics.connections.topics import endpoints
 from jausml.language.semantics.jaus.services import code
-from jausml.live.recording.definitions import full_name, modelled_definition
-from jausml.live.workers.making import Maker
+from jausml.live.recording.type_definitions import full_name, modelled_definition
+from jausml.live.workers.bridge_code import Maker
 from jausml_generators.bridge.views import bridge_views
 from jausml_generators.common.components import own_bridges
 
@@ -38,9 +38,7 @@ class RecordedTopic:
     """A topic of a recording.
 
     Attributes:
-        name: Its full name.
         type: Full name of its type, e.g. `nav_msgs/msg/Odometry`.
-        definition: The definition of the type, with those of the types in it.
     """
 
     name: str
@@ -53,8 +51,6 @@ class RouteJoin:
     """A joined report of a route.
 
     Attributes:
-        name: Name of the join.
-        code: Message code of the report.
         senders: Whose reports are meant; those of the subsystem of the main message by default.
         freshness: Seconds after which the latest report is stale.
         drop: Whether nothing is made without a fresh one.
@@ -69,19 +65,7 @@ class RouteJoin:
 
 @dataclass(frozen=True)
 class Route:
-    """A way of a JAUS message to topics.
-
-    Attributes:
-        label: Bridge and connection, for people.
-        package: Package of the generated bridge.
-        base: Class of its generated base.
-        bridge: Class of the bridge.
-        connection: Name of the connection in the generated code.
-        code: Message code.
-        senders: Whose messages are taken.
-        topics: Where they go.
-        joins: The joined reports.
-    """
+    """A way of a JAUS message to topics."""
 
     label: str
     package: str

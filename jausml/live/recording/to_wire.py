@@ -1,50 +1,163 @@
-"""A recording of ROS through the bridges of a model to JAUS."""
+"""A recording of ROS through the bridges of a model to JAUS, in its own time."""
 
 from __future__ import annotations
 
+import time
 from collections import Counter
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.recording.errors import RecordingError
-from jausml.live.recording.speakers import speakers_of
-from jausml.live.workers.code import bridge_code
-from jausml.live.workers.process import Worker, WorkerError
+from jausml.generation.system import system_of
+from jausml.language.semantics.connections.exchanges import MESSAGE, TO_JAUS
+from jausml.language.semantics.connections.topics import endpoints, resolve_topic
+from jausml.live.recording.mcap_files import RecordingError
+from jausml.live.recording.type_definitions import full_name
+from jausml.live.workers.bridge_code import bridge_code
+from jausml.live.workers.worker import Worker, WorkerError
+from jausml_generators.bridge.views import bridge_views
+from jausml_generators.common.components import own_bridges
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
+    from threading import Event
 
     from typing_extensions import Self
 
+    from jausml.language.metamodel.classes import bridge
     from jausml.language.model import Model
     from jausml.live.recording.bags import RosMessage
+
+
+_NANO = 10**9
+_TURN = 0.05
+"""Seconds after which a pause begins or ends at the latest."""
 
 _WORKER = Path(__file__).with_name("wire_worker.py")
 _SECONDS = 60.0
 
 
-class WireReplay:
-    """Bridges on the network; close them at the end, which leaves in good order.
+class ReplayPace:
+    """The pace of a replay, which may be paused.
 
     Attributes:
-        commands: Connections that send to others unasked, whether they do so or were left out.
-        published: How many messages each topic got.
-        others: How many messages are of topics that no bridge takes, by topic.
-        refused: How many messages could not be published, by reason.
-        connections: What became of messages, by connection, once closed.
+        is_paused: Whether nothing passes; anybody may change it at any time.
+        position: Seconds of the recording from the first message to the latest that has passed.
     """
+
+    def __init__(self, speed: float, most_each_second: float, stop: Event) -> None:
+        """Has passed nothing yet.
+
+        Args:
+            speed: Seconds of the recording in each second.
+            most_each_second: How many messages pass at most; what comes faster is late.
+        """
+        self.is_paused = False
+        self.position = 0.0
+        self._speed = speed
+        self._interval = 1 / most_each_second
+        self._stop = stop
+        self._paused = 0.0
+
+    def messages(self, found: Iterable[RosMessage]) -> Iterator[RosMessage]:
+        """Yields messages when their time has come; the first at once."""
+        first, begin, free = None, 0.0, 0.0
+        for each in found:
+            if first is None:
+                first, begin = each.time, self._now()
+            since = (each.time - first) / _NANO
+            due = max(begin + since / self._speed, free)
+            if not self._waited(due):
+                return
+            free = max(due, self._now()) + self._interval
+            self.position = since
+            yield each
+
+    def _now(self) -> float:
+        """Returns the time of a clock that stands during pauses."""
+        return time.monotonic() - self._paused
+
+    def _waited(self, due: float) -> bool:
+        """Waits for a time; returns whether it has come, and not the end."""
+        while True:
+            if self.is_paused:
+                begin = time.monotonic()
+                self._stop.wait(_TURN)
+                self._paused += time.monotonic() - begin
+            else:
+                left = due - self._now()
+                if left <= 0:
+                    return not self._stop.is_set()
+                self._stop.wait(min(left, _TURN))
+            if self._stop.is_set():
+                return False
+
+
+@dataclass(frozen=True)
+class Speakers:
+    """Bridges that have connections to JAUS alone."""
+
+    model: Model
+    bridges: tuple[tuple[str, str, str], ...]
+    topics: dict[str, str]
+    commands: tuple[str, ...]
+
+
+def speakers_of(model: Model, *, allow_commands: bool) -> Speakers:
+    """Returns the bridges of a model as far as they speak.
+
+    Args:
+        model: A model without errors, of which nobody makes anything else: its bridges are changed.
+
+    Raises:
+        NoSystemError: It has no system, or several.
+    """
+    whole = system_of(model)
+    commands: list[str] = []
+    for owner in own_bridges(whole):
+        commands += _quieted(owner, allow_commands=allow_commands)
+    editable: Any = whole
+    for owner in own_bridges(whole):
+        if not owner.bridgeConnections:
+            editable.bridges.remove(owner)
+    views = bridge_views(model)
+    ends = endpoints([each.bridge for each in views])
+    return Speakers(
+        model,
+        tuple((each.package, each.class_name, _node(each.bridge)) for each in views),
+        {end.topic: full_name(end.type) for end in ends},
+        tuple(commands),
+    )
+
+
+def _quieted(owner: bridge.Bridge, *, allow_commands: bool) -> list[str]:
+    """Leaves a bridge what speaks to JAUS; returns what does so unasked."""
+    editable: Any = owner  # its collections are those of pyecore
+    editable.serviceConnections.clear()
+    editable.actionConnections.clear()
+    commands = []
+    for each in list(owner.bridgeConnections):
+        is_spoken = each.direction.name == TO_JAUS
+        is_command = is_spoken and each.exchange.name == MESSAGE
+        if is_command:
+            commands.append(f"{owner.name}.{each.name} ({each.map.message.name})")
+        if not is_spoken or (is_command and not allow_commands):
+            editable.bridgeConnections.remove(each)
+    return commands
+
+
+def _node(owner: bridge.Bridge) -> str:
+    return resolve_topic(str(owner.name), owner.namespace or "", "")
+
+
+class WireReplay:
+    """Bridges on the network; close them at the end, which leaves in good order."""
 
     def __init__(self, model: Model, transport: dict[str, Any], *, allow_commands: bool) -> None:
         """Opens the bridges.
 
-        Args:
-            model: A model without errors, of which nobody makes anything else.
-            transport: Settings of the transport that differ from those of the model.
-            allow_commands: Whether messages are sent to others unasked.
-
         Raises:
             RecordingError: No bridge has anything to say, or the network cannot be used.
-            GenerationError: The model has what cannot be generated.
         """
         found = speakers_of(model, allow_commands=allow_commands)
         self.commands = found.commands
@@ -77,11 +190,7 @@ class WireReplay:
             self._worker.close()
 
     def run(self, messages: Iterable[RosMessage]) -> None:
-        """Gives the bridges messages as they come.
-
-        Raises:
-            RecordingError: The bridges have failed.
-        """
+        """Gives the bridges messages as they come."""
         for each in messages:
             if each.topic not in self._topics:
                 self.others[each.topic] += 1

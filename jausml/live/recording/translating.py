@@ -7,10 +7,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.recording.errors import RecordingError
+from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.recording.routes import routes_of
-from jausml.live.workers.code import bridge_code
-from jausml.live.workers.process import Worker, WorkerError
+from jausml.live.workers.bridge_code import bridge_code
+from jausml.live.workers.worker import Worker, WorkerError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -41,9 +41,6 @@ class JausMessage:
 
     Attributes:
         time: When it was heard, in nanoseconds since 1970.
-        source: JAUS id of the component that sent it.
-        subsystem: Subsystem of that component.
-        payload: Code and body.
     """
 
     time: int
@@ -58,14 +55,11 @@ class JausMessage:
 
 
 @dataclass(frozen=True)
-class Translated:
+class TranslatedMessage:
     """A message of ROS.
 
     Attributes:
-        route: The way that it came.
         time: When the message was heard of which it is, in nanoseconds since 1970.
-        source: JAUS id of the component that sent that.
-        data: The message, serialized (CDR).
     """
 
     route: Route
@@ -75,11 +69,7 @@ class Translated:
 
 
 class Untranslated(Counter[tuple[str, str]]):
-    """How many messages became nothing, by route and reason; with an example of each.
-
-    Attributes:
-        examples: What was said of the first one.
-    """
+    """How many messages became nothing, by route and reason; with an example of each."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -93,22 +83,12 @@ class Untranslated(Counter[tuple[str, str]]):
 
 
 class Translator:
-    """The translations of a model; close it at the end.
-
-    Attributes:
-        routes: The ways of messages.
-        unmapped: How many messages no route takes, by code.
-        untranslated: How many became nothing on their way.
-    """
+    """The translations of a model; close it at the end."""
 
     def __init__(self, model: Model) -> None:
         """Starts the process of the translations.
 
-        Args:
-            model: A model without errors, of which nobody makes anything else.
-
         Raises:
-            GenerationError: It has what cannot be generated.
             RecordingError: It has no bridge with a connection that could be used.
         """
         found = routes_of(model)
@@ -131,15 +111,8 @@ class Translator:
         """Ends the process."""
         self._worker.close()
 
-    def translate(self, messages: Iterable[JausMessage]) -> Iterator[Translated]:
-        """Yields what becomes of messages, in their order.
-
-        Args:
-            messages: The messages, in the order of their times.
-
-        Raises:
-            RecordingError: The process has failed.
-        """
+    def translate(self, messages: Iterable[JausMessage]) -> Iterator[TranslatedMessage]:
+        """Yields what becomes of messages, in their order."""
         waiting: list[tuple[JausMessage, int, str]] = []
         for message in messages:
             takers = self._takers_of(message)
@@ -177,7 +150,7 @@ class Translator:
             self._takers[key] = found
         return self._takers[key]
 
-    def _done(self, waiting: list[tuple[JausMessage, int, str]]) -> Iterator[Translated]:
+    def _done(self, waiting: list[tuple[JausMessage, int, str]]) -> Iterator[TranslatedMessage]:
         if not waiting:
             return
         answers = self._ask(
@@ -191,7 +164,7 @@ class Translator:
         for (message, index, _), answer in zip(waiting, answers, strict=True):
             route = self.routes[index]
             if isinstance(answer, str):
-                yield Translated(route, message.time, message.source, bytes.fromhex(answer))
+                yield TranslatedMessage(route, message.time, message.source, bytes.fromhex(answer))
             elif answer is not None:
                 self.untranslated.note(route.label, *answer)
 

@@ -22,7 +22,7 @@ Answer = typing.Any
 """Hexadecimal digits of the message of ROS, or kind and text of what is wrong."""
 
 
-class Clock:
+class RecordingClock:
     """The time of the message that is translated."""
 
     def __init__(self) -> None:
@@ -33,13 +33,8 @@ class Clock:
         return Time(*divmod(self.nanoseconds, _NANO))
 
 
-class Join:
-    """The latest joined reports.
-
-    Args:
-        plan: What the model says of the join.
-        kind: Class of the report.
-    """
+class LatestReports:
+    """The latest joined reports."""
 
     def __init__(self, plan: dict[str, typing.Any], kind: typing.Any) -> None:
         self._plan, self._kind = plan, kind
@@ -50,11 +45,7 @@ class Join:
         self._latest[self._key(subsystem)] = at, data
 
     def fresh(self, subsystem: int, at: int) -> typing.Any:
-        """Returns the latest report if it is fresh.
-
-        Raises:
-            StaleJoinError: It is not, and nothing is made without.
-        """
+        """Returns the latest report if it is fresh."""
         found = self._latest.get(self._key(subsystem))
         if found is not None and 0 <= at - found[0] <= self._plan["freshness"] * _NANO:
             return self._kind.decode(found[1])
@@ -66,15 +57,10 @@ class Join:
         return 0 if self._plan["senders"] else subsystem
 
 
-class Translation:
-    """The translation of one connection.
+class ConnectionTranslation:
+    """The translation of one connection."""
 
-    Args:
-        plan: The route.
-        clock: The time of the recording.
-    """
-
-    def __init__(self, plan: dict[str, typing.Any], clock: Clock) -> None:
+    def __init__(self, plan: dict[str, typing.Any], clock: RecordingClock) -> None:
         package, name = plan["package"], plan["connection"]
         bridge = getattr(import_module(f"{package}.{package}"), plan["bridge"])()
         bridge.now = clock.now
@@ -83,7 +69,9 @@ class Translation:
         kinds = {key: _class_of(hint) for key, hint in _hints(method, base).items()}
         translate = getattr(bridge, f"translate_{name}")
         self.connection = getattr(bridge, name)
-        self.joins = {each["name"]: Join(each, kinds[each["name"]]) for each in plan["joins"]}
+        self.joins = {
+            each["name"]: LatestReports(each, kinds[each["name"]]) for each in plan["joins"]
+        }
         decode = getattr(kinds["source"], "from_cdr", None) or kinds["source"].decode
         self._run = transcoder(translate, decode, _encode, _ignore, time.monotonic)
         self._clock = clock
@@ -122,13 +110,13 @@ class Work:
     """All translations."""
 
     def __init__(self) -> None:
-        self._translations: list[Translation] = []
+        self._translations: list[ConnectionTranslation] = []
 
     def answer(self, request: dict[str, typing.Any]) -> Answer:
         """Answers one line."""
         if "routes" in request:
-            clock = Clock()
-            self._translations = [Translation(each, clock) for each in request["routes"]]
+            clock = RecordingClock()
+            self._translations = [ConnectionTranslation(each, clock) for each in request["routes"]]
             return len(self._translations)
         if "messages" in request:
             return [self._one(*each) for each in request["messages"]]

@@ -25,7 +25,7 @@ _OFFERED = Qos(durability="transient_local", depth=1)
 """What meets any subscription."""
 
 
-class Wire:
+class OpenBridges:
     """The bridges on the network."""
 
     def __init__(self) -> None:
@@ -86,7 +86,7 @@ def _ignore(_where: str, _data: bytes) -> None:
 def main() -> None:
     """Answers until the input ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # who started us tells when to end
-    wire = Wire()
+    wire = OpenBridges()
     try:
         for line in sys.stdin:
             sys.stdout.write(json.dumps(wire.answer(json.loads(line))) + "\n")

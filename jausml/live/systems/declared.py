@@ -8,7 +8,7 @@ from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
 from jausml.language.semantics.installed import package_of
-from jausml.live.systems.state import Declaration, TopicName
+from jausml.live.systems.state import DeclaredConnection, TopicName
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -16,12 +16,8 @@ if TYPE_CHECKING:
     from jausml.language.model import Model
 
 
-def declarations_of(model: Model) -> Iterator[Declaration]:
-    """Yields the connections of a model, in model order.
-
-    Args:
-        model: The model; a connection that lacks its map, message or service is passed over.
-    """
+def declarations_of(model: Model) -> Iterator[DeclaredConnection]:
+    """Yields the connections of a model, in model order."""
     for owner in model.instances(bridge.Bridge, library=False):
         topics: dict[object, list[TopicName]] = {}
         for end in endpoints([owner]):
@@ -40,21 +36,17 @@ def declarations_of(model: Model) -> Iterator[Declaration]:
 
 
 def components_of(model: Model) -> dict[str, str]:
-    """Returns the names of the components of a model, bridges included, by JAUS id.
-
-    Args:
-        model: The model.
-    """
+    """Returns the names of the components of a model, bridges included, by JAUS id."""
     components = model.instances(jaus.Component, library=False)
     return {str(each.address): str(each.name) for each in components if each.address}
 
 
 def _declaration(
     owner: bridge.Bridge, connection: bridge.Connection, topics: tuple[TopicName, ...]
-) -> Declaration:
+) -> DeclaredConnection:
     exchange, to_ros = connection.exchange.name, connection.direction.name == "jausToRos"
     is_periodic = exchange in ("periodicEvent", "query") and to_ros
-    return Declaration(
+    return DeclaredConnection(
         bridge=node_of(owner),
         name=str(connection.name),
         jaus_id=str(owner.address),
@@ -71,9 +63,9 @@ def _called(
     owner: bridge.Bridge,
     connection: bridge.RosServiceConnection | bridge.RosActionConnection,
     message: str,
-) -> Declaration:
+) -> DeclaredConnection:
     """Returns a connection with a ROS service or action, which has neither topics nor a rate."""
-    return Declaration(
+    return DeclaredConnection(
         bridge=node_of(owner),
         name=str(connection.name),
         jaus_id=str(owner.address),

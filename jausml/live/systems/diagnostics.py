@@ -45,15 +45,11 @@ LONGEST_TEXT = 500
 
 
 @dataclass(frozen=True, slots=True)
-class Status:
+class DiagnosticStatus:
     """A `diagnostic_msgs/msg/DiagnosticStatus`.
 
     Attributes:
         level: 0 OK, 1 WARN, 2 ERROR, 3 STALE.
-        name: Who tells of what.
-        message: The state in a few words.
-        hardware_id: What it is about; of bridges their JAUS id.
-        values: Names and values.
     """
 
     level: int
@@ -63,21 +59,20 @@ class Status:
     values: tuple[tuple[str, str], ...] = ()
 
 
-def connection_of(status: Status, now: float) -> ConnectionState | None:
+def connection_of(status: DiagnosticStatus, now: float) -> ConnectionState | None:
     """Returns what a status tells of a connection or of a bridge; None when it is of another maker.
 
     Whatever a value cannot be read as is left out; as text it is among the values all the same.
 
     Args:
-        status: The status.
         now: When it came, in seconds of a steady clock.
     """
     bridge, colon, name = status.name.rpartition(": ")
     values = tuple((cut(key), cut(value)) for key, value in status.values[:MOST_VALUES])
-    told = dict(values)
+    by_name = dict(values)
     concerns_bridge = name in _OF_A_BRIDGE or name.startswith(_OF_A_PEER)
     peers = {key: value for key, value in values if key.partition(" ")[0] in _PEERS}
-    is_known = colon and (concerns_bridge or peers or not _OF_A_CONNECTION.isdisjoint(told))
+    is_known = colon and (concerns_bridge or peers or not _OF_A_CONNECTION.isdisjoint(by_name))
     if not is_known or not _JAUS_ID.fullmatch(status.hardware_id):
         return None
     known = 0 <= status.level < len(_LEVELS)
@@ -86,11 +81,11 @@ def connection_of(status: Status, now: float) -> ConnectionState | None:
         name=cut(name),
         jaus_id=status.hardware_id,
         level=_LEVELS[status.level] if known else Level.ERROR,
-        phase=told.get("state", "") if not concerns_bridge else "",
+        phase=by_name.get("state", "") if not concerns_bridge else "",
         reason=cut(status.message),
-        rate=number(told.get("rate (Hz)", "")),
-        declared_rate=number(told.get(_DECLARED, "")) or None,
-        age=number(told.get("age (s)", "")),
+        rate=number(by_name.get("rate (Hz)", "")),
+        declared_rate=number(by_name.get(_DECLARED, "")) or None,
+        age=number(by_name.get("age (s)", "")),
         told=now,
         drops=_drops(values),
         latency=_latency(values),
@@ -101,11 +96,7 @@ def connection_of(status: Status, now: float) -> ConnectionState | None:
 
 
 def number(text: str) -> float | None:
-    """Returns the number that a text is, None when it is none or not finite.
-
-    Args:
-        text: The text.
-    """
+    """Returns the number that a text is, None when it is none or not finite."""
     try:
         value = float(text)
     except ValueError:

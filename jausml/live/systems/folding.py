@@ -15,7 +15,7 @@ from jausml.live.systems.state import (
     SILENCE,
     ComponentState,
     ConnectionState,
-    Declaration,
+    DeclaredConnection,
     Level,
     SystemState,
 )
@@ -23,7 +23,7 @@ from jausml.live.systems.state import (
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from jausml.live.systems.diagnostics import Status
+    from jausml.live.systems.diagnostics import DiagnosticStatus
 
 MOST_CONNECTIONS = 4096
 """Connections that are kept; more are counted as ignored."""
@@ -46,7 +46,7 @@ _STATES = {
 }
 
 
-class Source(Enum):
+class AnswerSource(Enum):
     """Where knowledge of a component comes from."""
 
     ITSELF = "itself"
@@ -56,21 +56,16 @@ class Source(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class ComponentAnswer:
     """What a component tells of itself; None is what it does not tell this time.
 
     Attributes:
-        address: Its JAUS id.
-        name: What it calls itself.
-        type: What it says that it is.
-        state: Name of its Management state.
         controller: JAUS id of who controls it, empty when nobody does.
         authority: Authority code of who controls it, else its default.
         control_timeout: Seconds after which control lapses unless it is requested again, 0 for
             never.
         services: URN and version of what it provides.
         round_trip: Seconds from a question to the answer.
-        source: Whether the component itself answers, another one speaks of it, or nobody answers.
     """
 
     address: str
@@ -82,19 +77,13 @@ class Answer:
     control_timeout: int | None = None
     services: tuple[str, ...] | None = None
     round_trip: float | None = None
-    source: Source = Source.ITSELF
+    source: AnswerSource = AnswerSource.ITSELF
 
 
 def expected(
-    declarations: Iterable[Declaration], components: Mapping[str, str], now: float
+    declarations: Iterable[DeclaredConnection], components: Mapping[str, str], now: float
 ) -> SystemState:
-    """Returns the state of a system of which a model is known, and nothing was heard.
-
-    Args:
-        declarations: Connections of the model.
-        components: Names of the components of the model by JAUS id.
-        now: The time.
-    """
+    """Returns the state of a system of which a model is known, and nothing was heard."""
     declared = tuple(declarations)
     state = SystemState(
         now,
@@ -110,18 +99,11 @@ def expected(
 
 def fold_model(
     state: SystemState,
-    declarations: Iterable[Declaration],
+    declarations: Iterable[DeclaredConnection],
     components: Mapping[str, str],
     now: float,
 ) -> SystemState:
-    """Returns the state after its model changed; what was heard stays.
-
-    Args:
-        state: The state before.
-        declarations: Connections of the model as it is now.
-        components: Names of its components by JAUS id.
-        now: The time.
-    """
+    """Returns the state after its model changed; what was heard stays."""
     fresh = expected(declarations, components, now)
     heard = [each for each in state.connections.values() if each.told is not None]
     declared = {each.key: _declaration(fresh, each) for each in heard}
@@ -135,69 +117,58 @@ def fold_model(
         for address, each in state.components.items()
         if address in components or each.told is not None
     }
-    told = replace(
+    state = replace(
         fresh,
         connections=connections,
         components={**fresh.components, **former},
         sources=state.sources,
         ignored=state.ignored,
     )
-    return fold_time(told, now)
+    return fold_time(state, now)
 
 
 def fold_source(state: SystemState, source: str, fault: str) -> SystemState:
     """Returns the state after a source opened, or could not.
 
     Args:
-        state: The state before.
         source: `ROS` or `JAUS`.
         fault: Why it cannot be heard, empty when it can.
     """
     return fold_time(replace(state, sources={**state.sources, source: fault}), state.now)
 
 
-def fold_statuses(state: SystemState, statuses: Iterable[Status], now: float) -> SystemState:
-    """Returns the state after a message of `/diagnostics`.
-
-    Args:
-        state: The state before.
-        statuses: What the message holds; what is not of a bridge of jausml is passed over.
-        now: When it came.
-    """
+def fold_statuses(
+    state: SystemState, statuses: Iterable[DiagnosticStatus], now: float
+) -> SystemState:
+    """Returns the state after a message of `/diagnostics`."""
     connections, ignored = dict(state.connections), state.ignored
     for status in statuses:
-        told = connection_of(status, now)
-        if told is None:
+        latest = connection_of(status, now)
+        if latest is None:
             continue
-        declaration = _declaration(state, told)
-        if told.key not in connections and len(connections) >= MOST_CONNECTIONS:
+        declaration = _declaration(state, latest)
+        if latest.key not in connections and len(connections) >= MOST_CONNECTIONS:
             ignored += 1
             continue
         if declaration is not None:
             placeholder = connections.get(declaration.key)
             if placeholder is not None and placeholder.told is None:
                 del connections[declaration.key]
-        former = connections.get(told.key)
-        connections[told.key] = replace(_after(former, told, now), declaration=declaration)
+        former = connections.get(latest.key)
+        connections[latest.key] = replace(_after(former, latest, now), declaration=declaration)
     return replace(state, now=max(now, state.now), connections=connections, ignored=ignored)
 
 
-def fold_answer(state: SystemState, answer: Answer, now: float) -> SystemState:
-    """Returns the state after a component told something.
-
-    Args:
-        state: The state before.
-        answer: What it told.
-        now: When it came.
-    """
+def fold_answer(state: SystemState, answer: ComponentAnswer, now: float) -> SystemState:
+    """Returns the state after a component told something."""
     former = state.components.get(answer.address)
     if former is None:
         if len(state.components) >= MOST_COMPONENTS:
             return replace(state, ignored=state.ignored + 1)
         former = ComponentState(answer.address)
-    unanswered = former.unanswered + (answer.source is Source.NOBODY)
-    is_live = answer.source is Source.ITSELF
-    told = replace(
+    unanswered = former.unanswered + (answer.source is AnswerSource.NOBODY)
+    is_live = answer.source is AnswerSource.ITSELF
+    latest = replace(
         former,
         name=former.name if answer.name is None else cut(answer.name),
         type=former.type if answer.type is None else cut(answer.type),
@@ -212,17 +183,12 @@ def fold_answer(state: SystemState, answer: Answer, now: float) -> SystemState:
         told=now if is_live else former.told,
         unanswered=0 if is_live else unanswered,
     )
-    components = {**state.components, answer.address: _judged_component(state, told)}
+    components = {**state.components, answer.address: _judged_component(state, latest)}
     return replace(state, now=max(now, state.now), components=components)
 
 
 def fold_time(state: SystemState, now: float) -> SystemState:
-    """Returns the state at a time: who says nothing for long is not heard any more.
-
-    Args:
-        state: The state before.
-        now: The time; the state never goes back.
-    """
+    """Returns the state at a time: who says nothing for long is not heard any more."""
     now = max(now, state.now)
     connections = {}
     for key, each in state.connections.items():
@@ -237,7 +203,7 @@ def fold_time(state: SystemState, now: float) -> SystemState:
     return replace(state, now=now, connections=connections, components=components)
 
 
-def _unheard(declaration: Declaration) -> ConnectionState:
+def _unheard(declaration: DeclaredConnection) -> ConnectionState:
     return ConnectionState(
         declaration.bridge,
         declaration.name,
@@ -247,21 +213,21 @@ def _unheard(declaration: Declaration) -> ConnectionState:
     )
 
 
-def _declaration(state: SystemState, told: ConnectionState) -> Declaration | None:
+def _declaration(state: SystemState, latest: ConnectionState) -> DeclaredConnection | None:
     """Returns what the model says of a connection, whose bridge may have another name or id."""
-    node = told.bridge.rpartition("/")[2]
-    found = [each for each in state.declarations if each.name == told.name]
-    same_id = (each for each in found if each.jaus_id == told.jaus_id)
+    node = latest.bridge.rpartition("/")[2]
+    found = [each for each in state.declarations if each.name == latest.name]
+    same_id = (each for each in found if each.jaus_id == latest.jaus_id)
     same_node = (each for each in found if each.bridge.rpartition("/")[2] == node)
     return next(same_id, None) or next(same_node, None)
 
 
-def _after(former: ConnectionState | None, told: ConnectionState, now: float) -> ConnectionState:
+def _after(former: ConnectionState | None, latest: ConnectionState, now: float) -> ConnectionState:
     history = former.history if former is not None else ()
-    if told.rate is not None:
-        history = (*history, told.rate)[-HISTORY:]
+    if latest.rate is not None:
+        history = (*history, latest.rate)[-HISTORY:]
     before = former.told if former is not None else None
-    return replace(told, history=history, period=0.0 if before is None else now - before)
+    return replace(latest, history=history, period=0.0 if before is None else now - before)
 
 
 def _patience(connection: ConnectionState) -> float:

@@ -6,21 +6,27 @@ from collections import deque
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.ros import QuietNode, message_class
-from jausml.live.systems.diagnostics import Status
-from jausml.live.systems.ros_values import message_lines
+from jausml.live.systems.diagnostics import DiagnosticStatus
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from jausml.live.systems.state import TopicName
 
+
 _DEPTH = 50
+
+MOST_ELEMENTS = 8
+"""Elements of an array that are shown."""
+
+LONGEST_VALUE = 200
+"""Characters of a text that are shown."""
 
 
 class RosDiagnostics:
     """A node without parameters, services or log of its own, which spins in a thread."""
 
-    def __init__(self, take: Callable[[list[Status]], None]) -> None:
+    def __init__(self, take: Callable[[list[DiagnosticStatus]], None]) -> None:
         """Does nothing before `start`.
 
         Args:
@@ -32,11 +38,7 @@ class RosDiagnostics:
         self._quiet = QuietNode("top")
 
     def start(self) -> None:
-        """Begins to listen.
-
-        Raises:
-            RosFault: rclpy is missing or does not work.
-        """
+        """Begins to listen."""
         self._quiet.open(self._listen)
         self._quiet.spin()
 
@@ -98,7 +100,7 @@ class RosDiagnostics:
     def _diagnostics(self, message: Any) -> None:
         self._take(
             [
-                Status(
+                DiagnosticStatus(
                     each.level[0],
                     each.name,
                     each.message,
@@ -108,3 +110,42 @@ class RosDiagnostics:
                 for each in message.status
             ]
         )
+
+
+def message_lines(message: Any, indent: str = "") -> Iterator[str]:
+    """Yields the fields of a message, one a line, those of its parts below it."""
+    for name in message.get_fields_and_field_types():
+        value = getattr(message, name)
+        if _is_message(value):
+            yield f"{indent}{name}:"
+            yield from message_lines(value, indent + "  ")
+        elif _is_array(value):
+            yield from _array_lines(name, value, indent)
+        else:
+            yield f"{indent}{name}: {_shown(value)}"
+
+
+def _array_lines(name: str, values: Any, indent: str) -> Iterator[str]:
+    first = [values[index] for index in range(min(len(values), MOST_ELEMENTS))]
+    more = f", … ({len(values)} in all)" if len(values) > len(first) else ""
+    if not first or not _is_message(first[0]):
+        yield f"{indent}{name}: [{', '.join(map(_shown, first))}{more}]"
+        return
+    for index, each in enumerate(first):
+        yield f"{indent}{name}[{index}]:"
+        yield from message_lines(each, indent + "  ")
+    if more:
+        yield f"{indent}{name}: {more.removeprefix(', ')}"
+
+
+def _is_message(value: Any) -> bool:
+    return hasattr(value, "get_fields_and_field_types")
+
+
+def _is_array(value: Any) -> bool:
+    return hasattr(value, "__len__") and not isinstance(value, (str, bytes))
+
+
+def _shown(value: Any) -> str:
+    text = str(value) if isinstance(value, (bool, int, float, str)) else repr(value)
+    return text if len(text) <= LONGEST_VALUE else text[: LONGEST_VALUE - 1] + "…"

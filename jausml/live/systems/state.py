@@ -7,16 +7,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
+
 
 HISTORY = 120
 """Latest rates of a connection that are kept."""
 
 SILENCE = 5.0
 """Seconds after which who says nothing counts as gone, if it does not speak more seldom."""
+
+HEALTH = ("ok", "warning", "error")
+"""Words for the weights of a state."""
 
 
 class Level(Enum):
@@ -45,7 +49,6 @@ class TopicName:
     """A ROS topic of a connection, as its model names it.
 
     Attributes:
-        name: Full name.
         type: Its type, such as `std_msgs/msg/Float64`.
         is_absolute: Whether it has the same name in whatever namespace its bridge runs.
     """
@@ -56,18 +59,12 @@ class TopicName:
 
 
 @dataclass(frozen=True, slots=True)
-class Declaration:
+class DeclaredConnection:
     """What a model says of a connection.
 
     Attributes:
-        bridge: Full name of the node of its bridge.
-        name: Name of the connection.
-        jaus_id: JAUS id of the bridge.
         rate: Messages each second that it promises, None when it promises none.
         direction: `to ROS` or `to JAUS`.
-        topics: Its ROS topics, joined ones included.
-        message: Name of the JAUS message.
-        is_report: Whether the message is a report, which can be asked for.
         peers: JAUS ids of the components at the other end, as far as the model names them.
     """
 
@@ -92,24 +89,17 @@ class ConnectionState:
     """A connection of a bridge.
 
     Attributes:
-        bridge: Full name of the node of its bridge.
         name: Name of the connection; `jaus state` and the like concern the bridge.
-        jaus_id: JAUS id of the bridge.
-        level: How well it goes.
         phase: Its state as its bridge calls it, such as `silent`; empty when nobody says it.
-        reason: Why so, in a few words.
         rate: Messages each second since the status before, None when unknown.
         declared_rate: Messages each second that the model promises, None when it promises none.
         age: Seconds since its last message when its bridge told of it, None when there was none.
         told: When its bridge last told of it, None when it never did.
         period: Seconds between its last two statuses, 0 before there were two.
-        drops: What was lost, by reason.
         latency: Measured latency in microseconds by name, such as `in the bridge p99`.
-        peers: The other ends and how it stands with them.
         values: All names and values of the last status, as they came.
         history: Latest rates, oldest first.
         concerns_bridge: Whether it is told only while there is something to tell.
-        declaration: What the model says of it.
     """
 
     bridge: str
@@ -129,7 +119,7 @@ class ConnectionState:
     values: tuple[tuple[str, str], ...] = ()
     history: tuple[float, ...] = ()
     concerns_bridge: bool = False
-    declaration: Declaration | None = None
+    declaration: DeclaredConnection | None = None
 
     @property
     def key(self) -> tuple[str, str]:
@@ -152,11 +142,7 @@ class ComponentState:
     """A JAUS component.
 
     Attributes:
-        address: Its JAUS id.
-        name: What it calls itself, or the model calls it.
         type: What it says that it is, such as `vehicle`.
-        level: How well it goes.
-        reason: Why so, in a few words.
         state: Management state such as `READY`, empty when it tells none.
         controller: JAUS id of who controls it, empty when nobody does, None when it tells nothing.
         authority: Authority code of who controls it, else its default; None when unknown.
@@ -164,9 +150,6 @@ class ComponentState:
             never; None when unknown.
         services: URN and version of what it provides.
         round_trip: Seconds of its last answer, None before the first one.
-        told: When it last answered, None when it never did.
-        unanswered: Questions in a row that it did not answer.
-        is_declared: Whether the model has it.
     """
 
     address: str
@@ -195,19 +178,14 @@ class SystemState:
     """A running system at one time.
 
     Attributes:
-        now: The time.
-        connections: By bridge and name.
-        components: By JAUS id.
         sources: Of `ROS` and `JAUS`, why it cannot be heard; empty while it is.
-        declarations: What the model promises.
-        ignored: Statuses and components for which there was no room.
     """
 
     now: float = 0.0
     connections: Mapping[tuple[str, str], ConnectionState] = field(default_factory=dict)
     components: Mapping[str, ComponentState] = field(default_factory=dict)
     sources: Mapping[str, str] = field(default_factory=dict)
-    declarations: tuple[Declaration, ...] = ()
+    declarations: tuple[DeclaredConnection, ...] = ()
     ignored: int = 0
 
     def age_of(self, connection: ConnectionState) -> float | None:
@@ -235,3 +213,68 @@ class SystemState:
     def _parts(self) -> Iterator[ConnectionState | ComponentState]:
         yield from self.connections.values()
         yield from self.components.values()
+
+
+def state_as_json(state: SystemState) -> dict[str, Any]:
+    """Returns a state as objects, lists, texts and numbers."""
+    return {
+        "health": HEALTH[state.weight],
+        "heard": state.is_heard,
+        "sources": {name: fault or "heard" for name, fault in state.sources.items()},
+        "connections": [_connection(each, state) for each in state.connections.values()],
+        "components": [_component(each, state.now) for each in state.components.values()],
+        "ignored": state.ignored,
+    }
+
+
+def _connection(connection: ConnectionState, state: SystemState) -> dict[str, Any]:
+    declaration = connection.declaration
+    return {
+        "bridge": connection.bridge,
+        "connection": connection.name,
+        "jaus_id": connection.jaus_id,
+        "level": connection.level.value,
+        "state": connection.phase or None,
+        "reason": connection.reason,
+        "rate": connection.rate,
+        "declared_rate": connection.declared_rate,
+        "age": _rounded(state.age_of(connection)),
+        "latency_us": dict(connection.latency),
+        "drops": dict(connection.drops),
+        "peers": dict(connection.peers),
+        "history": list(connection.history),
+        "told": _since(connection.told, state.now),
+        "values": [list(pair) for pair in connection.values],
+        "model": declaration
+        and {
+            "direction": declaration.direction,
+            "message": declaration.message,
+            "topics": {each.name: each.type for each in declaration.topics},
+        },
+    }
+
+
+def _component(component: ComponentState, now: float) -> dict[str, Any]:
+    trip = component.round_trip
+    return {
+        "id": component.address,
+        "name": component.name,
+        "type": component.type,
+        "level": component.level.value,
+        "reason": component.reason,
+        "state": component.state or None,
+        "controller": component.controller or None,
+        "authority": component.authority,
+        "control_timeout": component.control_timeout,
+        "services": list(component.services),
+        "round_trip_ms": None if trip is None else round(trip * 1e3, 3),
+        "told": _since(component.told, now),
+    }
+
+
+def _rounded(seconds: float | None) -> float | None:
+    return None if seconds is None else round(seconds, 3)
+
+
+def _since(time: float | None, now: float) -> float | None:
+    return None if time is None else round(max(0.0, now - time), 3)

@@ -22,10 +22,7 @@ class Column:
     """A column of the connections.
 
     Attributes:
-        title: What stands above it.
-        text: Returns the cell of a connection.
         order: Returns what the connection is sorted by; None is last in either order.
-        is_number: Whether it stands at the right, and the greatest comes first.
     """
 
     title: str
@@ -39,7 +36,7 @@ def shown_name(connection: ConnectionState) -> str:
     return f"{connection.bridge.lstrip('/')} {connection.name}"
 
 
-def shown_state(connection: ConnectionState) -> str:
+def state_text(connection: ConnectionState) -> str:
     """Returns the state of a connection as its bridge calls it, or else how well it goes."""
     return cell(connection.phase) or connection.level.value
 
@@ -48,9 +45,7 @@ def sparkline(history: Sequence[float], declared: float | None, width: int = 12)
     """Returns the latest rates as bars, of which the highest is the greatest or declared rate.
 
     Args:
-        history: The rates, oldest first.
         declared: The declared rate, None without one.
-        width: Most bars.
     """
     latest = history[-width:]
     top = max([*latest, declared or 0.0], default=0.0)
@@ -60,12 +55,7 @@ def sparkline(history: Sequence[float], declared: float | None, width: int = 12)
 
 
 def cell(text: str, most: int = LONGEST_CELL) -> str:
-    """Returns text of others as a cell: no control characters, and not too long.
-
-    Args:
-        text: The text.
-        most: Most characters.
-    """
+    """Returns text of others as a cell: no control characters, and not too long."""
     clean = printable(text[: most + 1])
     return clean if len(clean) <= most else clean[: most - 1] + "…"
 
@@ -94,7 +84,7 @@ def _peers(connection: ConnectionState) -> str:
 
 
 COLUMNS = (
-    Column("state", shown_state, lambda each: -each.level.weight),
+    Column("state", state_text, lambda each: -each.level.weight),
     Column("connection", shown_name, shown_name),
     Column("Hz", lambda each: _figure(each.rate), lambda each: each.rate, is_number=True),
     Column(
@@ -136,12 +126,6 @@ def arranged(
     """Returns the connections whose names hold a text, in the order of a column.
 
     Their ages are those of the moment: they grow while their bridge says nothing.
-
-    Args:
-        state: The state.
-        column: Index of the column.
-        wanted: The text, in any case; several words must all be there.
-        is_reversed: The other way round.
     """
     words = wanted.casefold().split()
     found = sorted(

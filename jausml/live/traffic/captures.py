@@ -11,8 +11,6 @@ import zlib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, BinaryIO, cast
 
-from jausml.live.traffic.errors import CaptureError
-
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -21,6 +19,7 @@ RAW_IP = 101
 
 _LARGEST_PART = 1 << 27
 _NANO = 10**9
+
 _PCAP = {
     b"\xd4\xc3\xb2\xa1": ("<", 10**6),
     b"\xa1\xb2\xc3\xd4": (">", 10**6),
@@ -28,6 +27,7 @@ _PCAP = {
     b"\xa1\xb2\x3c\x4d": (">", 10**9),
 }
 """Byte order and ticks each second, by what the file begins with."""
+
 _GZIP = b"\x1f\x8b"
 _MCAP = b"\x89MCA"
 _SECTION_HEADER = 0x0A0D0D0A
@@ -40,16 +40,29 @@ _OPTION_RESOLUTION = 9
 _OPTION_OFFSET = 14
 
 
+class TrafficError(ValueError):
+    """Traffic that cannot be read; the text says where."""
+
+
+class CaptureError(TrafficError):
+    """A capture file that is malformed or ends too early.
+
+    Attributes:
+        offset: Byte of the file at which the faulty part begins.
+    """
+
+    def __init__(self, reason: str, offset: int) -> None:
+        super().__init__(f"{reason} (at byte {offset} of the file)")
+        self.offset = offset
+
+
 @dataclass(frozen=True)
-class Frame:
+class CapturedFrame:
     """A frame of a capture.
 
     Attributes:
         number: Its number in the file, from 1 as Wireshark counts.
         time: Seconds since 1970, None when the file does not tell.
-        link_type: What its bytes begin with (LINKTYPE_ of tcpdump.org).
-        data: The bytes that were captured.
-        is_cut: Whether the capture kept only its beginning.
         nanoseconds: The time to the nanosecond, which no float holds; None as with it.
     """
 
@@ -61,11 +74,8 @@ class Frame:
     nanoseconds: int | None = None
 
 
-def read_frames(stream: BinaryIO) -> Iterator[Frame]:
+def read_frames(stream: BinaryIO) -> Iterator[CapturedFrame]:
     """Yields the frames of a capture as they come.
-
-    Args:
-        stream: A pcap or pcapng file; it may be compressed by gzip.
 
     Raises:
         CaptureError: It is something else, malformed, or ends within a frame; the frames before
@@ -89,11 +99,7 @@ def read_frames(stream: BinaryIO) -> Iterator[Frame]:
 
 
 def is_capture(beginning: bytes) -> bool:
-    """Tells whether a file begins as a capture does, or as a compressed one.
-
-    Args:
-        beginning: Its first four bytes.
-    """
+    """Tells whether a file begins as a capture does, or as a compressed one."""
     is_plain = beginning in _PCAP or beginning == _SECTION_HEADER.to_bytes(4, "big")
     return is_plain or beginning.startswith(_GZIP)
 
@@ -115,24 +121,14 @@ class _Again:
 
 
 class _File:
-    """A file that is read from the beginning to the end.
-
-    Attributes:
-        offset: Bytes read so far.
-    """
+    """A file that is read from the beginning to the end."""
 
     def __init__(self, stream: BinaryIO) -> None:
         self._stream = stream
         self.offset = 0
 
     def read(self, size: int, what: str, begin: int | None = None) -> bytes:
-        """Returns exactly as many bytes.
-
-        Args:
-            size: How many.
-            what: What they are, for the error.
-            begin: Where the part begins to which they belong.
-        """
+        """Returns exactly as many bytes."""
         start = self.offset if begin is None else begin
         if size > _LARGEST_PART:
             raise CaptureError(f"{what} cannot have {size} bytes", start)
@@ -166,7 +162,7 @@ class _File:
             raise CaptureError("the compressed file is damaged or cut off", self.offset) from None
 
 
-def _pcap(file: _File, order: str, ticks_each_second: int) -> Iterator[Frame]:
+def _pcap(file: _File, order: str, ticks_each_second: int) -> Iterator[CapturedFrame]:
     header = file.read(20, "the file header", 0)
     (network,) = struct.unpack(f"{order}16xI", header)
     link_type = network & 0xFFFF  # the upper half tells of check sums after the frames
@@ -181,7 +177,7 @@ def _pcap(file: _File, order: str, ticks_each_second: int) -> Iterator[Frame]:
         seconds, fraction, kept, length = record.unpack(head)
         data = file.read(kept, f"frame {number}", begin)
         time = seconds * _NANO + fraction * _NANO // ticks_each_second
-        yield Frame(number, time / _NANO, link_type, data, kept < length, time)
+        yield CapturedFrame(number, time / _NANO, link_type, data, kept < length, time)
 
 
 class _Pcapng:
@@ -193,7 +189,7 @@ class _Pcapng:
         self._interfaces: list[tuple[int, int, int, int]] = []
         self._number = 0
 
-    def frames(self) -> Iterator[Frame]:
+    def frames(self) -> Iterator[CapturedFrame]:
         begin = 0
         head: bytes | None = _SECTION_HEADER.to_bytes(4, "big")
         while head is not None:
@@ -223,7 +219,7 @@ class _Pcapng:
             raise CaptureError(f"the two lengths of {what} differ", begin)
         return start + rest[:-4]
 
-    def _take(self, kind: int, body: bytes, begin: int) -> Frame | None:
+    def _take(self, kind: int, body: bytes, begin: int) -> CapturedFrame | None:
         try:
             if kind == _SECTION_HEADER:
                 self._interfaces = []
@@ -252,14 +248,14 @@ class _Pcapng:
                 (offset,) = struct.unpack(f"{self._order}q", value)
         return link_type, snap_length, ticks_each_second, offset
 
-    def _packet(self, kind: int, body: bytes, begin: int) -> Frame:
+    def _packet(self, kind: int, body: bytes, begin: int) -> CapturedFrame:
         layout = "IIIII" if kind == _ENHANCED_PACKET else "H2xIIII"
         interface, high, low, kept, length = struct.unpack_from(f"{self._order}{layout}", body)
         link_type, _, ticks_each_second, offset = self._interface_of(interface, begin)
         time = (high << 32 | low) * _NANO // ticks_each_second + offset * _NANO
         return self._frame(time, link_type, body[20:], kept, length, begin)
 
-    def _simple_packet(self, body: bytes, begin: int) -> Frame:
+    def _simple_packet(self, body: bytes, begin: int) -> CapturedFrame:
         (length,) = struct.unpack_from(f"{self._order}I", body)
         link_type, snap_length, _, _ = self._interface_of(0, begin)
         kept = min(length, snap_length or length)
@@ -272,9 +268,9 @@ class _Pcapng:
 
     def _frame(
         self, time: int | None, link_type: int, data: bytes, kept: int, length: int, begin: int
-    ) -> Frame:
+    ) -> CapturedFrame:
         self._number += 1
         if kept > len(data):
             raise CaptureError(f"frame {self._number} is longer than its block", begin)
         seconds = None if time is None else time / _NANO
-        return Frame(self._number, seconds, link_type, data[:kept], kept < length, time)
+        return CapturedFrame(self._number, seconds, link_type, data[:kept], kept < length, time)

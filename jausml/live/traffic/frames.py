@@ -1,4 +1,10 @@
-"""UDP datagrams in frames: link layer, IPv4 and IPv6 with their fragments, UDP."""
+"""UDP datagrams in frames, and frames of datagrams: link layer, IPv4 and IPv6 with fragments, UDP.
+
+JUDP on other ports is found too, which processes that share the port of a host say to each other:
+only one of them owns the port; the others have one of a known range, or one that the system picks,
+which peers learn from their datagrams (AS5669A). Multicast shows these ports, since it goes to the
+known one.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +12,15 @@ import socket
 import struct
 from collections import Counter, OrderedDict
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import BinaryIO, NamedTuple
 
-from jausml.live.traffic.elsewhere import Elsewhere, Endpoint, is_judp
+from jausml.live.traffic.captures import RAW_IP, CapturedFrame
 
-if TYPE_CHECKING:
-    from jausml.live.traffic.captures import Frame
-
+_JUDP_VERSION = 2
+_LEAST_SIZE = 14
+_HEADER = struct.Struct("<BH")
+_MESSAGE_TYPE = 0x3F
+_MOST_ENDPOINTS = 4096
 _ETHERNET, _NULL, _LOOP, _LINUX_COOKED, _LINUX_COOKED_2 = 1, 0, 108, 113, 276
 _RAW_IP = (12, 14, 101, 228, 229)
 _IPV4, _IPV6 = 0x0800, 0x86DD
@@ -22,6 +30,64 @@ _IPV6_FRAGMENT = 44
 _IPV6_EXTENSIONS = (0, 43, 60)  # hop by hop, routing, destination options
 _MAXIMUM_PENDING = 64
 _LARGEST_DATAGRAM = 65535
+_PCAP_IN_NANOSECONDS = 0xA1B23C4D
+_LARGEST_FRAME = 1 << 18
+_NANO = 10**9
+_TIME_TO_LIVE = 16
+
+
+class Endpoint(NamedTuple):
+    """An IP address and a UDP port."""
+
+    host: str
+    port: int
+
+    def __str__(self) -> str:
+        return f"[{self.host}]:{self.port}" if ":" in self.host else f"{self.host}:{self.port}"
+
+
+class OtherPorts:
+    """Endpoints that speak JUDP, learnt from what was seen.
+
+    Attributes:
+        unclaimed: Datagrams that look like JUDP, between endpoints of which none is known.
+    """
+
+    def __init__(self, port: int) -> None:
+        """Starts with no endpoint."""
+        self.unclaimed = 0
+        # Hex needs no runtime, captures do.
+        from jausml.runtime.transports.udp.shared_port import neighbour_ports  # noqa: PLC0415
+
+        self._neighbours = neighbour_ports(port)
+        self._known: set[Endpoint] = set()
+
+    def learn(self, *endpoints: Endpoint) -> None:
+        """Takes that endpoints speak JUDP."""
+        if len(self._known) < _MOST_ENDPOINTS:
+            self._known.update(endpoints)
+
+    def takes(self, source: Endpoint, destination: Endpoint) -> bool:
+        """Whether a datagram on other ports, which has the form of JUDP, is of a speaker."""
+        if source in self._known or destination in self._known:
+            return True
+        if source.port in self._neighbours or destination.port in self._neighbours:
+            return True
+        self.unclaimed += 1
+        return False
+
+
+def is_judp(data: bytes) -> bool:
+    """Returns whether a datagram has the form of JUDP from its first to its last byte."""
+    offset = 1
+    if data[:1] != bytes([_JUDP_VERSION]) or len(data) < 1 + _LEAST_SIZE:
+        return False
+    while offset + _LEAST_SIZE <= len(data):
+        kind, size = _HEADER.unpack_from(data, offset)
+        if kind & _MESSAGE_TYPE or size < _LEAST_SIZE:
+            return False
+        offset += size
+    return offset == len(data)
 
 
 @dataclass(frozen=True)
@@ -29,7 +95,6 @@ class Datagram:
     """A UDP datagram.
 
     Attributes:
-        data: What it carries.
         source: Where it came from, None when nobody told.
         destination: Where it went, None when nobody told.
         time: Seconds since 1970, None when nobody told.
@@ -69,30 +134,17 @@ class _Fragments:
 
 
 class UdpReader:
-    """Finds the UDP datagrams of a port in frames, and JUDP of who speaks it there on other ports.
-
-    Attributes:
-        skipped: How many frames of the port could not be read, and of unknown links, by reason.
-        elsewhere: What is on other ports.
-    """
+    """Finds the UDP datagrams of a port in frames, and JUDP of its speakers on other ports."""
 
     def __init__(self, port: int) -> None:
-        """Starts with no fragments.
-
-        Args:
-            port: UDP port that a datagram must come from or go to.
-        """
+        """Starts with no fragments."""
         self.skipped: Counter[str] = Counter()
-        self.elsewhere = Elsewhere(port)
+        self.other_ports = OtherPorts(port)
         self._port = port
         self._pending: OrderedDict[tuple[bytes, bytes, int], _Fragments] = OrderedDict()
 
-    def read(self, frame: Frame) -> Datagram | None:
-        """Returns the datagram that a frame holds or completes.
-
-        Args:
-            frame: A frame.
-        """
+    def read(self, frame: CapturedFrame) -> Datagram | None:
+        """Returns the datagram that a frame holds or completes."""
         try:
             packet = self._ip_packet(frame)
             if packet is None:
@@ -109,7 +161,7 @@ class UdpReader:
         """IP packets whose fragments are not all there."""
         return len(self._pending)
 
-    def _ip_packet(self, frame: Frame) -> bytes | None:
+    def _ip_packet(self, frame: CapturedFrame) -> bytes | None:
         """Returns what follows the link layer when it is IP."""
         data, link = frame.data, frame.link_type
         if link in _RAW_IP:
@@ -132,7 +184,7 @@ class UdpReader:
             at += 4
         return data[at:] or None if protocol in (_IPV4, _IPV6) else None
 
-    def _ipv4(self, packet: bytes, frame: Frame) -> Datagram | None:
+    def _ipv4(self, packet: bytes, frame: CapturedFrame) -> Datagram | None:
         length, identity, fragment, protocol = struct.unpack_from(">2xHHHxB", packet)
         if protocol != _UDP:
             return None
@@ -150,7 +202,7 @@ class UdpReader:
         )
         return self._udp(whole, socket.AF_INET, hosts, frame) if whole is not None else None
 
-    def _ipv6(self, packet: bytes, frame: Frame) -> Datagram | None:
+    def _ipv6(self, packet: bytes, frame: CapturedFrame) -> Datagram | None:
         length, following = struct.unpack_from(">4xHB", packet)
         hosts = packet[8:24], packet[24:40]
         content, at = packet[40 : 40 + length], 0
@@ -198,7 +250,7 @@ class UdpReader:
         return len(content) >= 4 and self._port in struct.unpack_from(">HH", content)
 
     def _udp(
-        self, content: bytes, family: int, hosts: tuple[bytes, bytes], frame: Frame
+        self, content: bytes, family: int, hosts: tuple[bytes, bytes], frame: CapturedFrame
     ) -> Datagram | None:
         source, destination, length = struct.unpack_from(">HHH", content)
         is_ours = self._port in (source, destination)
@@ -212,8 +264,44 @@ class UdpReader:
             return None
         names = [socket.inet_ntop(family, host) for host in hosts]
         ends = Endpoint(names[0], source), Endpoint(names[1], destination)
-        if not is_ours and not self.elsewhere.takes(*ends):
+        if not is_ours and not self.other_ports.takes(*ends):
             return None
         if has_form:
-            self.elsewhere.learn(*ends)
+            self.other_ports.learn(*ends)
         return Datagram(data, *ends, frame.time, frame.number, frame.nanoseconds)
+
+
+class PcapWriter:
+    """Writes frames of raw IP."""
+
+    def __init__(self, stream: BinaryIO) -> None:
+        """Begins a file."""
+        self._stream = stream
+        stream.write(
+            struct.pack("<IHHiIII", _PCAP_IN_NANOSECONDS, 2, 4, 0, 0, _LARGEST_FRAME, RAW_IP)
+        )
+
+    def write(self, frame: CapturedFrame) -> None:
+        """Writes a frame of raw IP that has a time."""
+        seconds, rest = divmod(frame.nanoseconds or 0, _NANO)
+        size = len(frame.data)
+        self._stream.write(struct.pack("<IIII", seconds, rest, size, size) + frame.data)
+
+
+def frame_of(datagram: Datagram) -> CapturedFrame:
+    """Returns a frame with a datagram that was heard without one, over IPv4.
+
+    Raises:
+        ValueError: It has no ends.
+    """
+    source, destination = datagram.source, datagram.destination
+    if source is None or destination is None:
+        raise ValueError("nobody told where the datagram came from")
+    size = 8 + len(datagram.data)
+    head = struct.pack(">BBHHHBBH", 0x45, 0, 20 + size, 0, 0, _TIME_TO_LIVE, _UDP, 0)
+    hosts = socket.inet_aton(source.host) + socket.inet_aton(destination.host)
+    udp = struct.pack(">HHHH", source.port, destination.port, size, 0)
+    data = head + hosts + udp + datagram.data
+    return CapturedFrame(
+        datagram.number or 0, datagram.time, RAW_IP, data, nanoseconds=datagram.nanoseconds
+    )

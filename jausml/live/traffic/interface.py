@@ -11,8 +11,7 @@ import struct
 import time
 from typing import TYPE_CHECKING
 
-from jausml.live.traffic.captures import RAW_IP, Frame
-from jausml.live.traffic.errors import TrafficError
+from jausml.live.traffic.captures import RAW_IP, CapturedFrame, TrafficError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -83,7 +82,7 @@ class InterfaceCapture:
     def __exit__(self, *_: object) -> None:
         self._socket.close()
 
-    def frames(self) -> Iterator[Frame | None]:
+    def frames(self) -> Iterator[CapturedFrame | None]:
         """Yields frames as they pass, and None while none does, so that one can end."""
         number = 0
         while True:
@@ -98,7 +97,7 @@ class InterfaceCapture:
             if protocol in (_IPV4, _IPV6) and not is_double:
                 number += 1
                 now = _time_of(told)
-                yield Frame(number, now / _NANO, RAW_IP, data, nanoseconds=now)
+                yield CapturedFrame(number, now / _NANO, RAW_IP, data, nanoseconds=now)
 
     def lost(self) -> int:
         """Returns how many frames the system had to drop since the last call."""
@@ -124,11 +123,7 @@ def _time_of(told: list[tuple[int, int, bytes]]) -> int:
 
 
 def _name_of(address: str) -> str:
-    """Returns the name of the interface that has an address.
-
-    Raises:
-        OSError: None has.
-    """
+    """Returns the name of the interface that has an address."""
     import fcntl  # noqa: PLC0415 - Windows has none
 
     wanted = socket.inet_aton(address)

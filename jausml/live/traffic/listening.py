@@ -8,9 +8,8 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
-from jausml.live.traffic.elsewhere import Endpoint
-from jausml.live.traffic.errors import TrafficError
-from jausml.live.traffic.frames import Datagram
+from jausml.live.traffic.captures import TrafficError
+from jausml.live.traffic.frames import Datagram, Endpoint
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -31,9 +30,6 @@ class MulticastListener:
 
     def __init__(self, settings: TransportSettings) -> None:
         """Joins the group.
-
-        Args:
-            settings: Interface, port and multicast group.
 
         Raises:
             TrafficError: The interface or the group cannot be used.

@@ -56,15 +56,12 @@ class Observation:
     """A message of the transport as it was seen, or a datagram that cannot be read.
 
     Attributes:
-        datagram: The datagram in which it stood.
         packet: Its header and payload, None when the datagram cannot be read.
         data_size: What its header says: bytes of the header, the payload and the sequence number.
         payload: Code and body of the JAUS message; that of several packets stands with the packet
             that completes it, and is empty with the others.
-        message: The JAUS message, where its payload can be decoded.
         error: Why there is no message, empty when there is one or none is due; of a packet of
             several, which place it has.
-        is_fragment: Whether it is a packet of a message of several.
     """
 
     datagram: Datagram
@@ -169,11 +166,7 @@ class Observer:
         self._reassembly = Reassembly(_REASSEMBLY_TIMEOUT, _REASSEMBLY_LIMIT, _Reasons())
 
     def observe(self, datagram: Datagram) -> Iterator[Observation]:
-        """Yields the messages of a datagram; one that cannot be read yields what is wrong.
-
-        Args:
-            datagram: The datagram.
-        """
+        """Yields the messages of a datagram; one that cannot be read yields what is wrong."""
         if datagram.source is not None and datagram.data.startswith(FRAME):
             self.host_frames += 1
             return
@@ -211,11 +204,7 @@ class Observer:
 
 
 def ends_of(datagram: Datagram) -> set[str]:
-    """Returns the JAUS ids of who sends, and who is sent, the messages that can be read.
-
-    Args:
-        datagram: The datagram of the messages.
-    """
+    """Returns the JAUS ids of who sends, and who is sent, the messages that can be read."""
     packets = parse_datagram(datagram.data, _Reasons())
     return {str(end) for each in packets for end in (each.source, each.destination)}
 

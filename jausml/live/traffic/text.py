@@ -1,11 +1,13 @@
-"""Observations for people: one line for the header, then the fields of the message."""
+"""Text for people of what was observed, and from them: lines of hexadecimal."""
 
 from __future__ import annotations
 
+import re
 from datetime import datetime, timezone
 from typing import TYPE_CHECKING
 
 from jausml.live.messages import text as messages
+from jausml.live.traffic.captures import TrafficError
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Priority
 
 if TYPE_CHECKING:
@@ -14,6 +16,7 @@ if TYPE_CHECKING:
     from jausml.live.traffic.observing import Observation
     from jausml.runtime.base.address import JausAddress
     from jausml.runtime.transports.packets.packet import Packet
+
 
 _SHOWN_OCTETS = 64
 _PRIORITIES = {
@@ -33,13 +36,14 @@ _DATA_FLAGS = {
     DataFlags.LAST: "last packet",
 }
 
+_COMMENT = re.compile(r"(?:#|//|;).*")
+_BYTE_PREFIX = re.compile(r"(?<![0-9A-Fa-f])0[xX]|\\x")
+_SEPARATORS = str.maketrans("", "", " \t\r\n:,-_\v\f")
+_WRONG = re.compile(r"[^0-9A-Fa-f \t\r\n:,\-_\v\f]")
+
 
 def lines(observation: Observation) -> Iterator[str]:
-    """Yields the lines of an observation; the fields are indented.
-
-    Args:
-        observation: What was seen.
-    """
+    """Yields the lines of an observation; the fields are indented."""
     packet, message = observation.packet, observation.message
     head = [*_place(observation), *(_header(packet) if packet is not None else ())]
     if message is not None:
@@ -91,3 +95,25 @@ def _address(address: JausAddress) -> str:
     parts = (address.subsystem, address.node, address.component)
     shown = ("*" if part == wild else str(part) for part, wild in zip(parts, everyone, strict=True))
     return ".".join(shown)
+
+
+def parse_hex(line: str) -> bytes:
+    r"""Returns the bytes of a line; a blank line or a comment has none.
+
+    Blanks, colons, commas, hyphens, `0x` and `\x` may stand between bytes; `#`, `;` and `//`
+    begin a comment.
+
+    Raises:
+        TrafficError: It is not hexadecimal; the text names the column.
+    """
+    text = _COMMENT.sub("", line)
+    # Two blanks keep the columns of what follows a prefix.
+    digits = _BYTE_PREFIX.sub("  ", text)
+    wrong = _WRONG.search(digits)
+    if wrong is not None:
+        column = wrong.start() + 1
+        raise TrafficError(f"column {column}: {wrong.group()!a} is no hexadecimal digit")
+    packed = digits.translate(_SEPARATORS)
+    if len(packed) % 2:
+        raise TrafficError(f"{len(packed)} hexadecimal digits make no whole number of bytes")
+    return bytes.fromhex(packed)

@@ -6,14 +6,13 @@ from typing import TYPE_CHECKING
 
 from jausml.language.model.model import made_model
 from jausml.language.semantics.connections.exchanges import TO_JAUS, TO_ROS
-from jausml.live.workers.code import bridge_code
-from jausml.live.workers.making import Maker
+from jausml.live.workers.bridge_code import Maker, bridge_code
 
 if TYPE_CHECKING:
     from jausml.language.metamodel import Metamodels
     from jausml.language.metamodel.classes import bridge
     from jausml.language.model import Model
-    from jausml.live.workers.code import BridgeCode
+    from jausml.live.workers.bridge_code import BridgeCode
 
 BRIDGE_NAME, CONNECTION_NAME = "trial", "tried"
 _SYSTEM = "trial_system"

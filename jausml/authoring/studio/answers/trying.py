@@ -31,7 +31,7 @@ from jausml.language.semantics.paths.attributes import (
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import COUNTERS, outer_scope, source_paths
-from jausml.live.workers.process import Worker, WorkerError
+from jausml.live.workers.worker import Worker, WorkerError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
     from jausml.authoring.proposals.elements import Scope
     from jausml.language.semantics.paths.scopes import PathPlace, PathScope
-    from jausml.live.workers.code import BridgeCode
+    from jausml.live.workers.bridge_code import BridgeCode
 
 SECONDS = 10.0
 """How long a translation may take, its process being started included."""

@@ -4,10 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import check
-from jausml.live.peers.conformance.session import NOBODY
-from jausml.live.peers.conformance.verdicts import CheckFailed
-from jausml.live.peers.services import controller_of
+from jausml.live.peers.conformance.check import Check, check, step
+from jausml.live.peers.conformance.session import NOBODY, Authority
+from jausml.live.peers.conformance.steps import (
+    A,
+    B,
+    needs,
+    rejected,
+    send,
+    take,
+)
+from jausml.live.peers.discovery import controller_of
 from jausml.runtime import messages as core
 from jausml.runtime.messages import (
     ConfirmControl,
@@ -23,13 +30,12 @@ from jausml.runtime.messages import (
 from jausml.runtime.services.definitions import Status
 
 if TYPE_CHECKING:
-    from jausml.live.peers.conformance.client import Client
     from jausml.live.peers.conformance.session import Session
+    from jausml.runtime.wire.message import Message
 
 ACCEPTED = ConfirmControl.ResponseCode.CONTROL_ACCEPTED
-NOT_AVAILABLE = ConfirmControl.ResponseCode.NOT_AVAILABLE
 INSUFFICIENT = ConfirmControl.ResponseCode.INSUFFICIENT_AUTHORITY
-RELEASED = RejectControl.ResponseCode.CONTROL_RELEASED
+BELOW, LOW, MIDDLE, HIGH = Authority
 
 _EARLIEST = 0.8
 _LATEST = 1.5
@@ -58,7 +64,7 @@ def requires(session: Session) -> str:
 
 def _why_no_control(session: Session) -> str:
     """Returns why control cannot be had, found out by asking for it."""
-    session.first.send(RequestControl(authority_code=session.low))
+    session.first.send(RequestControl(authority_code=session.authority(LOW)))
     answer = session.first.expect(ConfirmControl, "RequestControl")
     if answer.response_code == ACCEPTED:
         return ""
@@ -69,11 +75,7 @@ def _why_no_control(session: Session) -> str:
 
 
 def timeout_in_reach(session: Session) -> int:
-    """Returns the announced timeout in seconds, when the run may wait for it.
-
-    Raises:
-        CheckSkipped: It is never or too long.
-    """
+    """Returns the announced timeout in seconds, when the run may wait for it."""
     seconds = session.first.ask(QueryTimeout(), core.ReportTimeout).timeout
     session.skip_unless(seconds > 0, "the target announces that control never lapses")
     session.skip_unless(
@@ -83,12 +85,88 @@ def timeout_in_reach(session: Session) -> int:
     return seconds
 
 
+@step
+def request(
+    session: Session,
+    client: int,
+    level: Authority,
+    expected: ConfirmControl.ResponseCode | None = None,
+) -> None:
+    """A client asks for control and is answered with a code, if one is expected."""
+    authority = session.authority(level)
+    session.send(client, RequestControl(authority_code=authority))
+    if expected is None:
+        return
+    what = f"{session.latest} with authority {authority}"
+    code = session.client(client).expect(ConfirmControl, what).response_code
+    session.require(
+        code == expected,
+        f"{what} is answered with ConfirmControl {code} instead of "
+        f"{int(expected)} ({expected.name})",
+    )
+
+
+@step
+def set_authority(session: Session, client: int, level: Authority) -> None:
+    """A client sets its authority."""
+    session.send(client, SetAuthority(authority_code=session.authority(level)))
+
+
+@step
+def unanswered(session: Session, client: int, kind: type[Message]) -> None:
+    """A client without control should get no such message; one is noted."""
+    if session.client(client).find(kind, within=session.probe.quiet) is not None:
+        session.note(f"{session.latest}, which has no control, is answered")
+
+
+@step
+def controlled_by(session: Session, client: int, level: Authority) -> None:
+    """ReportControl names a client and its authority."""
+    report, address = session.seen_control(), str(session.client(client).address)
+    if report is None:
+        return
+    session.require(
+        controller_of(report) == address,
+        f"ReportControl names {controller_of(report)} instead of {address}",
+    )
+    session.require(
+        report.authority_code == session.authority(level),
+        f"ReportControl says authority {report.authority_code} "
+        f"instead of {session.authority(level)}",
+    )
+
+
+@step
+def kept(session: Session, client: int, level: Authority) -> None:
+    """A client is not told that it lost control, and has it still."""
+    keeper = session.client(client)
+    keeper.expect_none(RejectControl, f"{session.latest} takes no control from {keeper.address}")
+    controlled_by(client, level)(session)
+
+
+@step
+def uncontrolled(session: Session) -> None:
+    """ReportControl names nobody and the default authority."""
+    report = session.seen_control()
+    if report is None:
+        return
+    session.require(
+        controller_of(report) == NOBODY,
+        f"ReportControl still names {controller_of(report)}",
+    )
+    session.require(
+        report.authority_code == session.default_authority,
+        f"ReportControl says authority {report.authority_code} without a controller instead of "
+        f"the default {session.default_authority}",
+    )
+
+
 @check(
     "access.uncontrolled",
     "Reports no controller and its default authority",
     "AS5710A AccessControl, NotControlled (entry), QueryControl, QueryAuthority",
 )
-def uncontrolled(session: Session) -> None:
+def uncontrolled_at_first(session: Session) -> None:
     """Without a controller, ReportControl names 0.0.0 with the default authority.
 
     ReportAuthority must name the same authority.
@@ -117,203 +195,18 @@ def timeout_reported(session: Session) -> None:
 
 
 @check(
-    "access.request",
-    "Gives control to the first who asks",
-    "AS5710A AccessControl, NotControlled: RequestControl",
-)
-def request(session: Session) -> None:
-    """RequestControl with sufficient authority is confirmed with 0.
-
-    ReportControl then names the client and its authority.
-    """
-    _request(session.first, session.low, ACCEPTED)
-    _controlled_by(session, session.first, session.low)
-
-
-@check(
-    "access.insufficient",
-    "Refuses an authority below its default",
-    "AS5710A AccessControl, NotControlled: RequestControl, default authority > requested",
-)
-def insufficient(session: Session) -> None:
-    """RequestControl below the default authority is answered with 2 and changes nothing."""
-    session.skip_unless(session.default_authority > 0, "the default authority is 0, or not told")
-    _request(session.first, session.default_authority - 1, INSUFFICIENT)
-    _uncontrolled(session)
-
-
-@check(
-    "access.keep-alive",
-    "Confirms its controller again and takes its new authority",
-    "AS5710A AccessControl, Controlled: RequestControl of the controller",
-)
-def keep_alive(session: Session) -> None:
-    """A controller that asks again is confirmed with 0; its authority becomes the new one."""
-    session.take(session.first, session.low)
-    _request(session.first, session.high, ACCEPTED)
-    _controlled_by(session, session.first, session.high)
-    _request(session.first, session.low, ACCEPTED)
-    _controlled_by(session, session.first, session.low)
-
-
-@check(
-    "access.controller-below-default",
-    "Drops a controller that asks with less than the default authority",
-    "AS5710A AccessControl, Controlled: RequestControl of the controller, default > requested",
-)
-def controller_below_default(session: Session) -> None:
-    """The controller is told RejectControl 0, and nobody has control."""
-    session.skip_unless(session.default_authority > 0, "the default authority is 0, or not told")
-    session.take(session.first, session.low)
-    session.first.send(RequestControl(authority_code=session.default_authority - 1))
-    _rejected(session.first, "RequestControl below the default authority")
-    _uncontrolled(session)
-
-
-@check(
-    "access.preemption",
-    "Lets a higher authority take control",
-    "AS5710A AccessControl, Controlled: RequestControl of another, current < requested",
-)
-def preemption(session: Session) -> None:
-    """The new controller is confirmed with 0; the old one is told RejectControl 0."""
-    session.take(session.first, session.low)
-    _request(session.second, session.high, ACCEPTED)
-    _rejected(session.first, "being preempted")
-    _controlled_by(session, session.second, session.high)
-
-
-@check(
-    "access.equal-authority",
-    "Does not let the same authority take control",
-    "AS5710A AccessControl, Controlled: RequestControl of another, current >= requested",
-)
-def equal_authority(session: Session) -> None:
-    """The second client is answered with 2; the first one keeps control."""
-    session.take(session.first, session.middle)
-    _request(session.second, session.middle, INSUFFICIENT)
-    session.first.expect_none(RejectControl, "nobody with a higher authority asked")
-    _controlled_by(session, session.first, session.middle)
-
-
-@check(
-    "access.lower-authority",
-    "Does not let a lower authority take control",
-    "AS5710A AccessControl, Controlled: RequestControl of another, current >= requested",
-)
-def lower_authority(session: Session) -> None:
-    """The second client is answered with 2; the first one keeps control."""
-    session.take(session.first, session.high)
-    _request(session.second, session.low, INSUFFICIENT)
-    session.first.expect_none(RejectControl, "nobody with a higher authority asked")
-    _controlled_by(session, session.first, session.high)
-
-
-@check(
-    "access.set-authority",
-    "Lets its controller lower its authority",
-    "AS5710A AccessControl, Controlled: SetAuthority, default <= new <= current",
-)
-def set_authority(session: Session) -> None:
-    """ReportAuthority then says the new one, and a client between the two may take control."""
-    session.take(session.first, session.high)
-    session.first.send(SetAuthority(authority_code=session.low))
-    _controlled_by(session, session.first, session.low)
-    _request(session.second, session.middle, ACCEPTED)
-
-
-@check(
-    "access.set-authority-raised",
-    "Does not let its controller raise its authority by SetAuthority",
-    "AS5710A AccessControl, Controlled: SetAuthority, guard new <= current",
-)
-def set_authority_raised(session: Session) -> None:
-    """SetAuthority above the present authority has no effect."""
-    session.take(session.first, session.low)
-    session.first.send(SetAuthority(authority_code=session.high))
-    _controlled_by(session, session.first, session.low)
-
-
-@check(
-    "access.set-authority-below-default",
-    "Does not let its controller fall below the default authority",
-    "AS5710A AccessControl, Controlled: SetAuthority, guard default <= new",
-)
-def set_authority_below_default(session: Session) -> None:
-    """SetAuthority below the default authority has no effect."""
-    session.skip_unless(session.default_authority > 0, "the default authority is 0, or not told")
-    session.take(session.first, session.low)
-    session.first.send(SetAuthority(authority_code=session.default_authority - 1))
-    _controlled_by(session, session.first, session.low)
-
-
-@check(
-    "access.set-authority-by-other",
-    "Ignores SetAuthority of others than its controller",
-    "AS5710A AccessControl, Controlled: SetAuthority, guard on the sender",
-)
-def set_authority_by_other(session: Session) -> None:
-    """SetAuthority of a client without control has no effect."""
-    session.take(session.first, session.high)
-    session.second.send(SetAuthority(authority_code=session.low))
-    _controlled_by(session, session.first, session.high)
-
-
-@check(
-    "access.release",
-    "Lets its controller release control",
-    "AS5710A AccessControl, Controlled: ReleaseControl of the controller",
-)
-def release(session: Session) -> None:
-    """ReleaseControl is answered with RejectControl 0, and nobody has control."""
-    session.take(session.first, session.low)
-    session.first.send(ReleaseControl())
-    _rejected(session.first, "ReleaseControl")
-    _uncontrolled(session)
-
-
-@check(
     "access.release-uncontrolled",
     "Answers ReleaseControl when nobody has control",
     "AS5710A AccessControl, NotControlled: ReleaseControl",
 )
 def release_uncontrolled(session: Session) -> None:
     """ReleaseControl is answered with RejectControl 0 even without control."""
-    session.first.send(ReleaseControl())
+    send(A, ReleaseControl())(session)
     if session.is_v1_0("AccessControl"):
         if session.first.find(RejectControl) is None:
             session.note("not answered; AS5710 before revision A leaves that open")
         return
-    _rejected(session.first, "ReleaseControl without control")
-
-
-@check(
-    "access.release-by-other",
-    "Ignores ReleaseControl of others than its controller",
-    "AS5710A AccessControl, Controlled: ReleaseControl, guard on the sender",
-)
-def release_by_other(session: Session) -> None:
-    """ReleaseControl of a client without control is not answered and has no effect."""
-    session.take(session.first, session.low)
-    session.second.send(ReleaseControl())
-    if session.second.find(RejectControl, within=session.probe.quiet) is not None:
-        session.note("ReleaseControl of a client without control is answered")
-    session.first.expect_none(RejectControl, "another client asked for the release")
-    _controlled_by(session, session.first, session.low)
-
-
-@check(
-    "access.release-after-preemption",
-    "Ignores ReleaseControl of its former controller",
-    "AS5710A AccessControl, Controlled: ReleaseControl, guard on the sender",
-)
-def release_after_preemption(session: Session) -> None:
-    """A client that was preempted cannot release the control of its successor."""
-    session.take(session.first, session.low)
-    session.take(session.second, session.high)
-    session.first.send(ReleaseControl())
-    session.second.expect_none(RejectControl, "the former controller asked for the release")
-    _controlled_by(session, session.second, session.high)
+    rejected(A)(session)
 
 
 @check(
@@ -324,12 +217,12 @@ def release_after_preemption(session: Session) -> None:
 def timeout(session: Session) -> None:
     """RejectControl 0 comes between 0.8 and 1.5 of the announced timeout, and not before."""
     seconds = timeout_in_reach(session)
-    session.take(session.first, session.low)
+    take(A, LOW)(session)
     early = session.first.find(RejectControl, within=seconds * _EARLIEST)
     session.require(early is None, f"control lapsed before the announced {seconds} s")
     late = session.first.find(RejectControl, within=seconds * (_LATEST - _EARLIEST) + 0.5)
     session.require(late is not None, f"control did not lapse after the announced {seconds} s")
-    _uncontrolled(session)
+    uncontrolled()(session)
 
 
 @check(
@@ -340,78 +233,123 @@ def timeout(session: Session) -> None:
 def timeout_renewed(session: Session) -> None:
     """A controller that asks again within the timeout keeps control past its first end."""
     seconds = timeout_in_reach(session)
-    session.take(session.first, session.low)
+    take(A, LOW)(session)
     lost = session.first.find(RejectControl, within=seconds * 0.6)
     session.require(lost is None, f"control lapsed before the announced {seconds} s")
-    _request(session.first, session.low, ACCEPTED)
+    request(A, LOW, ACCEPTED)(session)
     lost = session.first.find(RejectControl, within=seconds * 0.7)
     session.require(lost is None, "control lapsed although it was asked for again in time")
 
 
 CHECKS = (
-    uncontrolled,
+    uncontrolled_at_first,
     timeout_reported,
-    request,
-    insufficient,
-    keep_alive,
-    controller_below_default,
-    preemption,
-    equal_authority,
-    lower_authority,
-    set_authority,
-    set_authority_raised,
-    set_authority_below_default,
-    set_authority_by_other,
-    release,
+    Check(
+        "access.request",
+        "Gives control to the first who asks",
+        "AS5710A AccessControl, NotControlled: RequestControl",
+        "RequestControl with sufficient authority is confirmed with 0.\n\n"
+        "ReportControl then names the client and its authority.",
+        (request(A, LOW, ACCEPTED), controlled_by(A, LOW)),
+    ),
+    Check(
+        "access.insufficient",
+        "Refuses an authority below its default",
+        "AS5710A AccessControl, NotControlled: RequestControl, default authority > requested",
+        "RequestControl below the default authority is answered with 2 and changes nothing.",
+        (request(A, BELOW, INSUFFICIENT), uncontrolled()),
+    ),
+    Check(
+        "access.keep-alive",
+        "Confirms its controller again and takes its new authority",
+        "AS5710A AccessControl, Controlled: RequestControl of the controller",
+        "A controller that asks again is confirmed with 0; its authority becomes the new one.",
+        (
+            take(A, LOW),
+            request(A, HIGH, ACCEPTED),
+            controlled_by(A, HIGH),
+            request(A, LOW, ACCEPTED),
+            controlled_by(A, LOW),
+        ),
+    ),
+    Check(
+        "access.controller-below-default",
+        "Drops a controller that asks with less than the default authority",
+        "AS5710A AccessControl, Controlled: RequestControl of the controller, default > requested",
+        "The controller is told RejectControl 0, and nobody has control.",
+        (needs(BELOW), take(A, LOW), request(A, BELOW), rejected(A), uncontrolled()),
+    ),
+    Check(
+        "access.preemption",
+        "Lets a higher authority take control",
+        "AS5710A AccessControl, Controlled: RequestControl of another, current < requested",
+        "The new controller is confirmed with 0; the old one is told RejectControl 0.",
+        (take(A, LOW), request(B, HIGH, ACCEPTED), rejected(A), controlled_by(B, HIGH)),
+    ),
+    Check(
+        "access.equal-authority",
+        "Does not let the same authority take control",
+        "AS5710A AccessControl, Controlled: RequestControl of another, current >= requested",
+        "The second client is answered with 2; the first one keeps control.",
+        (take(A, MIDDLE), request(B, MIDDLE, INSUFFICIENT), kept(A, MIDDLE)),
+    ),
+    Check(
+        "access.lower-authority",
+        "Does not let a lower authority take control",
+        "AS5710A AccessControl, Controlled: RequestControl of another, current >= requested",
+        "The second client is answered with 2; the first one keeps control.",
+        (take(A, HIGH), request(B, LOW, INSUFFICIENT), kept(A, HIGH)),
+    ),
+    Check(
+        "access.set-authority",
+        "Lets its controller lower its authority",
+        "AS5710A AccessControl, Controlled: SetAuthority, default <= new <= current",
+        "ReportAuthority then says the new one, and a client between the two may take control.",
+        (take(A, HIGH), set_authority(A, LOW), controlled_by(A, LOW), request(B, MIDDLE, ACCEPTED)),
+    ),
+    Check(
+        "access.set-authority-raised",
+        "Does not let its controller raise its authority by SetAuthority",
+        "AS5710A AccessControl, Controlled: SetAuthority, guard new <= current",
+        "SetAuthority above the present authority has no effect.",
+        (take(A, LOW), set_authority(A, HIGH), controlled_by(A, LOW)),
+    ),
+    Check(
+        "access.set-authority-below-default",
+        "Does not let its controller fall below the default authority",
+        "AS5710A AccessControl, Controlled: SetAuthority, guard default <= new",
+        "SetAuthority below the default authority has no effect.",
+        (needs(BELOW), take(A, LOW), set_authority(A, BELOW), controlled_by(A, LOW)),
+    ),
+    Check(
+        "access.set-authority-by-other",
+        "Ignores SetAuthority of others than its controller",
+        "AS5710A AccessControl, Controlled: SetAuthority, guard on the sender",
+        "SetAuthority of a client without control has no effect.",
+        (take(A, HIGH), set_authority(B, LOW), controlled_by(A, HIGH)),
+    ),
+    Check(
+        "access.release",
+        "Lets its controller release control",
+        "AS5710A AccessControl, Controlled: ReleaseControl of the controller",
+        "ReleaseControl is answered with RejectControl 0, and nobody has control.",
+        (take(A, LOW), send(A, ReleaseControl()), rejected(A), uncontrolled()),
+    ),
     release_uncontrolled,
-    release_by_other,
-    release_after_preemption,
+    Check(
+        "access.release-by-other",
+        "Ignores ReleaseControl of others than its controller",
+        "AS5710A AccessControl, Controlled: ReleaseControl, guard on the sender",
+        "ReleaseControl of a client without control is not answered and has no effect.",
+        (take(A, LOW), send(B, ReleaseControl()), unanswered(B, RejectControl), kept(A, LOW)),
+    ),
+    Check(
+        "access.release-after-preemption",
+        "Ignores ReleaseControl of its former controller",
+        "AS5710A AccessControl, Controlled: ReleaseControl, guard on the sender",
+        "A client that was preempted cannot release the control of its successor.",
+        (take(A, LOW), take(B, HIGH), send(A, ReleaseControl()), kept(B, HIGH)),
+    ),
     timeout,
     timeout_renewed,
 )
-
-
-def _request(client: Client, authority: int, expected: ConfirmControl.ResponseCode) -> None:
-    what = f"RequestControl of {client.address} with authority {authority}"
-    client.send(RequestControl(authority_code=authority))
-    code = client.expect(ConfirmControl, what).response_code
-    if code != expected:
-        raise CheckFailed(
-            f"{what} is answered with ConfirmControl {code} instead of "
-            f"{int(expected)} ({expected.name})"
-        )
-
-
-def _rejected(client: Client, what: str) -> None:
-    code = client.expect(RejectControl, what).response_code
-    if code != RELEASED:
-        raise CheckFailed(f"{what} is answered with RejectControl {code} instead of 0")
-
-
-def _controlled_by(session: Session, client: Client, authority: int) -> None:
-    report = session.seen_control()
-    if report is None:
-        return
-    session.require(
-        controller_of(report) == str(client.address),
-        f"ReportControl names {controller_of(report)} instead of {client.address}",
-    )
-    session.require(
-        report.authority_code == authority,
-        f"ReportControl says authority {report.authority_code} instead of {authority}",
-    )
-
-
-def _uncontrolled(session: Session) -> None:
-    report = session.seen_control()
-    if report is None:
-        return
-    session.require(
-        controller_of(report) == NOBODY,
-        f"ReportControl still names {controller_of(report)}",
-    )
-    session.require(
-        report.authority_code == session.default_authority,
-        f"ReportControl says authority {report.authority_code} without a controller instead of "
-        f"the default {session.default_authority}",
-    )

@@ -1,32 +1,31 @@
-"""Checks of conformance: documented functions that talk to the target, with their results."""
+"""Checks of conformance: steps that talk to the target, and their results."""
 
 from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from functools import wraps
+from typing import TYPE_CHECKING, Concatenate, ParamSpec
 
-from jausml.live.peers.conformance.verdicts import Verdict
+from jausml.live.peers.conformance.evidence import Verdict
 
 if TYPE_CHECKING:
+    from jausml.live.peers.conformance.evidence import TraceLine
     from jausml.live.peers.conformance.session import Session
-    from jausml.live.peers.conformance.trace import Line
 
+P = ParamSpec("P")
 
-CheckFunction = Callable[["Session"], None]
-"""Returns when all is well; raises CheckFailed or CheckSkipped otherwise."""
+Step = Callable[["Session"], None]
+"""A part of a check: returns when all is well; raises CheckFailed or CheckSkipped otherwise."""
 
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """One check with a stable id.
+    """One check with a stable id: what is sent and what must come back, step by step.
 
     Attributes:
         id: Group and name, e.g. `access.equal-authority`; an id is never used for another check.
-        title: What the target shall do, in a few words.
-        source: Where the standard says so.
-        body: The function.
         destructive: Whether the target cannot go on afterwards; such checks run last, if at all.
         risky: Whether a target that is not robust may not survive it; such checks run after all
             others that leave the target alive.
@@ -35,7 +34,8 @@ class Check:
     id: str
     title: str
     source: str
-    body: CheckFunction
+    explanation: str
+    steps: tuple[Step, ...]
     destructive: bool = False
     risky: bool = False
 
@@ -44,68 +44,60 @@ class Check:
         """The part of the id before the first dot."""
         return self.id.partition(".")[0]
 
-    @property
-    def explanation(self) -> str:
-        """What is sent and what must come back."""
-        return inspect.getdoc(self.body) or ""
+    def run(self, session: Session) -> None:
+        """Takes the steps; the first that raises CheckFailed or CheckSkipped ends the check."""
+        for each in self.steps:
+            each(session)
 
 
 def check(
-    check_id: str, title: str, source: str, *, destructive: bool = False, risky: bool = False
-) -> Callable[[CheckFunction], Check]:
-    """Makes a check of a function, whose docstring is its explanation.
+    check_id: str, title: str, source: str, *, risky: bool = False, destructive: bool = False
+) -> Callable[[Step], Check]:
+    """Makes a check of one function, for what no steps say; its docstring is the explanation."""
 
-    Args:
-        check_id: Group and name.
-        title: What the target shall do, in a few words.
-        source: Where the standard says so.
-        destructive: Whether the target cannot go on afterwards.
-        risky: Whether a target that is not robust may not survive it.
-    """
-
-    def make(body: CheckFunction) -> Check:
-        return Check(check_id, title, source, body, destructive, risky)
+    def make(body: Step) -> Check:
+        explanation = inspect.getdoc(body) or ""
+        return Check(check_id, title, source, explanation, (body,), destructive, risky)
 
     return make
 
 
-@dataclass(frozen=True, slots=True)
-class Result:
-    """The outcome of one check.
+def step(function: Callable[Concatenate[Session, P], object]) -> Callable[P, Step]:
+    """Makes a function of the session and more a kind of step, which checks declare with the rest.
 
-    Attributes:
-        check: The check.
-        verdict: How it ended.
-        messages: Why it failed or was skipped, or the deviations that are tolerated.
-        evidence: What was sent and received meanwhile.
-        seconds: How long it took.
-        left_silent: Whether the target did not answer any more afterwards.
+    The first argument of most kinds is the number of the client that acts.
     """
+
+    @wraps(function)
+    def declare(*args: P.args, **kwargs: P.kwargs) -> Step:
+        def run(session: Session) -> None:
+            function(session, *args, **kwargs)
+
+        return run
+
+    return declare
+
+
+@dataclass(frozen=True, slots=True)
+class CheckResult:
+    """The outcome of one check."""
 
     check: Check
     verdict: Verdict
     messages: tuple[str, ...] = ()
-    evidence: tuple[Line, ...] = ()
+    evidence: tuple[TraceLine, ...] = ()
     seconds: float = 0.0
     left_silent: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class ConformanceReport:
-    """The outcome of a run.
-
-    Attributes:
-        target: Dotted address of the component.
-        endpoint: Host and port where it was found.
-        services: Announced service identifiers with their versions.
-        results: One result for each check, in the order of the checks.
-        interrupted: Whether the run was ended before its last check.
-    """
+    """The outcome of a run."""
 
     target: str
     endpoint: str
     services: tuple[str, ...]
-    results: tuple[Result, ...] = field(default=())
+    results: tuple[CheckResult, ...] = field(default=())
     interrupted: bool = False
 
     def count(self, verdict: Verdict) -> int:

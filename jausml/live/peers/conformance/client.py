@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeVar
 
-from jausml.live.peers.conformance.verdicts import CheckFailed
+from jausml.live.peers.conformance.evidence import CheckFailed
 from jausml.runtime import messages as core
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet, Priority
 from jausml.runtime.wire.message import DecodeError, Message
@@ -21,13 +21,12 @@ UNDO_ORDER = (core.DeleteElement, core.ClearEmergency, core.ReleaseControl)
 """Elements are deleted while control is held; in an emergency control cannot be released."""
 
 
-class Received(NamedTuple):
+class ReceivedMessage(NamedTuple):
     """One whole message of the target.
 
     Attributes:
         time: Monotonic time of its arrival in seconds.
         packet: The message as it came; of several packets the first one.
-        payload: Message code and body, put together.
     """
 
     time: float
@@ -40,12 +39,10 @@ class Received(NamedTuple):
         return int.from_bytes(self.payload[:2], "little")
 
 
-class Exchange(Protocol):
+class Carrier(Protocol):
     """Carrier of the packets of clients to the target and back.
 
     Attributes:
-        target: The component under test.
-        timeout: Seconds to wait for an answer.
         quiet: Seconds of silence that stand for "nothing comes".
     """
 
@@ -64,17 +61,12 @@ class Client:
     """A component of ours that talks to the target.
 
     What it leaves behind in the target (control, emergencies, elements, events) it can undo.
-
-    Attributes:
-        address: Its JAUS id.
-        inbox: Messages of the target that nobody has looked at yet.
-        acknowledgements: Acknowledgements and refusals (NAK) of the target.
     """
 
-    def __init__(self, exchange: Exchange, address: JausAddress) -> None:
+    def __init__(self, exchange: Carrier, address: JausAddress) -> None:
         """Use `Probe.client` instead."""
         self.address = address
-        self.inbox: list[Received] = []
+        self.inbox: list[ReceivedMessage] = []
         self.acknowledgements: list[Packet] = []
         self._exchange = exchange
         # A former run may be remembered by the target's duplicate detection (AS5669A).
@@ -124,12 +116,7 @@ class Client:
         self.put(self.packet(message.encode(), priority=priority))
 
     def owe(self, kind: type[Message], payload: bytes) -> None:
-        """Remembers what undoes something in the target.
-
-        Args:
-            kind: One of the messages that undo: ReleaseControl, ClearEmergency, DeleteElement.
-            payload: The message.
-        """
+        """Remembers what undoes something in the target."""
         self._owes[kind] = payload
 
     def _remember(self, message: Message) -> None:
@@ -165,12 +152,8 @@ class Client:
         """Returns the next such message, or None when none comes in time.
 
         Args:
-            message_class: Codec of the message.
             where: Says whether it is the one; all are when None.
             within: Seconds to wait; the usual time of the run when None.
-
-        Raises:
-            CheckFailed: A message of this code does not decode.
         """
         found: list[M] = []
 
@@ -187,10 +170,10 @@ class Client:
         self._exchange.wait(look, self._exchange.timeout if within is None else within)
         return found[0] if found else None
 
-    def first_of(self, codes: tuple[int, ...]) -> Received | None:
+    def first_of(self, codes: tuple[int, ...]) -> ReceivedMessage | None:
         """Returns the next message with one of the codes, or None when none comes in time."""
 
-        def here() -> list[Received]:
+        def here() -> list[ReceivedMessage]:
             return [each for each in self.inbox if each.code in codes]
 
         self._exchange.wait(lambda: bool(here()), self._exchange.timeout)
@@ -207,28 +190,14 @@ class Client:
         where: Callable[[M], bool] | None = None,
         within: float | None = None,
     ) -> M:
-        """Returns the next such message.
-
-        Args:
-            message_class: Codec of the message.
-            what: What it answers, for the verdict.
-            where: Says whether it is the one; all are when None.
-            within: Seconds to wait; the usual time of the run when None.
-
-        Raises:
-            CheckFailed: None comes in time, or one does not decode.
-        """
+        """Returns the next such message."""
         message = self.find(message_class, where, within)
         if message is None:
             raise CheckFailed(f"no {message_class.NAME} came after {what}")
         return message
 
     def ask(self, query: Message, report_class: type[M], attempts: int = 3) -> M:
-        """Returns the report that answers a query; asks again when a datagram may be lost.
-
-        Raises:
-            CheckFailed: No report comes, or it does not decode.
-        """
+        """Returns the report that answers a query; asks again when a datagram may be lost."""
         report = self.asked(query, report_class, attempts)
         if report is None:
             raise CheckFailed(f"{query.NAME} is not answered with {report_class.NAME}")
@@ -250,23 +219,14 @@ class Client:
         """Waits for the quiet time.
 
         Args:
-            message_class: Codec of the message.
-            why: Why none is to come, for the verdict.
             within: Seconds to wait; the quiet time of the run when None.
-
-        Raises:
-            CheckFailed: Such a message comes.
         """
         seconds = self._exchange.quiet if within is None else within
         if self.find(message_class, within=seconds) is not None:
             raise CheckFailed(f"{message_class.NAME} came, but {why}")
 
     def expect_silence(self, why: str) -> None:
-        """Waits for the quiet time.
-
-        Raises:
-            CheckFailed: Any message comes.
-        """
+        """Waits for the quiet time."""
         if self._exchange.wait(lambda: bool(self.inbox), self._exchange.quiet):
             raise CheckFailed(f"message {self.inbox[0].code:04X} came, but {why}")
 
@@ -275,11 +235,7 @@ class Client:
     def create_event(
         self, query: Message, *, rate: float = 0.0, request_id: int = 1
     ) -> core.ConfirmEventRequest | core.RejectEventRequest:
-        """Asks for an event: periodic at a rate in Hz, or every change when the rate is 0.
-
-        Raises:
-            CheckFailed: The target does not answer.
-        """
+        """Asks for an event: periodic at a rate in Hz, or every change when the rate is 0."""
         kinds = core.CreateEvent.EventType
         message = core.CreateEvent(
             request_id=request_id,
@@ -293,11 +249,7 @@ class Client:
     def event_answer(
         self, request_id: int, what: str
     ) -> core.ConfirmEventRequest | core.RejectEventRequest:
-        """Returns the answer to a request of the Events service.
-
-        Raises:
-            CheckFailed: None comes.
-        """
+        """Returns the answer to a request of the Events service."""
         codes = (core.ConfirmEventRequest.CODE, core.RejectEventRequest.CODE)
         received = self.first_of(codes)
         if received is None:
@@ -327,22 +279,14 @@ class Client:
         self._events.clear()
 
     def undo(self, kind: type[Message]) -> None:
-        """Sends a message that undoes something, if one is owed.
-
-        Args:
-            kind: The class given to `owe`.
-        """
+        """Sends a message that undoes something, if one is owed."""
         if kind in self._owes:
             self.put(self.packet(self._owes[kind]))
             del self._owes[kind]  # last, for Ctrl-C may come between
 
 
 def decoded(message_class: type[M], payload: bytes) -> M:
-    """Returns the message that a payload holds.
-
-    Raises:
-        CheckFailed: It does not decode.
-    """
+    """Returns the message that a payload holds."""
     try:
         return message_class.decode(payload)
     except DecodeError as error:

@@ -5,6 +5,7 @@ Only queries are sent, never a command.
 
 from __future__ import annotations
 
+import inspect
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -12,8 +13,8 @@ from jausml.language.semantics.jaus.answers import PRESENCE_VECTOR
 from jausml.live.messages import EncodeError, MessageError
 from jausml.live.messages.containers import PRESENCE
 from jausml.live.peers.conformance.check import Check
-from jausml.live.peers.conformance.verdicts import CheckFailed
-from jausml.live.peers.samples import optional_bits, plain_query, presence_holder
+from jausml.live.peers.conformance.evidence import CheckFailed
+from jausml.live.peers.entry_messages import optional_bits, plain_query, presence_holder
 
 if TYPE_CHECKING:
     from jausml.live.messages import MessageEntry, ServiceEntry
@@ -53,23 +54,24 @@ def _unknown(session: Session, identity: ServiceIdentity) -> Check:
     known = f"known are the versions {', '.join(versions)}" if versions else "the library lacks it"
 
     def skip(session: Session) -> None:
-        """The layouts of the service are not known, so that nothing of it is asked for."""
         session.skip_unless(holds=False, reason=f"{known}; --model FILE adds a service")
 
     return Check(
-        id=f"codecs.{identity.urn.rpartition(':')[2]}",
-        title=f"Answers the queries of {identity.urn} {version}",
-        source="AS5684 encoding",
-        body=skip,
+        f"codecs.{identity.urn.rpartition(':')[2]}",
+        f"Answers the queries of {identity.urn} {version}",
+        "AS5684 encoding",
+        "The layouts of the service are not known, so that nothing of it is asked for.",
+        (skip,),
     )
 
 
 def _check(service: ServiceEntry, query: MessageEntry) -> Check:
     return Check(
-        id=f"codecs.{service.name}.{query.name}",
-        title=f"Answers {query.name} with a report that decodes",
-        source=f"AS5684 encoding; {service.label}, message {query.code_text}",
-        body=partial(_answers, service=service, query=query),
+        f"codecs.{service.name}.{query.name}",
+        f"Answers {query.name} with a report that decodes",
+        f"AS5684 encoding; {service.label}, message {query.code_text}",
+        inspect.getdoc(_answers) or "",
+        (partial(_answers, service=service, query=query),),
     )
 
 
@@ -159,11 +161,7 @@ def _judge(
     answer: bytes | None,
     reports: tuple[MessageEntry, ...],
 ) -> int:
-    """Decodes a report and returns the presence vector of its first record that has one.
-
-    Raises:
-        CheckFailed: None came, it does not decode, or it holds illegal values.
-    """
+    """Decodes a report and returns the presence vector of its first record that has one."""
     if answer is None:
         raise CheckFailed(f"{query.name} is not answered")
     code = int.from_bytes(answer[:2], "little")

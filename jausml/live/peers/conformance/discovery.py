@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.live.peers.conformance.check import check
-from jausml.live.peers.services import service_list, services_of
+from jausml.live.peers.discovery import service_list, services_of
 from jausml.runtime.base.address import WILDCARD_COMPONENT, WILDCARD_NODE, JausAddress
 from jausml.runtime.messages import (
     QueryConfiguration,
@@ -32,11 +32,6 @@ _TYPES = {
     Scope.COMPONENT: (50001, 65535),
 }
 """Ranges of Type by QueryType (AS5710A, ReportIdentification)."""
-
-
-def requires(session: Session) -> str:
-    """Returns why the group cannot run, or nothing."""
-    return session.missing("Discovery")
 
 
 @check(

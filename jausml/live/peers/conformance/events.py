@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from jausml.live.peers.conformance.check import check
 from jausml.live.peers.conformance.client import decoded
-from jausml.live.peers.conformance.verdicts import CheckFailed
+from jausml.live.peers.conformance.evidence import CheckFailed
+from jausml.live.peers.conformance.session import Authority
 from jausml.runtime.messages import (
     CancelEvent,
     ConfirmEventRequest,
@@ -35,7 +36,7 @@ from jausml.runtime.messages import (
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from jausml.live.peers.conformance.client import Client, Received
+    from jausml.live.peers.conformance.client import Client, ReceivedMessage
     from jausml.live.peers.conformance.session import Session
     from jausml.runtime.wire.message import Message
 
@@ -57,11 +58,6 @@ _FREE_EVENT = 254
 _UNKNOWN_QUERY = b"\xb7\x7a"
 _QUERY_OFFSET = 6
 """Bytes of a CreateEvent before the count of its QueryMessage."""
-
-
-def requires(session: Session) -> str:
-    """Returns why the group cannot run, or nothing."""
-    return session.missing("Events")
 
 
 @check(
@@ -287,13 +283,7 @@ def unsupported_message(session: Session) -> None:
 def bad_query(session: Session) -> None:
     """A QueryMessage without a message code cannot be served; code 4 or 5 is usual."""
     header = _create(QueryStatus(), RATE).encode()[:_QUERY_OFFSET]
-    session.first.put(session.first.packet(header + bytes(4)))
-    try:
-        answer = session.first.event_answer(1, "CreateEvent without a query")
-    except CheckFailed:
-        session.note("CreateEvent without a query is not answered")
-        return
-    _rejected(session, answer, None, "CreateEvent without a query")
+    _not_confirmed(session, header + bytes(4), "CreateEvent without a query")
 
 
 @check(
@@ -322,13 +312,7 @@ def unknown_type(session: Session) -> None:
     query, _ = _subject(session)
     payload = bytearray(_create(query, RATE).encode())
     payload[3] = 7
-    session.first.put(session.first.packet(bytes(payload)))
-    try:
-        answer = session.first.event_answer(1, "CreateEvent of type 7")
-    except CheckFailed:
-        session.note("CreateEvent of type 7 is not answered")
-        return
-    _rejected(session, answer, None, "CreateEvent of type 7")
+    _not_confirmed(session, bytes(payload), "CreateEvent of type 7")
 
 
 @check(
@@ -349,7 +333,7 @@ def every_change(session: Session) -> None:
         raise CheckFailed(f"every-change event rejected with code {answer.response_code}")
     client.find(Event, within=session.probe.quiet)  # the present value, which some send at once
     client.expect_none(Event, "nothing has changed")
-    session.second.send(RequestControl(authority_code=session.low))
+    session.second.send(RequestControl(authority_code=session.authority(Authority.LOW)))
     taken = _changed_control(client, answer.event_id, "control was taken")
     session.require(
         taken.component_id == session.second.address.component,
@@ -546,7 +530,18 @@ def _rejected(
         raise CheckFailed(f"{what} is rejected with code {answer.response_code} instead of {code}")
 
 
-def _events(client: Client) -> list[Received]:
+def _not_confirmed(session: Session, payload: bytes, what: str) -> None:
+    """Sends a request that cannot be served; silence is noted."""
+    session.first.put(session.first.packet(payload))
+    try:
+        answer = session.first.event_answer(1, what)
+    except CheckFailed:
+        session.note(f"{what} is not answered")
+        return
+    _rejected(session, answer, None, what)
+
+
+def _events(client: Client) -> list[ReceivedMessage]:
     return [each for each in client.inbox if each.code == Event.CODE]
 
 

@@ -12,79 +12,71 @@ from jausml.live.peers.conformance import (
     discovery,
     events,
     lists,
-    liveness,
+    liveness_and_time,
     management,
-    time_service,
     transport,
 )
+from jausml.live.peers.conformance.session import Session
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from jausml.live.peers.conformance.check import Check
-    from jausml.live.peers.conformance.session import Session
 
 
 @dataclass(frozen=True, slots=True)
-class Group:
-    """Checks of one topic.
-
-    Attributes:
-        name: First part of the ids of its checks.
-        title: What it is about.
-        requires: Returns why the group cannot run against a target, or nothing.
-        checks: Returns its checks for a target.
-    """
+class CheckGroup:
+    """Checks of one topic, by the first part of their ids."""
 
     name: str
-    title: str
     requires: Callable[[Session], str]
     checks: Callable[[Session], tuple[Check, ...]]
 
 
-def all_groups() -> tuple[Group, ...]:
+def _of_service(name: str) -> Callable[[Session], str]:
+    return partial(Session.missing, name=name)
+
+
+_FIXED: tuple[tuple[str, Callable[[Session], str], tuple[Check, ...]], ...] = (
+    ("transport", transport.requires, transport.CHECKS),
+    ("discovery", _of_service("Discovery"), discovery.CHECKS),
+    ("liveness", _of_service("Liveness"), liveness_and_time.LIVENESS),
+    ("time", _of_service("Time"), liveness_and_time.TIME_CHECKS),
+    ("events", _of_service("Events"), events.CHECKS),
+    ("access", access.requires, access.CHECKS),
+    ("management", management.requires, management.CHECKS),
+    ("list", _of_service("ListManager"), lists.CHECKS),
+)
+"""Groups whose checks do not depend on what a target announces."""
+
+
+def all_groups() -> tuple[CheckGroup, ...]:
     """Returns the groups in the order in which they run."""
-    return (
-        Group("transport", "Transport", transport.requires, lambda _: transport.CHECKS),
-        Group("discovery", "Discovery", discovery.requires, lambda _: discovery.CHECKS),
-        Group("liveness", "Liveness", liveness.requires, lambda _: liveness.CHECKS),
-        Group("time", "Time", time_service.requires, lambda _: time_service.CHECKS),
-        Group("events", "Events", events.requires, lambda _: events.CHECKS),
-        Group("access", "AccessControl", access.requires, lambda _: access.CHECKS),
-        Group("management", "Management", management.requires, lambda _: management.CHECKS),
-        Group("list", "ListManager", lists.requires, lambda _: lists.CHECKS),
-        Group("codecs", "Codecs of the announced services", codecs.requires, codecs.checks),
-    )
+    fixed = (CheckGroup(name, requires, _always(checks)) for name, requires, checks in _FIXED)
+    return (*fixed, CheckGroup("codecs", codecs.requires, codecs.checks))
+
+
+def _always(checks: tuple[Check, ...]) -> Callable[[Session], tuple[Check, ...]]:
+    return lambda _: checks
 
 
 def fixed_checks() -> tuple[Check, ...]:
     """Returns the checks that do not depend on what a target announces."""
-    modules = (
-        transport,
-        discovery,
-        liveness,
-        time_service,
-        events,
-        access,
-        management,
-        lists,
-    )
-    return tuple(check for module in modules for check in module.CHECKS)
+    return tuple(check for _, _, checks in _FIXED for check in checks)
 
 
 @dataclass(frozen=True, slots=True)
-class Selection:
+class CheckFilter:
     """The choice of checks by their ids, or by their groups.
 
     Attributes:
         only: Ids and groups; all are meant when it is empty.
-        skip: Ids and groups to leave out.
     """
 
     only: frozenset[str] = frozenset()
     skip: frozenset[str] = frozenset()
 
-    def groups(self) -> tuple[Group, ...]:
+    def groups(self) -> tuple[CheckGroup, ...]:
         """Returns the groups with chosen checks, which have no others."""
         return tuple(
             replace(group, checks=partial(self._chosen, group))
@@ -101,16 +93,12 @@ class Selection:
         wanted = {each.partition(".")[0] for each in self.only}
         return group not in self.skip and (not wanted or group in wanted)
 
-    def _chosen(self, group: Group, session: Session) -> tuple[Check, ...]:
+    def _chosen(self, group: CheckGroup, session: Session) -> tuple[Check, ...]:
         return tuple(check for check in group.checks(session) if self.takes(check.id))
 
 
 def unknown(names: Iterable[str]) -> list[str]:
-    """Returns the names that neither a group nor a check has; those of codecs depend on a target.
-
-    Args:
-        names: Names that a user gave.
-    """
+    """Returns names that neither a group nor a check has; those of codecs depend on a target."""
     known = known_names()
     return [each for each in names if each not in known and not each.startswith("codecs.")]
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from jausml.live.peers.conformance.check import check
 from jausml.live.peers.conformance.client import decoded
-from jausml.live.peers.conformance.verdicts import CheckFailed
+from jausml.live.peers.conformance.evidence import CheckFailed
 from jausml.runtime.messages import (
     ConfirmElementRequest,
     DeleteElement,
@@ -32,11 +32,6 @@ UNSUPPORTED_TYPE = RejectElementRequest.ResponseCode.UNSUPPORTED_ELEMENT_TYPE
 
 _UID = 4711
 _USER_DEFINED = 1
-
-
-def requires(session: Session) -> str:
-    """Returns why the group cannot run, or nothing."""
-    return session.missing("ListManager")
 
 
 @check(
@@ -104,7 +99,7 @@ def set_by_other(session: Session) -> None:
 def delete_unknown(session: Session) -> None:
     """The rejection repeats the request id; code 5 or 1 says why."""
     session.skip_unless(_UID not in _uids(session), f"element {_UID} exists")
-    session.make_ready(session.first)
+    session.make_ready(0)
     code = _answer(session.first, _delete(request_id=9, uid=_UID), 9)
     session.require(code is not None, "the deletion of an unknown element is confirmed")
     if code not in (1, 5):
@@ -119,7 +114,7 @@ def delete_unknown(session: Session) -> None:
 def set_and_delete(session: Session) -> None:
     """An element of user data is set in an empty list, reported, and deleted again."""
     session.skip_unless(not _uids(session), "the list is not empty and stays as it is")
-    session.make_ready(session.first)
+    session.make_ready(0)
     code = _answer(session.first, _element(request_id=10, uid=_UID), 10)
     session.skip_unless(
         code != UNSUPPORTED_TYPE, "the target takes no user-defined elements (code 4)"

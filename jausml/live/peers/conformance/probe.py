@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import select
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from jausml.live.peers.conformance.client import Client, Received
+from jausml.live.peers.conformance.client import Client, ReceivedMessage
 from jausml.runtime import messages as core
 from jausml.runtime.base.counters import Counters
 from jausml.runtime.transports.packets.packet import (
@@ -16,19 +17,115 @@ from jausml.runtime.transports.packets.packet import (
     parse_datagram,
 )
 from jausml.runtime.transports.packets.reassembly import Reassembly
+from jausml.runtime.transports.udp.shared_port import SharedPort
 
 if TYPE_CHECKING:
+    import socket
     from collections.abc import Callable
+    from types import TracebackType
 
-    from jausml.live.peers.conformance.trace import Trace
-    from jausml.live.peers.wire import Arrival, Wire
+    from jausml.live.peers.conformance.evidence import Trace
     from jausml.runtime.base.address import JausAddress
-    from jausml.runtime.base.settings import Endpoint
+    from jausml.runtime.base.settings import Endpoint, TransportSettings
+
+
+_LARGEST_DATAGRAM = 65535
+_NEIGHBOUR_FRAME = b"\0"
 
 ATTEMPTS_TO_FIND = 3
 _REASSEMBLY_TIMEOUT = 5.0
 _REASSEMBLY_LIMIT = 1 << 24
 _RECENT = 512
+
+
+class ReceivedDatagram(NamedTuple):
+    """One datagram as it arrived.
+
+    Attributes:
+        time: Monotonic time of its arrival in seconds.
+    """
+
+    time: float
+    sender: Endpoint
+    data: bytes
+
+
+class RawEndpoint:
+    """The sockets of a tool on the JUDP port, without any protocol (AS5669A).
+
+    Takes the well-known port when it is free; otherwise another one, which peers learn from our
+    datagrams. Nothing is acknowledged, repeated or put together here.
+    """
+
+    def __init__(self, settings: TransportSettings) -> None:
+        """Open the sockets.
+
+        Raises:
+            OSError: The interface or the group cannot be used.
+        """
+        self._port = SharedPort(settings)
+        self._port.open()
+
+    def __enter__(self) -> RawEndpoint:
+        """Return the wire; it is closed when the block ends."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        """Close the sockets."""
+        self.close()
+
+    def close(self) -> None:
+        """Close the sockets."""
+        self._port.close()
+
+    @property
+    def group(self) -> Endpoint:
+        """The multicast group, which reaches whoever listens."""
+        return self._port.group
+
+    @property
+    def well_known(self) -> Endpoint:
+        """The JUDP port of our interface, where the first stack of this host is reached."""
+        return self._port.well_known
+
+    def put(self, datagram: bytes, endpoint: Endpoint) -> None:
+        """Send one datagram."""
+        if self._port.unicast is not None:
+            self._port.unicast.sendto(datagram, endpoint)
+
+    def receive(self, deadline: float) -> ReceivedDatagram | None:
+        """Return the next datagram of another process, or None when the time has come.
+
+        Args:
+            deadline: Monotonic time in seconds; what has arrived by then is still returned.
+        """
+        while True:
+            wait = max(0.0, deadline - time.monotonic())
+            readable, _, _ = select.select(self._sockets(), [], [], wait)
+            for sock in readable:
+                arrival = self._read(sock)
+                if arrival is not None:
+                    return arrival
+            if not readable and time.monotonic() >= deadline:
+                return None
+
+    def _sockets(self) -> list[socket.socket]:
+        both = (self._port.unicast, self._port.multicast)
+        return [sock for sock in both if sock is not None]
+
+    def _read(self, sock: socket.socket) -> ReceivedDatagram | None:
+        try:
+            data, sender = sock.recvfrom(_LARGEST_DATAGRAM)
+        except OSError:
+            return None  # an earlier datagram reached nobody; the kernel says so here
+        if sender in self._port.endpoints or data[:1] == _NEIGHBOUR_FRAME:
+            return None  # our own multicast, or what processes sharing the port tell its owner
+        return ReceivedDatagram(time.monotonic(), sender, data)
 
 
 def report_code(query_code: int) -> int:
@@ -40,17 +137,12 @@ class Probe:
     """Several clients of ours and the one component that they test.
 
     Attributes:
-        target: The component under test.
         endpoint: Where it is; None until it was heard.
-        timeout: Seconds to wait for an answer.
-        quiet: Seconds of silence that stand for "nothing comes".
-        malformed: Datagrams of the target that cannot be read, each with the reason.
-        others: Components that were heard beside the target.
     """
 
     def __init__(
         self,
-        wire: Wire,
+        wire: RawEndpoint,
         target: JausAddress,
         own: JausAddress,
         trace: Trace,
@@ -62,13 +154,7 @@ class Probe:
         """Prepares an exchange; nothing is sent.
 
         Args:
-            wire: Carries the datagrams.
-            target: The component under test.
-            own: JAUS id of the first client; the others have the ids after it.
-            trace: Takes the evidence.
-            timeout: Seconds to wait for an answer.
             quiet: Seconds of silence that stand for "nothing comes".
-            known: Where the target is, if the user says so.
         """
         self.target = target
         self.endpoint = known
@@ -100,12 +186,7 @@ class Probe:
         self._wire.put(datagram, self._place)
 
     def put_raw(self, datagram: bytes, text: str) -> None:
-        """Sends any bytes to the target.
-
-        Args:
-            datagram: The bytes.
-            text: What they are, for the evidence.
-        """
+        """Sends any bytes to the target."""
         self._trace.raw("sent", text, datagram)
         self._wire.put(datagram, self._place)
 
@@ -180,7 +261,7 @@ class Probe:
             self._take(arrival)
         return True
 
-    def _take(self, arrival: Arrival) -> None:
+    def _take(self, arrival: ReceivedDatagram) -> None:
         counters = Counters()
         packets = parse_datagram(arrival.data, counters)
         faults = counters.drops()
@@ -196,7 +277,7 @@ class Probe:
             if packet.destination in self._clients:
                 self._bystanders.append((arrival.sender, packet))
 
-    def _from_target(self, arrival: Arrival, packet: Packet) -> None:
+    def _from_target(self, arrival: ReceivedDatagram, packet: Packet) -> None:
         self.endpoint = arrival.sender
         client = self._clients.get(packet.destination)
         if client is None:
@@ -215,7 +296,7 @@ class Probe:
             if whole is None:
                 return
             payload = whole.payload
-        client.inbox.append(Received(arrival.time, packet, payload))
+        client.inbox.append(ReceivedMessage(arrival.time, packet, payload))
 
     def _acknowledge(self, packet: Packet) -> None:
         answer = Packet(

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from enum import IntEnum
 from typing import TYPE_CHECKING, TypeVar
 
 from jausml.live.peers.conformance.client import UNDO_ORDER
-from jausml.live.peers.conformance.verdicts import CheckFailed, CheckSkipped
-from jausml.live.peers.services import controller_of
+from jausml.live.peers.conformance.evidence import CheckFailed, CheckSkipped
+from jausml.live.peers.discovery import controller_of
 from jausml.runtime import messages as core
 from jausml.runtime.services.definitions import CORE, ServiceIdentity, Status
+from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import Message
 
 if TYPE_CHECKING:
@@ -17,8 +19,8 @@ if TYPE_CHECKING:
 
     from jausml.live.messages import Catalogue, ServiceEntry
     from jausml.live.peers.conformance.client import Client
+    from jausml.live.peers.conformance.evidence import Trace
     from jausml.live.peers.conformance.probe import Probe
-    from jausml.live.peers.conformance.trace import Trace
 
 M = TypeVar("M", bound=Message)
 
@@ -54,6 +56,15 @@ _OTHER_NAMES = {
 """Identifiers under which older sets announce a core service."""
 
 
+class Authority(IntEnum):
+    """Authority below the default one, the lowest that suffices, and two above it."""
+
+    BELOW = -1
+    LOW = 0
+    MIDDLE = 1
+    HIGH = 2
+
+
 @dataclass(frozen=True)
 class Limits:
     """Limits of a run: how long and how far the checks may go.
@@ -61,8 +72,6 @@ class Limits:
     Attributes:
         longest_wait: Seconds that a check may wait for a time-out of the target.
         restart: Seconds in which a target that fell silent may be started again.
-        slow: Whether checks may take minutes.
-        destructive: Whether the target may be shut down.
     """
 
     longest_wait: float = 10.0
@@ -76,13 +85,8 @@ class Session:
     """One run against one target.
 
     Attributes:
-        probe: The exchange.
-        trace: The evidence.
-        limits: How far the checks may go.
-        catalogue: All messages that we know.
         services: What the target announces; empty when nobody says.
-        ping: A query that the target answers in every state, and its report.
-        notes: Deviations that the present check tolerates.
+        latest: What was sent last, in words.
     """
 
     probe: Probe
@@ -92,11 +96,22 @@ class Session:
     services: Sequence[ServiceIdentity] = ()
     ping: tuple[Message, type[Message]] = PINGS[0]
     notes: list[str] = field(default_factory=list)
+    latest: str = ""
     _answered: dict[str, bool] = field(default_factory=dict)
     _default_authority: int | None = None
     _tells_controller: bool | None = None
 
     # ---- clients ----------------------------------------------------------------------------
+
+    def client(self, index: int) -> Client:
+        """Returns one of our clients."""
+        return self.probe.client(index)
+
+    def send(self, index: int, message: Message, priority: Priority = Priority.STANDARD) -> None:
+        """Sends a message of one of our clients, which is the latest one from now on."""
+        client = self.client(index)
+        self.latest = f"{message.NAME} of {client.address}"
+        client.send(message, priority)
 
     @property
     def first(self) -> Client:
@@ -121,21 +136,13 @@ class Session:
 
     @staticmethod
     def require(holds: bool, failure: str) -> None:  # noqa: FBT001
-        """Ends the check as failed unless a condition holds.
-
-        Raises:
-            CheckFailed: It does not.
-        """
+        """Ends the check as failed unless a condition holds."""
         if not holds:
             raise CheckFailed(failure)
 
     @staticmethod
     def skip_unless(holds: bool, reason: str) -> None:  # noqa: FBT001
-        """Ends the check as skipped unless a condition holds.
-
-        Raises:
-            CheckSkipped: It does not.
-        """
+        """Ends the check as skipped unless a condition holds."""
         if not holds:
             raise CheckSkipped(reason)
 
@@ -234,11 +241,7 @@ class Session:
             return True  # with nonsense, but it does
 
     def require_answers(self, after: str) -> None:
-        """Ends the check as failed unless the target still answers.
-
-        Raises:
-            CheckFailed: It does not.
-        """
+        """Ends the check as failed unless the target still answers."""
         self.require(self.answers(), f"the target does not answer any more after {after}")
 
     # ---- control ----------------------------------------------------------------------------
@@ -255,31 +258,17 @@ class Session:
             self._default_authority = report.authority_code
         return self._default_authority
 
-    @property
-    def low(self) -> int:
-        """An authority that suffices, with two higher ones above it."""
-        self.skip_unless(
-            self.default_authority <= 252,
-            f"the default authority {self.default_authority} leaves no room above it",
-        )
-        return max(self.default_authority, 100)
-
-    @property
-    def middle(self) -> int:
-        """An authority between `low` and `high`."""
-        return self.low + 1
-
-    @property
-    def high(self) -> int:
-        """The highest authority that the checks use."""
-        return self.low + 2
+    def authority(self, level: Authority) -> int:
+        """Returns the authority code of a level; skips the check where there is none."""
+        default = self.default_authority
+        if level is Authority.BELOW:
+            self.skip_unless(default > 0, "the default authority is 0, or not told")
+            return default - 1
+        self.skip_unless(default <= 252, f"the default authority {default} leaves no room above it")
+        return max(default, 100) + level
 
     def control(self) -> core.ReportControl:
-        """Returns who controls the target.
-
-        Raises:
-            CheckFailed: It does not say so.
-        """
+        """Returns who controls the target."""
         return self.third.ask(core.QueryControl(), core.ReportControl)
 
     def seen_control(self) -> core.ReportControl | None:
@@ -296,13 +285,10 @@ class Session:
         report = self.seen_control()
         return report is None or controller_of(report) == str(client.address)
 
-    def take(self, client: Client, authority: int) -> None:
-        """Takes control as a step before what is to be checked.
-
-        Raises:
-            CheckSkipped: It is not granted.
-        """
-        client.send(core.RequestControl(authority_code=authority))
+    def take(self, index: int, level: Authority) -> None:
+        """Lets a client take control; skips the check where it is not granted."""
+        client, authority = self.client(index), self.authority(level)
+        self.send(index, core.RequestControl(authority_code=authority))
         answer = client.find(core.ConfirmControl)
         self.skip_unless(
             answer is not None and answer.response_code == 0,
@@ -313,11 +299,7 @@ class Session:
     # ---- management -------------------------------------------------------------------------
 
     def status(self) -> Status:
-        """Returns the state of the target.
-
-        Raises:
-            CheckFailed: It is none of the standard's.
-        """
+        """Returns the state of the target."""
         report = self.third.ask(core.QueryStatus(), core.ReportStatus)
         try:
             return Status(report.status)
@@ -332,14 +314,10 @@ class Session:
             self.probe.wait(lambda: False, self.probe.quiet)
         return False
 
-    def make_ready(self, client: Client) -> None:
-        """Takes control and resumes as a step before what is to be checked.
-
-        Raises:
-            CheckSkipped: The target does not come to Ready.
-        """
-        self.take(client, self.low)
-        client.send(core.Resume())
+    def make_ready(self, index: int) -> None:
+        """Lets a client take control and resume; skips the check where that leads not to Ready."""
+        self.take(index, Authority.LOW)
+        self.send(index, core.Resume())
         self.skip_unless(
             self.reaches(Status.READY),
             "the target does not come to Ready; see management.resume",
@@ -350,6 +328,7 @@ class Session:
     def begin(self) -> None:
         """Starts the next check with empty hands."""
         self.notes.clear()
+        self.latest = ""
         self.trace.restart()
         for client in self._clients():
             client.clear()

@@ -5,16 +5,14 @@ from __future__ import annotations
 import itertools
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import check
+from jausml.live.peers.conformance.check import Check, check, step
+from jausml.live.peers.conformance.evidence import CheckFailed
 from jausml.live.peers.conformance.session import PINGS
-from jausml.live.peers.conformance.verdicts import CheckFailed
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.messages import ConfirmEventRequest, CreateEvent, RejectEventRequest
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from jausml.live.peers.conformance.client import Client
     from jausml.live.peers.conformance.session import Session
 
@@ -30,6 +28,73 @@ def requires(session: Session) -> str:
     names = ", ".join(query.NAME for query, _ in PINGS)
     session.require(session.answers(), f"the target is there, but answers none of {names}")
     return ""
+
+
+@step
+def damaged(session: Session, what: str, bytes_at: dict[int, bytes]) -> None:
+    """A query is sent with other bytes at some offsets of its datagram."""
+    datagram = session.first.packet(_ping(session)).encode()
+    for offset, others in bytes_at.items():
+        datagram = datagram[:offset] + others + datagram[offset + len(others) :]
+    session.probe.put_raw(datagram, what)
+
+
+@step
+def dropped(session: Session, what: str, bytes_at: dict[int, bytes]) -> None:
+    """A query with other bytes at some offsets of its datagram is not answered."""
+    damaged(what, bytes_at)(session)
+    silence(f"{what} is to be dropped")(session)
+
+
+@step
+def payloads(session: Session, *each_payload: bytes) -> None:
+    """Payloads are sent as they are, each in a packet."""
+    for payload in each_payload:
+        session.first.put(session.first.packet(payload))
+
+
+@step
+def silence(session: Session, why: str) -> None:
+    """The target sends nothing for the quiet time."""
+    session.first.expect_silence(why)
+
+
+@step
+def fragments(session: Session, *order: int, first: int | None = None) -> None:
+    """Packets of a request in three that is answered and leaves nothing behind, in an order.
+
+    Its sequence numbers begin with `first`.
+    """
+    session.skip_unless(session.serves("Events"), "the target answers nothing of Events")
+    client = session.first
+    if first is not None:
+        client.skip_to(first)
+    payload = CreateEvent(
+        request_id=7,
+        event_type=CreateEvent.EventType.EVERY_CHANGE,
+        requested_periodic_rate=0.0,
+        query_message=UNKNOWN_CODE,
+    ).encode()
+    parts = (payload[:4], payload[4:8], payload[8:])
+    flags = (DataFlags.FIRST, DataFlags.MIDDLE, DataFlags.LAST)
+    packets = [
+        client.packet(part, data_flags=flag) for part, flag in zip(parts, flags, strict=True)
+    ]
+    for index in order:
+        client.put(packets[index])
+
+
+@step
+def request_answered(session: Session, what: str, *, tolerated: bool = False) -> None:
+    """The request for an event is confirmed or rejected; silence may be tolerated."""
+    codes = (RejectEventRequest.CODE, ConfirmEventRequest.CODE)
+    arrived = session.probe.wait(
+        lambda: any(each.code in codes for each in session.first.inbox), session.probe.timeout
+    )
+    if not arrived and tolerated:
+        session.note(f"{what} is not answered")
+        return
+    session.require(arrived, f"{what} is not answered")
 
 
 @check(
@@ -170,17 +235,6 @@ def trailing_bytes(session: Session) -> None:
 
 
 @check(
-    "transport.version",
-    "Drops a datagram of another version",
-    "AS5669A, JUDP: version 2",
-)
-def wrong_version(session: Session) -> None:
-    """A query under version 3 is not answered."""
-    datagram = session.first.packet(_ping(session)).encode()
-    _dropped(session, b"\x03" + datagram[1:], "a query under version 3")
-
-
-@check(
     "transport.size-too-large",
     "Drops a message whose size exceeds the datagram",
     "AS5669A, data size",
@@ -188,22 +242,9 @@ def wrong_version(session: Session) -> None:
 )
 def size_too_large(session: Session) -> None:
     """The data size says 200 bytes more than there are."""
-    datagram = bytearray(session.first.packet(_ping(session)).encode())
-    datagram[2:4] = (len(datagram) + 199).to_bytes(2, "little")
-    _dropped(session, bytes(datagram), "a query with a data size beyond the datagram")
-
-
-@check(
-    "transport.size-too-small",
-    "Drops a message whose size is below the header",
-    "AS5669A, data size: at least 14",
-    risky=True,
-)
-def size_too_small(session: Session) -> None:
-    """The data size says 5."""
-    datagram = bytearray(session.first.packet(_ping(session)).encode())
-    datagram[2:4] = (5).to_bytes(2, "little")
-    _dropped(session, bytes(datagram), "a query with a data size of 5")
+    size = len(session.first.packet(_ping(session)).encode()) + 199
+    what = "a query with a data size beyond the datagram"
+    dropped(what, {2: size.to_bytes(2, "little")})(session)
 
 
 @check(
@@ -220,18 +261,6 @@ def short_datagrams(session: Session) -> None:
 
 
 @check(
-    "transport.no-message-code",
-    "Survives a message without a message code",
-    "AS5669A, payload",
-    risky=True,
-)
-def no_message_code(session: Session) -> None:
-    """Payloads of no byte and of one byte; the target goes on."""
-    for payload in (b"", b"\x02"):
-        session.first.put(session.first.packet(payload))
-
-
-@check(
     "transport.message-type",
     "Ignores reserved message types",
     "AS5669A, message type: 1 to 32 are reserved",
@@ -242,63 +271,6 @@ def message_type(session: Session) -> None:
     session.first.put(packet)
     if session.probe.wait(lambda: bool(session.first.inbox), session.probe.quiet):
         session.note("a query under the reserved message type 5 is answered")
-
-
-@check(
-    "transport.header-compression",
-    "Survives header compression that it did not agree to",
-    "AS5669A, header compression flags",
-    risky=True,
-)
-def header_compression(session: Session) -> None:
-    """A message marked as compressed comes out of the blue; the target goes on."""
-    datagram = bytearray(session.first.packet(_ping(session)).encode())
-    datagram[1] = 0xC0
-    session.probe.put_raw(bytes(datagram), "a message marked as compressed")
-
-
-@check(
-    "transport.fragments",
-    "Puts a message of several packets together",
-    "AS5669A, data flags",
-)
-def fragments(session: Session) -> None:
-    """A request in three packets is answered like one in a single packet."""
-    _reassembles(session, (0, 1, 2), "a request in three packets")
-
-
-@check(
-    "transport.fragments-reversed",
-    "Puts packets together that come in reverse order",
-    "AS5669A, data flags, sequence numbers; practice: Junior",
-)
-def fragments_reversed(session: Session) -> None:
-    """UDP does not keep the order; not every stack sorts."""
-    _reassembles(session, (2, 1, 0), "a request in three packets in reverse", tolerated=True)
-
-
-@check(
-    "transport.fragments-wrap",
-    "Puts packets together over the wrap of sequence numbers",
-    "AS5669A, sequence numbers: 65535 is followed by 0",
-)
-def fragments_wrap(session: Session) -> None:
-    """The three packets have the numbers 65535, 0 and 1."""
-    session.first.skip_to(65535)
-    _reassembles(session, (0, 1, 2), "a request with the numbers 65535, 0, 1")
-
-
-@check(
-    "transport.fragment-missing",
-    "Survives a message whose packets do not all come",
-    "AS5669A, data flags",
-)
-def fragment_missing(session: Session) -> None:
-    """First and last packet come without the one between; nothing is answered."""
-    packets = _fragments(session, session.first)
-    for packet in (packets[0], packets[2]):
-        session.first.put(packet)
-    session.first.expect_silence("a packet of the request is missing")
 
 
 @check(
@@ -381,30 +353,6 @@ def stray_acknowledgements(session: Session) -> None:
 
 
 @check(
-    "transport.unknown-message",
-    "Ignores unknown messages",
-    "AS5710A, Transport; no transition for unknown messages",
-)
-def unknown_message(session: Session) -> None:
-    """A message code that no set uses is not answered, whatever follows it."""
-    for payload in (UNKNOWN_CODE, UNKNOWN_CODE + bytes(64)):
-        session.first.put(session.first.packet(payload))
-    session.first.expect_silence("no answer to an unknown message exists")
-
-
-@check(
-    "transport.truncated-bodies",
-    "Survives known messages without their bodies",
-    "AS5684, encoding; AS5710A, core messages",
-    risky=True,
-)
-def truncated_bodies(session: Session) -> None:
-    """Queries whose body is missing; the target may ignore them and goes on."""
-    for payload in _TRUNCATED_QUERIES:
-        session.first.put(session.first.packet(payload))
-
-
-@check(
     "transport.sequence-numbers",
     "Gives each message a new sequence number",
     "AS5669A, sequence numbers: +1 for each packet of a source",
@@ -440,39 +388,6 @@ def well_formed(session: Session) -> None:
     session.require(not malformed, f"{len(malformed)} unreadable datagrams: {malformed[:3]}")
 
 
-CHECKS = (
-    acknowledges,
-    acknowledges_empty,
-    acknowledges_sequence,
-    acknowledges_flags,
-    no_acknowledgement,
-    duplicate,
-    duplicate_acknowledged,
-    two_messages,
-    trailing_bytes,
-    wrong_version,
-    size_too_large,
-    size_too_small,
-    short_datagrams,
-    no_message_code,
-    message_type,
-    header_compression,
-    fragments,
-    fragments_reversed,
-    fragments_wrap,
-    fragment_missing,
-    wildcard_destination,
-    wildcard_acknowledged,
-    multicast,
-    other_destination,
-    stray_acknowledgements,
-    unknown_message,
-    truncated_bodies,
-    sequence_numbers,
-    well_formed,
-)
-
-
 def _ping(session: Session) -> bytes:
     return session.ping[0].encode()
 
@@ -492,36 +407,107 @@ def _acknowledged(session: Session, client: Client) -> tuple[Packet, Packet]:
     return client.acknowledgements.pop(0), sent
 
 
-def _dropped(session: Session, datagram: bytes, what: str) -> None:
-    session.probe.put_raw(datagram, what)
-    session.first.expect_silence(f"{what} is to be dropped")
-
-
-def _fragments(session: Session, client: Client) -> Sequence[Packet]:
-    """Returns the packets of a request that is answered and leaves nothing behind."""
-    session.skip_unless(session.serves("Events"), "the target answers nothing of Events")
-    payload = CreateEvent(
-        request_id=7,
-        event_type=CreateEvent.EventType.EVERY_CHANGE,
-        requested_periodic_rate=0.0,
-        query_message=UNKNOWN_CODE,
-    ).encode()
-    flags = (DataFlags.FIRST, DataFlags.MIDDLE, DataFlags.LAST)
-    parts = (payload[:4], payload[4:8], payload[8:])
-    return [client.packet(part, data_flags=flag) for part, flag in zip(parts, flags, strict=True)]
-
-
-def _reassembles(
-    session: Session, order: tuple[int, ...], what: str, *, tolerated: bool = False
-) -> None:
-    packets = _fragments(session, session.first)
-    for index in order:
-        session.first.put(packets[index])
-    codes = (RejectEventRequest.CODE, ConfirmEventRequest.CODE)
-    arrived = session.probe.wait(
-        lambda: any(each.code in codes for each in session.first.inbox), session.probe.timeout
-    )
-    if not arrived and tolerated:
-        session.note(f"{what} is not answered")
-        return
-    session.require(arrived, f"{what} is not answered")
+CHECKS = (
+    acknowledges,
+    acknowledges_empty,
+    acknowledges_sequence,
+    acknowledges_flags,
+    no_acknowledgement,
+    duplicate,
+    duplicate_acknowledged,
+    two_messages,
+    trailing_bytes,
+    Check(
+        "transport.version",
+        "Drops a datagram of another version",
+        "AS5669A, JUDP: version 2",
+        "A query under version 3 is not answered.",
+        (dropped("a query under version 3", {0: b"\x03"}),),
+    ),
+    size_too_large,
+    Check(
+        "transport.size-too-small",
+        "Drops a message whose size is below the header",
+        "AS5669A, data size: at least 14",
+        "The data size says 5.",
+        (dropped("a query with a data size of 5", {2: b"\x05\x00"}),),
+        risky=True,
+    ),
+    short_datagrams,
+    Check(
+        "transport.no-message-code",
+        "Survives a message without a message code",
+        "AS5669A, payload",
+        "Payloads of no byte and of one byte; the target goes on.",
+        (payloads(b"", b"\x02"),),
+        risky=True,
+    ),
+    message_type,
+    Check(
+        "transport.header-compression",
+        "Survives header compression that it did not agree to",
+        "AS5669A, header compression flags",
+        "A message marked as compressed comes out of the blue; the target goes on.",
+        (damaged("a message marked as compressed", {1: b"\xc0"}),),
+        risky=True,
+    ),
+    Check(
+        "transport.fragments",
+        "Puts a message of several packets together",
+        "AS5669A, data flags",
+        "A request in three packets is answered like one in a single packet.",
+        (fragments(0, 1, 2), request_answered("a request in three packets")),
+    ),
+    Check(
+        "transport.fragments-reversed",
+        "Puts packets together that come in reverse order",
+        "AS5669A, data flags, sequence numbers; practice: Junior",
+        "UDP does not keep the order; not every stack sorts.",
+        (
+            fragments(2, 1, 0),
+            request_answered("a request in three packets in reverse", tolerated=True),
+        ),
+    ),
+    Check(
+        "transport.fragments-wrap",
+        "Puts packets together over the wrap of sequence numbers",
+        "AS5669A, sequence numbers: 65535 is followed by 0",
+        "The three packets have the numbers 65535, 0 and 1.",
+        (
+            fragments(0, 1, 2, first=65535),
+            request_answered("a request with the numbers 65535, 0, 1"),
+        ),
+    ),
+    Check(
+        "transport.fragment-missing",
+        "Survives a message whose packets do not all come",
+        "AS5669A, data flags",
+        "First and last packet come without the one between; nothing is answered.",
+        (fragments(0, 2), silence("a packet of the request is missing")),
+    ),
+    wildcard_destination,
+    wildcard_acknowledged,
+    multicast,
+    other_destination,
+    stray_acknowledgements,
+    Check(
+        "transport.unknown-message",
+        "Ignores unknown messages",
+        "AS5710A, Transport; no transition for unknown messages",
+        "A message code that no set uses is not answered, whatever follows it.",
+        (
+            payloads(UNKNOWN_CODE, UNKNOWN_CODE + bytes(64)),
+            silence("no answer to an unknown message exists"),
+        ),
+    ),
+    Check(
+        "transport.truncated-bodies",
+        "Survives known messages without their bodies",
+        "AS5684, encoding; AS5710A, core messages",
+        "Queries whose body is missing; the target may ignore them and goes on.",
+        (payloads(*_TRUNCATED_QUERIES),),
+        risky=True,
+    ),
+    sequence_numbers,
+    well_formed,
+)

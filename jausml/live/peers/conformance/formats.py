@@ -1,0 +1,149 @@
+"""Output formats of conformance reports: one function each, and one line in `RENDERERS`."""
+
+from __future__ import annotations
+
+import json
+from itertools import groupby
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from jausml.language.validation.formats.junit import Case, Suite, junit_document
+from jausml.live.peers.conformance.evidence import Verdict
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping
+
+    from jausml.live.peers.conformance.check import CheckResult, ConformanceReport
+
+SCHEMA = 1
+"""Version of the layout; it changes when a reader of the present one would be misled."""
+
+_WORDS = {
+    Verdict.PASS: "pass",
+    Verdict.FAIL: "FAIL",
+    Verdict.SKIPPED: "skip",
+    Verdict.NOTE: "note",
+}
+_ID_WIDTH = 44
+_MARKS = {"sent": ">>", "received": "<<", "remark": "--"}
+
+
+def render_text(report: ConformanceReport) -> str:
+    """Returns the whole report."""
+    lines = [*heading(report.target, report.endpoint, report.services)]
+    group = ""
+    for each in report.results:
+        if each.check.group != group:
+            group = each.check.group
+            lines += ["", group]
+        lines += result_lines(each)
+    lines += ["", summary(report)]
+    return "".join(f"{line}\n" for line in lines)
+
+
+def heading(target: str, endpoint: str, services: tuple[str, ...]) -> Iterator[str]:
+    """Yields what was tested."""
+    yield f"JAUS conformance of {target} at {endpoint}"
+    if services:
+        yield f"announces {len(services)} services:"
+        yield from (f"  {_printable(service)}" for service in services)
+    else:
+        yield "announces no services; what answers is checked"
+
+
+def result_lines(result: CheckResult) -> Iterator[str]:
+    """Yields the line of a check, its messages, and the evidence of a failure."""
+    yield f"  {_WORDS[result.verdict]}  {result.check.id:{_ID_WIDTH}} {result.check.title}"
+    for message in result.messages:
+        yield f"          {_printable(message)}"
+    if result.verdict is Verdict.FAIL:
+        yield f"          source: {result.check.source}"
+        yield from (f"          {line}" for line in evidence_lines(result))
+
+
+def evidence_lines(result: CheckResult) -> Iterator[str]:
+    """Yields what was sent (>>) and received (<<), each with its bytes."""
+    for line in result.evidence:
+        yield f"{line.time:7.3f} {_MARKS[line.direction]} {_printable(line.text)}"
+        if line.hex:
+            yield f"           {line.hex}"
+
+
+def summary(report: ConformanceReport) -> str:
+    """Returns one line that says how it went."""
+    counts = ", ".join(
+        f"{report.count(verdict)} {word}"
+        for verdict, word in (
+            (Verdict.PASS, "passed"),
+            (Verdict.NOTE, "passed with a note"),
+            (Verdict.FAIL, "failed"),
+            (Verdict.SKIPPED, "skipped"),
+        )
+        if report.count(verdict) or verdict is Verdict.FAIL
+    )
+    end = " (interrupted)" if report.interrupted else ""
+    return f"{len(report.results)} checks: {counts}{end}"
+
+
+def _printable(text: str) -> str:
+    return "".join(char if char.isprintable() else ascii(char)[1:-1] for char in text)
+
+
+def render_json(report: ConformanceReport) -> str:
+    """Returns a JSON object with `schema`, `target`, `summary` and `checks`."""
+    content = {
+        "schema": SCHEMA,
+        "target": report.target,
+        "endpoint": report.endpoint,
+        "services": list(report.services),
+        "passed": report.passed,
+        "interrupted": report.interrupted,
+        "summary": {verdict.value: report.count(verdict) for verdict in Verdict},
+        "checks": [_result_json(each) for each in report.results],
+    }
+    return json.dumps(content, indent=2) + "\n"
+
+
+def _result_json(result: CheckResult) -> dict[str, Any]:
+    return {
+        "id": result.check.id,
+        "title": result.check.title,
+        "source": result.check.source,
+        "explanation": result.check.explanation,
+        "verdict": result.verdict.value,
+        "messages": list(result.messages),
+        "seconds": round(result.seconds, 3),
+        "evidence": [{**line._asdict(), "time": round(line.time, 4)} for line in result.evidence],
+    }
+
+
+def render_junit(report: ConformanceReport) -> str:
+    """Returns an XML document that build servers read as test results."""
+    # Checks that are left for the end stand with their group.
+    places = {each.check.group: place for place, each in reversed([*enumerate(report.results)])}
+    results = sorted(report.results, key=lambda each: places[each.check.group])
+    groups = groupby(results, key=lambda each: each.check.group)
+    suites = (Suite(group, [_case(group, each) for each in results]) for group, results in groups)
+    return junit_document(f"JAUS {report.target}", suites)
+
+
+def _case(group: str, result: CheckResult) -> Case:
+    message = "; ".join(result.messages)
+    details = "\n".join([result.check.source, *evidence_lines(result)])
+    is_failure = result.verdict is Verdict.FAIL
+    is_skipped = result.verdict is Verdict.SKIPPED
+    return Case(
+        f"jaus.{group}",
+        f"{result.check.id}: {result.check.title}",
+        failure=message if is_failure else None,
+        details=details if is_failure else "",
+        skipped=message if is_skipped else None,
+        output=f"note: {message}" if message and not (is_failure or is_skipped) else "",
+        seconds=result.seconds,
+    )
+
+
+RENDERERS: Mapping[str, Callable[[ConformanceReport], str]] = MappingProxyType(
+    {"text": render_text, "json": render_json, "junit": render_junit}
+)
+"""What renders a report, by the name of the format."""

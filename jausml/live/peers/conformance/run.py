@@ -1,0 +1,229 @@
+"""Run of checks against one target: first contact, the checks, and the target as it was found."""
+
+from __future__ import annotations
+
+import time
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from jausml.live.messages.legal import listed
+from jausml.live.peers.conformance.check import Check, CheckResult, ConformanceReport
+from jausml.live.peers.conformance.evidence import (
+    CheckFailed,
+    CheckSkipped,
+    Trace,
+    Verdict,
+    describe,
+)
+from jausml.live.peers.conformance.probe import Probe, RawEndpoint
+from jausml.live.peers.conformance.session import PINGS, Limits, Session
+from jausml.live.peers.discovery import services_of
+from jausml.runtime.base.address import WILDCARD_COMPONENT, WILDCARD_NODE, JausAddress
+from jausml.runtime.messages import ReportServices
+from jausml.runtime.services.discovery_messages import query_all_services
+from jausml.runtime.wire.message import DecodeError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from jausml.live.messages import Catalogue
+    from jausml.live.peers.conformance.groups import CheckGroup
+    from jausml.live.peers.network import Network
+    from jausml.runtime.services.definitions import ServiceIdentity
+    from jausml.runtime.wire.message import Message
+
+_GONE = "the target does not answer any more"
+
+
+class TargetNotReached(Exception):  # noqa: N818 - an outcome of the network, not a fault of ours
+    """The target does not answer at all."""
+
+
+@contextmanager
+def opened(
+    network: Network,
+    target: JausAddress,
+    catalogue: Catalogue,
+    *,
+    limits: Limits | None = None,
+    timeout: float = 1.0,
+    quiet: float = 0.3,
+) -> Iterator[Session]:
+    """Finds the target and yields the session with it; undoes what is left behind at the end.
+
+    Raises:
+        OSError: The network cannot be used as the settings say.
+        TargetNotReached: Nothing came from the target.
+    """
+    trace = Trace(lambda payload: describe(payload, catalogue))
+    with RawEndpoint(network.settings) as wire:
+        probe = Probe(
+            wire,
+            target,
+            network.own,
+            trace,
+            timeout=timeout,
+            quiet=quiet,
+            known=network.settings.address_book.get(target),
+        )
+        if not probe.find_target():
+            raise TargetNotReached(f"{target} does not answer; {_why(probe, network)}")
+        session = Session(probe, trace, limits or Limits(), catalogue)
+        session.services = _announced(session)
+        session.ping = _answered_query(session)
+        try:
+            yield session
+        finally:
+            session.undo()
+
+
+def _why(probe: Probe, network: Network) -> str:
+    if probe.others:
+        others = listed([str(each) for each in sorted(probe.others)])
+        return f"nothing came from it, but from {others}: check the id and that it runs"
+    return f"nothing at all was heard; {network.hints()}"
+
+
+def _announced(session: Session) -> Sequence[ServiceIdentity]:
+    """Returns the services that the target, or the Discovery server of its subsystem, lists."""
+    target = session.probe.target
+    report = session.tried(query_all_services(), ReportServices, attempts=2)
+    if report is not None:
+        own = services_of(report, target.subsystem).get(target)
+        if own:
+            return own
+    query = query_all_services().encode()
+    everyone = JausAddress(target.subsystem, WILDCARD_NODE, WILDCARD_COMPONENT)
+    for server, endpoint in session.probe.servers(everyone).items():
+        payload = session.probe.ask_bystander(server, endpoint, query)
+        if payload is None:
+            continue
+        try:
+            found = services_of(ReportServices.decode(payload), target.subsystem)
+        except DecodeError:
+            continue
+        if target in found:
+            return found[target]
+    return ()
+
+
+def _answered_query(session: Session) -> tuple[Message, type[Message]]:
+    for query, report_class in PINGS:
+        if session.tried(query, report_class) is not None:
+            return query, report_class
+    return PINGS[0]
+
+
+def run(
+    session: Session, groups: Sequence[CheckGroup], on_result: Callable[[CheckResult], None]
+) -> ConformanceReport:
+    """Runs all checks of the groups.
+
+    Control, emergencies and events that are left are undone after each check, also when the run is
+    interrupted from the keyboard.
+
+    Args:
+        groups: What to check, in this order; destructive checks come after all others.
+
+    Returns:
+        The report; of an interrupted run what there is.
+    """
+    host, port = session.probe.endpoint or ("", 0)
+    report = ConformanceReport(
+        target=str(session.probe.target),
+        endpoint=f"{host}:{port}",
+        services=tuple(f"{each.urn} {each.major}.{each.minor}" for each in session.services),
+    )
+    results: list[CheckResult] = []
+    interrupted = False
+    try:
+        for result in _results(session, groups):
+            results.append(result)
+            on_result(result)
+    except KeyboardInterrupt:
+        interrupted = True
+        session.tidy()
+    return replace(report, results=tuple(results), interrupted=interrupted)
+
+
+def _results(session: Session, groups: Sequence[CheckGroup]) -> Iterator[CheckResult]:
+    """Yields the results: of all checks that a target survives, then of risky ones, then the end.
+
+    A target that fell silent is looked for again at the beginning of each group, and before each
+    check that is left for the end.
+    """
+    later: list[tuple[Check, str]] = []
+    gone = False
+    for group in groups:
+        checks = group.checks(session)
+        gone = gone and not _comes_back(session, session.probe.timeout)
+        obstacle = _GONE if gone else ""
+        if not gone and checks:
+            obstacle, failure = _obstacle(session, group, checks[0])
+            if failure is not None:
+                checks = checks[1:]
+                yield failure
+        for check in checks:
+            if check.destructive or check.risky:
+                later.append((check, obstacle))
+                continue
+            result = _result(session, check, _GONE if gone else obstacle)
+            if result.left_silent:
+                gone = not _comes_back(session, session.limits.restart)
+            yield result
+    for check, obstacle in sorted(later, key=lambda each: each[0].destructive):
+        allowed = session.limits.destructive or not check.destructive
+        reason = obstacle or ("" if allowed else "ends the target; --destructive runs it")
+        if gone and not reason:
+            gone = not _comes_back(session, session.probe.timeout)
+        result = _result(session, check, reason or (_GONE if gone else ""))
+        if result.left_silent:
+            gone = not _comes_back(session, session.limits.restart)
+        yield result
+
+
+def _obstacle(session: Session, group: CheckGroup, first: Check) -> tuple[str, CheckResult | None]:
+    """Returns why a group cannot run, and its first check as failed if the target is to blame."""
+    session.begin()
+    try:
+        return group.requires(session), None
+    except CheckSkipped as reason:
+        return str(reason), None
+    except CheckFailed as failure:
+        result = CheckResult(first, Verdict.FAIL, (str(failure),), session.trace.lines)
+        return f"the group could not begin; see {first.id}", result
+    finally:
+        session.undo()
+
+
+def _result(session: Session, check: Check, obstacle: str) -> CheckResult:
+    if obstacle:
+        return CheckResult(check, Verdict.SKIPPED, (obstacle,))
+    session.begin()
+    begin = time.monotonic()
+    try:
+        check.run(session)
+    except CheckFailed as failure:
+        verdict, messages = Verdict.FAIL, (str(failure), *session.notes)
+    except CheckSkipped as reason:
+        verdict, messages = Verdict.SKIPPED, (str(reason),)
+    else:
+        verdict = Verdict.NOTE if session.notes else Verdict.PASS
+        messages = tuple(session.notes)
+    evidence = session.trace.lines
+    silent = not session.tidy() and not check.destructive
+    if silent and verdict is not Verdict.FAIL:
+        verdict, messages = Verdict.FAIL, (f"{_GONE} after this check",)
+        evidence = session.trace.lines
+    return CheckResult(check, verdict, messages, evidence, time.monotonic() - begin, silent)
+
+
+def _comes_back(session: Session, seconds: float) -> bool:
+    """Whether the target answers after all; it may have been restarted."""
+    end = time.monotonic() + seconds
+    while True:
+        if session.probe.find_target() and session.answers():
+            return True
+        if time.monotonic() >= end:
+            return False

@@ -1,0 +1,47 @@
+"""What peers are like: each is asked as a bridge would ask it, and what was learnt is told."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from jausml.live.peers.operator import running_operator
+from jausml.live.peers.query_client import NoAnswer
+
+if TYPE_CHECKING:
+    from jausml.live.messages import Catalogue
+    from jausml.live.peers.network import Network
+
+_TIMEOUT_S = 1.0
+
+
+class PeerFinding(NamedTuple):
+    """What is told of a peer.
+
+    Attributes:
+        verdict: `ok`, `note` for what it does otherwise than others, `error` if it is silent.
+    """
+
+    name: str
+    verdict: str
+    text: str
+
+
+def check_peers(network: Network, catalogue: Catalogue) -> list[PeerFinding]:
+    """Returns what the peers of a network are like, which are asked one after the other.
+
+    Raises:
+        OSError: The network cannot be used as the settings say.
+    """
+    found: list[PeerFinding] = []
+    with running_operator(network, catalogue, _TIMEOUT_S) as operator:
+        for peer in network.settings.address_book:
+            try:
+                services = operator.meet(peer)
+            except NoAnswer as error:
+                found.append(PeerFinding(str(peer), "error", str(error)))
+                continue
+            count = f"{len(services)} services" if services else "no services that it tells of"
+            found.append(PeerFinding(str(peer), "ok", f"answers; {count}"))
+            learnt = [each for each in operator.quirks() if each[0] == peer]
+            found += [PeerFinding(str(peer), "note", str(each)) for _, each in learnt]
+    return found

@@ -1,0 +1,407 @@
+"""Questions to components: each call waits for the answer, or says what was heard instead."""
+
+from __future__ import annotations
+
+import math
+import time
+from functools import partial
+from queue import Empty, SimpleQueue
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from jausml.live.messages import AmbiguousMessageError, MessageError
+from jausml.live.peers.discovery import Survey, controller_of
+from jausml.live.peers.entry_messages import find_exchange, find_message, full_query, message_class
+from jausml.runtime.messages import (
+    QueryControl,
+    QueryStatus,
+    QueryTimeout,
+    ReportControl,
+    ReportStatus,
+    ReportTimeout,
+)
+from jausml.runtime.services.definitions import Status
+from jausml.runtime.wire.message import EncodeError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from jausml.live.messages import Catalogue, MessageEntry
+    from jausml.live.peers.heard import Heard
+    from jausml.live.peers.network import Network
+    from jausml.runtime import JausComponent
+    from jausml.runtime.base.address import JausAddress
+    from jausml.runtime.base.quirks import Learnt
+    from jausml.runtime.clients.query import PendingQuery
+    from jausml.runtime.services.definitions import ServiceIdentity
+    from jausml.runtime.wire.message import Message
+
+M = TypeVar("M", bound="Message")
+
+ATTEMPTS = 3
+"""Fewest times that a question is asked; of long times for an answer, once each second."""
+
+POLL = 0.01
+"""Seconds between two looks at what has come."""
+
+_GRACE = 0.5
+"""Seconds for the second of two questions, when the first is answered."""
+
+_SHORT_GRACE = 0.1
+"""The same, for a component that left the second one unanswered before."""
+
+_MEETINGS = 3
+"""Questions with acknowledgement, of which some may be lost."""
+
+_LAST_LOOK = 1.0
+"""Seconds in which a silent component may answer what nearly all of them answer."""
+
+
+class NoAnswer(Exception):  # noqa: N818 - an outcome of the network, not a fault of ours
+    """A component does not answer."""
+
+
+class QueryClient:
+    """Asks components for one of ours."""
+
+    def __init__(
+        self,
+        component: JausComponent,
+        network: Network,
+        catalogue: Catalogue,
+        heard: Heard,
+        timeout: float,
+    ) -> None:
+        """Asks nothing yet."""
+        self.catalogue = catalogue
+        self.timeout = timeout
+        self.survey = Survey(component, tuple(network.settings.address_book))
+        self._component = component
+        self._heard = heard
+        self._half_silent: set[JausAddress] = set()
+
+    @property
+    def own(self) -> JausAddress:
+        """Our JAUS id."""
+        return self._component.address
+
+    @property
+    def is_on_its_thread(self) -> bool:
+        """Whether the caller is on the thread that takes the answers: there nobody can wait."""
+        return self._component.loop.runs_here()
+
+    @property
+    def is_impersonated(self) -> bool:
+        """Whether another program was heard that sends under our id."""
+        return "transport.own_source" in self._component.counters.drops()
+
+    def quirks(self) -> tuple[tuple[JausAddress, Learnt], ...]:
+        """Returns what was learnt of those that were heard, in the order of their ids."""
+        known = self._component.transport.quirks
+        with self._component.loop.lock:
+            return tuple((peer, each) for peer in sorted(self.senders()) for each in known.of(peer))
+
+    def meet(self, target: JausAddress) -> tuple[ServiceIdentity, ...]:
+        """Asks a component for its services and its state as bridges do, to learn what it is like.
+
+        Its state is asked for with acknowledgement, which does no harm and shows how it
+        acknowledges. Control is not requested, and no event created.
+
+        Returns:
+            Its services; none when nobody knows.
+        """
+        component, query = self._component, QueryStatus().encode()
+        found = self.services(target)
+        for _ in range(_MEETINGS):
+            ends: SimpleQueue[bool] = SimpleQueue()
+            component.transport.send(
+                component.address, target, query, acknowledge=True, on_result=ends.put
+            )
+            if self._begin(target, QueryStatus(), ReportStatus).within(self.timeout) is not None:
+                component.transport.answered(component.address, target, query)
+            ends.get()
+        if target not in self.senders():
+            raise self.unanswered(target, "QueryStatus", "ReportStatus")
+        return found
+
+    @property
+    def nothing_heard(self) -> str:
+        """What may be the cause when nobody answers."""
+        return f"nobody answers; {self._heard.nothing()}"
+
+    def ask(self, target: JausAddress, query: Message, report_class: type[Message]) -> Any:
+        """Returns the report that answers a query.
+
+        Raises:
+            NoAnswer: None comes.
+        """
+        report = self._begin(target, query, report_class).within(None)
+        if report is None:
+            raise self.unanswered(target, query.NAME, report_class.NAME)
+        return report
+
+    def unanswered(self, target: JausAddress, message: str, report: str = "") -> NoAnswer:
+        """Returns the error of a message that stays unanswered, with what was heard.
+
+        A component of which nothing was heard is asked what nearly all of them answer.
+
+        Args:
+            report: Name of its answer, empty when there are several.
+        """
+        services: tuple[ServiceIdentity, ...] = self.survey.services(target)
+        if not services or not self._heard.of(target):
+            for question in (QueryStatus(), QueryControl()):
+                self._component.send(question, target)
+            self.survey.ask(target)
+            end = time.monotonic() + min(self.timeout, _LAST_LOOK)
+            while not services and time.monotonic() < end:
+                time.sleep(POLL)
+                services = self.survey.services(target)
+        return NoAnswer(self._heard.why(target, message, report, services))
+
+    def lack(self, target: JausAddress, message: str) -> str:
+        """Returns that a component provides nothing that takes a message, as far as it has said.
+
+        Returns:
+            It in words; empty when it takes the message, or has not said what it provides.
+        """
+        return self._heard.lack(message, self.survey.services(target))
+
+    def _begin(self, target: JausAddress, query: Message, report_class: type[Message]) -> _Question:
+        """Asks, without waiting for the answer."""
+        attempts = max(ATTEMPTS, math.ceil(self.timeout))
+        answers: SimpleQueue[Any] = SimpleQueue()
+        pending = self._component.query(
+            target,
+            query,
+            report_class,
+            lambda report, _: answers.put(report),
+            on_failure=lambda: answers.put(None),
+            timeout=self.timeout / attempts,
+            retries=attempts - 1,
+        )
+        return _Question(pending, answers)
+
+    def first_answered(
+        self, target: JausAddress, questions: Sequence[tuple[Message, type[Message]]]
+    ) -> int | None:
+        """Asks several questions at once and returns the index of the first that is answered.
+
+        After one answer those of the questions before it are waited for only briefly.
+
+        Returns:
+            The index; None when none of them is answered.
+        """
+        asked = [self._begin(target, *each) for each in questions]
+        while not any(each.is_over for each in asked):
+            time.sleep(POLL)
+        found = (i for i, each in enumerate(asked) if each.within(_SHORT_GRACE) is not None)
+        first = next(found, None)
+        for each in asked:
+            each.cancel()
+        return first
+
+    def round_trip(
+        self, target: JausAddress, query: Message, report_class: type[Message]
+    ) -> float | None:
+        """Asks once and returns the seconds until the answer; None when none comes in time.
+
+        JAUS queries have no number: an answer that comes too late counts for the next question.
+        """
+        ends: SimpleQueue[float | None] = SimpleQueue()
+        begin = time.perf_counter()
+        pending = self._component.query(
+            target,
+            query,
+            report_class,
+            lambda _report, _sender: ends.put(time.perf_counter()),
+            on_failure=lambda: ends.put(None),
+            timeout=self.timeout,
+            retries=0,
+            payloads=True,
+        )
+        try:
+            end = ends.get()
+        finally:
+            pending.cancel()
+        return None if end is None else end - begin
+
+    def ask_once(
+        self,
+        target: JausAddress,
+        query: Message,
+        report_class: type[M],
+        take: Callable[[M | None], None],
+    ) -> None:
+        """Asks once, without waiting.
+
+        Args:
+            take: Takes the report, or None when none comes in time; on another thread.
+        """
+        self._component.query(
+            target,
+            query,
+            report_class,
+            lambda report, _: take(report),
+            on_failure=lambda: take(None),
+            timeout=self.timeout,
+            retries=0,
+        )
+
+    def on_report(self, report_class: type[M], take: Callable[[M, JausAddress], None]) -> None:
+        """Has each report of a class taken, asked for or not, with its sender."""
+        self._component.on_message(report_class, take)
+
+    def senders(self) -> tuple[JausAddress, ...]:
+        """Returns the components of which anything was heard."""
+        return self._heard.sources()
+
+    def services(self, target: JausAddress) -> tuple[ServiceIdentity, ...]:
+        """Returns what a component, or the Discovery service of its subsystem, says it provides.
+
+        Returns:
+            The services; none when nobody knows.
+        """
+        known = self.survey.services(target)
+        if not known:
+            self.survey.ask(target)
+            self.survey.ask(type(target)(target.subsystem, 255, 255))
+            end = time.monotonic() + self.timeout
+            while not known and time.monotonic() < end:
+                time.sleep(POLL)
+                known = self.survey.services(target)
+        return known
+
+    def status(self, target: JausAddress) -> tuple[Status | None, ReportControl | None]:
+        """Returns the Management state of a component and who controls it, None where unknown.
+
+        Both are asked at once; after one answer the other one is not waited for as long.
+        """
+        states = self._begin(target, QueryStatus(), ReportStatus)
+        controls = self._begin(target, QueryControl(), ReportControl)
+        while not states.is_over and not controls.is_over:
+            time.sleep(POLL)
+        grace = _GRACE if target not in self._half_silent else _SHORT_GRACE
+        state, control = states.within(grace), controls.within(grace)
+        if state is None and control is None:
+            raise self.unanswered(target, "QueryStatus", "ReportStatus")
+        if state is None or control is None:
+            self._half_silent.add(target)
+        return None if state is None else status_of(state), control
+
+    def control_timeout(self, target: JausAddress) -> int | None:
+        """Returns the seconds after which control of a component lapses; 0 is never, None unknown.
+
+        A component without AccessControl does not answer.
+        """
+        answer = self._begin(target, QueryTimeout(), ReportTimeout).within(_GRACE)
+        return None if answer is None else int(answer.timeout)
+
+    def look(self, target: JausAddress, tell: Callable[[str], None]) -> None:
+        """Asks a component for its state and its controller, without waiting.
+
+        Args:
+            tell: Told each answer, and that there is none, in words; on another thread.
+        """
+        looks: tuple[tuple[Message, type[Message]], ...] = (
+            (QueryStatus(), ReportStatus),
+            (QueryControl(), ReportControl),
+        )
+        for query, report in looks:
+            self._component.query(
+                target,
+                query,
+                report,
+                lambda answer, _: tell(_told(answer)),
+                on_failure=partial(tell, f"does not answer {query.NAME}"),
+                timeout=_GRACE,
+                retries=1,
+            )
+
+    def query(
+        self, target: JausAddress, name: str, fields: dict[str, Any] | None = None
+    ) -> tuple[MessageEntry, dict[str, Any]]:
+        """Asks for a report by name and returns it with its fields.
+
+        Args:
+            fields: Fields of the query; the presence vector asks for everything if it is absent.
+
+        Raises:
+            MessageError: There is no such message, or the fields are wrong.
+        """
+        query, report = self.exchange(target, name)
+        message = self.message(query, full_query(query, report) if fields is None else fields)
+        answer = self.ask(target, message, message_class(report))
+        return report, answer.fields
+
+    def exchange(self, target: JausAddress, name: str) -> tuple[MessageEntry, MessageEntry]:
+        """Returns the query and the report that a name means to a component.
+
+        Raises:
+            MessageError: There are none, or several.
+        """
+        try:
+            return find_exchange(self.catalogue, name)
+        except AmbiguousMessageError:
+            return find_exchange(self.catalogue, name, self.services(target))
+
+    @staticmethod
+    def message(entry: MessageEntry, fields: dict[str, Any]) -> Message:
+        """Returns a message, ready to be sent.
+
+        Args:
+            fields: Its fields; the one record of a body need not be named.
+        """
+        message = message_class(entry)(entry.completed(fields))
+        try:
+            message.encode()
+        except EncodeError as error:
+            raise MessageError(str(error)) from error
+        return message
+
+    def find(self, target: JausAddress, name: str) -> MessageEntry:
+        """Returns the message that a name means to a component."""
+        try:
+            return find_message(self.catalogue, name)
+        except AmbiguousMessageError:
+            return find_message(self.catalogue, name, self.services(target))
+
+
+class _Question:
+    """A question that waits for its answer."""
+
+    def __init__(self, pending: PendingQuery, answers: SimpleQueue[Any]) -> None:
+        self._pending = pending
+        self._answers = answers
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the answer is there, or none came in time."""
+        return not self._answers.empty()
+
+    def cancel(self) -> None:
+        """Asks no more."""
+        self._pending.cancel()
+
+    def within(self, seconds: float | None) -> Any:
+        """Returns the answer, or None when none comes in time; then it is asked no more."""
+        try:
+            return self._answers.get(timeout=seconds)
+        except Empty:
+            self._pending.cancel()
+            return None
+
+
+def _told(report: Message) -> str:
+    if isinstance(report, ReportControl):
+        nobody = not report.subsystem_id
+        return "is controlled by " + ("nobody" if nobody else controller_of(report))
+    state = status_of(report) if isinstance(report, ReportStatus) else None
+    return "is in " + (state.name if state is not None else "an unknown state")
+
+
+def status_of(report: ReportStatus) -> Status | None:
+    """Returns the state that a report names, None when the standard knows none such."""
+    try:
+        return Status(report.status)
+    except ValueError:
+        return None

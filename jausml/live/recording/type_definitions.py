@@ -1,0 +1,139 @@
+"""Definitions of ROS types as an MCAP file has them (schema encoding `ros2msg`).
+
+That is the text of the type's .msg file, and after it those of all types in it, each below a line
+of `=` and one with its name.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from jausml.language.interfaces import Installation, parse_definition
+from jausml.language.interfaces.definitions import is_type_name
+from jausml.language.metamodel.classes import ros
+from jausml.language.model.inputs import read_text
+from jausml.language.semantics.installed import package_of
+from jausml_generators.ros_interfaces.ros_types import section_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+_LINE = "=" * 80
+
+_NO_FIELD = "uint8 structure_needs_at_least_one_member"
+"""What rosidl gives a type without fields, on the wire too."""
+
+_ROLES = {
+    ("srv", "Event"): (
+        "service_msgs/ServiceEventInfo",
+        "service_msgs/ServiceEventInfo info\n{0}_Request[<=1] request\n{0}_Response[<=1] response",
+        ((0, "Request"), (1, "Response")),
+    ),
+    ("action", "FeedbackMessage"): (
+        "unique_identifier_msgs/UUID",
+        "unique_identifier_msgs/UUID goal_id\n{0}_Feedback feedback",
+        ((2, "Feedback"),),
+    ),
+}
+"""Types of topics of services and actions: another type in them, their fields, and the sections
+of the file whose types are in them too (REP 2012, rosidl action type support)."""
+
+Part = tuple[str, list[str]]
+"""The text of a definition, and the types in it, e.g. `std_msgs/Header`."""
+
+
+def full_name(kind: ros.MessageType) -> str:
+    """Returns the name of a type as ROS says it, e.g. `nav_msgs/msg/Odometry`."""
+    return f"{package_of(kind)}/msg/{kind.name}"
+
+
+def modelled_definition(kind: ros.MessageType) -> str:
+    """Returns the definition of a type of a model."""
+    known = {_short(kind): kind}
+
+    def part(name: str) -> Part:
+        found = known[name]
+        inner = [each.messageType for each in found.fields if isinstance(each, ros.MessageField)]
+        known.update((_short(each), each) for each in inner)
+        return "\n".join(section_of(found).lines), [_short(each) for each in inner]
+
+    return _joined(_short(kind), part)
+
+
+def installed_definition(name: str, installation: Installation) -> str:
+    """Returns the definition of an installed type, empty when its package is not installed.
+
+    Args:
+        name: Its full name, e.g. `nav_msgs/msg/Odometry`; what topics of services and actions have
+            too, e.g. `std_srvs/srv/SetBool_Event`.
+    """
+
+    def part(short: str) -> Part:
+        if short in made:
+            return made[short]
+        package, _, own = short.partition("/")
+        return _part(_text(installation, package, "msg", own), package)
+
+    try:
+        package, kind, own = name.split("/")
+        made = _made(package, kind, own, installation) if kind != "msg" else {}
+        return _joined(f"{package}/{own}", part)
+    except (OSError, ValueError):
+        return ""
+
+
+def _made(package: str, kind: str, own: str, installation: Installation) -> dict[str, Part]:
+    """Returns types, of a topic of a service or an action, that no file of their own defines."""
+    base, _, role = own.partition("_")
+    if (kind, role) not in _ROLES:
+        raise ValueError(f"{package}/{kind}/{own}")
+    text = _text(installation, package, kind, base)
+    sections = re.split(r"^---[ \t]*$", text, flags=re.MULTILINE)
+    shared, template, names = _ROLES[kind, role]
+    made = {f"{package}/{own}": (template.format(f"{package}/{base}"), [shared])}
+    for index, suffix in names:
+        short = f"{package}/{base}_{suffix}"
+        made[f"{package}/{own}"][1].append(short)
+        made[short] = _part(sections[index].strip("\n"), package, _NO_FIELD)
+    return made
+
+
+def _text(installation: Installation, package: str, kind: str, own: str) -> str:
+    folder = installation.folder(package)
+    if folder is None or not is_type_name(own):
+        raise FileNotFoundError(f"{package}/{own}")
+    return read_text(folder / kind / f"{own}.{kind}")
+
+
+def _part(text: str, package: str, without_fields: str = "") -> Part:
+    """Returns a definition and what is in it; and where it has no fields, another text."""
+    fields = [each for part in parse_definition(text, "msg").sections for each in part.fields]
+    inner = [
+        f"{each.type.package or package}/{each.type.name}"
+        for each in fields
+        if not each.type.is_primitive
+    ]
+    return text if fields or not without_fields else without_fields, inner
+
+
+def _joined(name: str, part: Callable[[str], Part]) -> str:
+    text, inner = part(name)
+    texts, waiting, seen = [text], list(inner), {name}
+    while waiting:
+        each = waiting.pop(0)
+        if each in seen:
+            continue
+        seen.add(each)
+        text, inner = part(each)
+        texts.append(f"{_LINE}\nMSG: {each}\n{text}")
+        waiting += inner
+    return _ended(texts)
+
+
+def _ended(texts: Iterable[str]) -> str:
+    return "\n".join(each.rstrip("\n") for each in texts) + "\n"
+
+
+def _short(kind: ros.MessageType) -> str:
+    return f"{package_of(kind)}/{kind.name}"

@@ -1,0 +1,257 @@
+"""The present state of a running system, which sources on other threads feed."""
+
+from __future__ import annotations
+
+import time
+from contextlib import contextmanager
+from threading import Event, Lock, Thread
+from typing import TYPE_CHECKING
+
+from jausml.live.peers.discovery import controller_of, type_name
+from jausml.live.peers.network import component_address
+from jausml.live.peers.query_client import status_of
+from jausml.live.ros import RosFault
+from jausml.live.systems.folding import (
+    AnswerSource,
+    ComponentAnswer,
+    fold_answer,
+    fold_model,
+    fold_source,
+    fold_statuses,
+    fold_time,
+)
+from jausml.live.systems.ros_diagnostics import RosDiagnostics
+from jausml.runtime.messages import (
+    QueryControl,
+    QueryStatus,
+    QueryTimeout,
+    ReportControl,
+    ReportStatus,
+    ReportTimeout,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+
+    from jausml.live.peers.discovery import KnownComponent
+    from jausml.live.peers.operator import Operator
+    from jausml.live.systems.diagnostics import DiagnosticStatus
+    from jausml.live.systems.state import DeclaredConnection, SystemState
+    from jausml.runtime.base.address import JausAddress
+
+
+ROUND = 1.0
+"""Seconds from one round of questions to the next; no component is asked twice in one."""
+
+DISCOVERY = 10
+"""Rounds from one question to everybody to the next."""
+
+MOST_ASKED = 64
+"""Components that are asked in one round; more take turns."""
+
+_SELDOM = 10
+"""Rounds from one question to the next for a component that does not answer."""
+
+_UNANSWERED = 3
+
+
+class JausObserver:
+    """Asks in a thread of its own; what comes unasked is noted too."""
+
+    def __init__(
+        self,
+        operator: Operator,
+        declared: Iterable[JausAddress],
+        take: Callable[[ComponentAnswer], None],
+    ) -> None:
+        """Asks nothing before `start`.
+
+        Args:
+            declared: Components of the model, which are asked in any case.
+            take: Takes what components tell, on other threads.
+        """
+        self._operator = operator
+        self._take = take
+        self._known = dict.fromkeys(declared)
+        self._asked: dict[JausAddress, float] = {}
+        self._failures: dict[JausAddress, int] = {}
+        self._timed: set[JausAddress] = set()
+        self._told: dict[JausAddress, ComponentAnswer] = {}
+        self._turn = 0
+        self._end = Event()
+        self._thread = Thread(target=self._run, name="jaus observer", daemon=True)
+        operator.on_report(ReportStatus, self._status)
+        operator.on_report(ReportControl, self._control)
+        operator.on_report(ReportTimeout, self._timeout)
+
+    def start(self) -> None:
+        """Begins to ask."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Asks no more."""
+        self._end.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        number = 0
+        while True:
+            if number % DISCOVERY == 0:
+                self._operator.survey.ask_all()
+            else:
+                self._ask(number)
+            if self._end.wait(ROUND):
+                return
+            self._tell_found()
+            number += 1
+
+    def _ask(self, number: int) -> None:
+        """Asks the next components for their states and controllers."""
+        for address in self._next(number):
+            if self._asked.pop(address, None) is not None:
+                self._failures[address] = self._failures.get(address, 0) + 1
+                self._timed.discard(address)
+                self._take(ComponentAnswer(str(address), source=AnswerSource.NOBODY))
+            self._asked[address] = time.perf_counter()
+            self._operator.send(address, QueryStatus())
+            self._operator.send(address, QueryControl())
+
+    def _next(self, number: int) -> list[JausAddress]:
+        own = self._operator.own
+        self._known |= dict.fromkeys(each for each in self._operator.senders() if each != own)
+        due = [
+            each
+            for index, each in enumerate(self._known)
+            if self._failures.get(each, 0) < _UNANSWERED or (number + index) % _SELDOM == 0
+        ]
+        begin = self._turn % len(due) if due else 0
+        self._turn = begin + MOST_ASKED
+        return (due[begin:] + due[:begin])[:MOST_ASKED]
+
+    def _tell_found(self) -> None:
+        """Tells what Discovery said of components, once."""
+        for subsystem in self._operator.survey.known():
+            for address, component in subsystem.components.items():
+                answer = _found(component)
+                if self._told.get(address) != answer:
+                    self._told[address] = answer
+                    self._known.setdefault(address)
+                    self._take(answer)
+
+    def _status(self, report: ReportStatus, sender: JausAddress) -> None:
+        state = status_of(report)
+        name = state.name if state is not None else f"state {report.status}"
+        self._answered(
+            sender, ComponentAnswer(str(sender), state=name, round_trip=self._trip(sender))
+        )
+
+    def _control(self, report: ReportControl, sender: JausAddress) -> None:
+        controller = controller_of(report) if report.subsystem_id else ""
+        answer = ComponentAnswer(
+            str(sender),
+            controller=controller,
+            authority=report.authority_code,
+            round_trip=self._trip(sender),
+        )
+        self._answered(sender, answer)
+        if controller and sender not in self._timed:
+            self._operator.send(sender, QueryTimeout())
+
+    def _timeout(self, report: ReportTimeout, sender: JausAddress) -> None:
+        self._timed.add(sender)
+        self._answered(sender, ComponentAnswer(str(sender), control_timeout=int(report.timeout)))
+
+    def _trip(self, sender: JausAddress) -> float | None:
+        asked = self._asked.pop(sender, None)
+        return None if asked is None else time.perf_counter() - asked
+
+    def _answered(self, sender: JausAddress, answer: ComponentAnswer) -> None:
+        if sender != self._operator.own:
+            self._failures.pop(sender, None)
+            self._take(answer)
+
+
+def _found(component: KnownComponent) -> ComponentAnswer:
+    return ComponentAnswer(
+        str(component.address),
+        name=component.identification or None,
+        type=type_name(component.type) or None,
+        services=tuple(f"{each.urn}/{each.major}.{each.minor}" for each in component.services)
+        or None,
+        source=AnswerSource.DISCOVERY,
+    )
+
+
+class Monitor:
+    """A state that goes on; its times are those of `time.monotonic`."""
+
+    def __init__(self, state: SystemState) -> None:
+        """Goes on from a state."""
+        self._state = state
+        self._lock = Lock()
+
+    def state(self) -> SystemState:
+        """Returns the state at present."""
+        with self._lock:
+            self._state = fold_time(self._state, time.monotonic())
+            return self._state
+
+    def take_statuses(self, statuses: list[DiagnosticStatus]) -> None:
+        """Takes a message of `/diagnostics`."""
+        with self._lock:
+            self._state = fold_statuses(self._state, statuses, time.monotonic())
+
+    def take_answer(self, answer: ComponentAnswer) -> None:
+        """Takes what a component tells."""
+        with self._lock:
+            self._state = fold_answer(self._state, answer, time.monotonic())
+
+    def take_model(
+        self, declarations: Iterable[DeclaredConnection], components: dict[str, str]
+    ) -> None:
+        """Takes what the model promises now that it has changed."""
+        with self._lock:
+            self._state = fold_model(self._state, declarations, components, time.monotonic())
+
+    def take_source(self, source: str, fault: str) -> None:
+        """Takes that a source opened, or why it could not."""
+        with self._lock:
+            self._state = fold_source(self._state, source, fault)
+
+
+@contextmanager
+def listening(monitor: Monitor) -> Iterator[RosDiagnostics | None]:
+    """Listens to `/diagnostics` as long as the block; yields None where there is no ROS."""
+    ros = RosDiagnostics(monitor.take_statuses)
+    try:
+        ros.start()
+    except RosFault as error:
+        monitor.take_source("ROS", str(error))
+        yield None
+        return
+    monitor.take_source("ROS", "")
+    try:
+        yield ros
+    finally:
+        ros.stop()
+
+
+@contextmanager
+def polling(monitor: Monitor, operator: Operator) -> Iterator[None]:
+    """Asks JAUS components as long as the block."""
+    monitor.take_source("JAUS", "")
+    declared = _declared(monitor.state())
+    observer = JausObserver(operator, declared, monitor.take_answer)
+    observer.start()
+    try:
+        yield
+    finally:
+        observer.stop()
+
+
+def _declared(state: SystemState) -> Iterator[JausAddress]:
+    for each in state.components.values():
+        try:
+            yield component_address(each.address)
+        except ValueError:
+            continue  # what is no address is a finding of `jausml validate`

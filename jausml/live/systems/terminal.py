@@ -1,0 +1,308 @@
+"""The terminal view of a running system: tables of connections and components, and details.
+
+It needs textual.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from rich.text import Text
+from textual.app import App
+from textual.binding import Binding
+from textual.containers import Horizontal, VerticalScroll
+from textual.coordinate import Coordinate
+from textual.widgets import DataTable, Footer, Input, Static
+
+from jausml.live.systems.state import Level
+from jausml.live.systems.tables import (
+    COLUMNS,
+    COMPONENT_TITLES,
+    arranged,
+    cell,
+    component_row,
+    row,
+    shown_name,
+    sparkline,
+    state_text,
+    summary,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from textual.app import ComposeResult
+
+    from jausml.live.systems.inspection import Inspection
+    from jausml.live.systems.state import ConnectionState, SystemState
+
+
+_WIDEST = 400
+_BARS = 40
+
+_STYLES = {
+    Level.OK: "green",
+    Level.UNKNOWN: "dim",
+    Level.STALE: "cyan",
+    Level.WARNING: "yellow",
+    Level.NOT_HEARD: "magenta",
+    Level.ERROR: "bold red",
+}
+_PARTS = ("told", "ros", "jaus")
+
+_BEFORE_HISTORY = 3
+"""Index of the column after which the history of the rate stands."""
+
+
+def told_of(connection: ConnectionState) -> Text:
+    """Returns what the model and the bridge say of a connection."""
+    text = titled(shown_name(connection), [f"{state_text(connection)}: {connection.reason}"])
+    declaration = connection.declaration
+    if declaration is not None:
+        topics = ", ".join(each.name for each in declaration.topics)
+        carried = f"{declaration.message} {declaration.direction}"
+        text.append(f"{cell(f'{carried}: {topics}' if topics else carried, _WIDEST)}\n")
+    bars = sparkline(connection.history, connection.declared_rate, _BARS)
+    if bars:
+        text.append(f"{bars}\n")
+    text.append("\n")
+    for key, value in connection.values:
+        text.append(f"{cell(f'{key}: {value}', _WIDEST)}\n")
+    return text
+
+
+def titled(title: str, lines: Iterable[str]) -> Text:
+    """Returns lines below a title."""
+    text = Text()
+    text.append(f"{cell(title, _WIDEST)}\n", style="bold")
+    for line in lines:
+        text.append(f"{cell(line, _WIDEST)}\n")
+    return text
+
+
+class Connections(DataTable[Text]):
+    """The table of connections."""
+
+    BINDINGS: ClassVar = [Binding("enter", "select_cursor", "Details")]
+
+
+class SystemView(App[None]):
+    """Shows a system, and looks again after each interval."""
+
+    TITLE = "jausml top"
+    ENABLE_COMMAND_PALETTE = False
+    CSS = """
+    #summary { height: 1; text-style: bold; }
+    #filter { display: none; height: 3; }
+    #filter.open { display: block; }
+    #connections { height: 1fr; }
+    #components { height: auto; max-height: 12; }
+    #panel { display: none; height: 2fr; border-top: solid $primary; }
+    #panel.open { display: block; }
+    #panel > VerticalScroll { width: 1fr; padding-right: 1; }
+    """
+    BINDINGS: ClassVar = [
+        Binding("slash", "filter", "Filter", key_display="/"),
+        Binding("s", "sort_next", "Sort"),
+        *(
+            Binding(str(index + 1), f"sort({index})", f"Sort by {column.title}", show=False)
+            for index, column in enumerate(COLUMNS)
+        ),
+        Binding("r", "reverse", "Reverse"),
+        Binding("escape", "leave", "Back"),
+        Binding("q", "quit", "Quit"),
+        Binding("ctrl+c", "quit", "Quit", show=False, priority=True),
+    ]
+
+    def __init__(
+        self, state: Callable[[], SystemState], inspection: Inspection, interval: float
+    ) -> None:
+        """Shows nothing yet.
+
+        Args:
+            interval: Seconds from one look to the next.
+        """
+        super().__init__()
+        self._observe = state
+        self._inspection = inspection
+        self._interval = interval
+        self._state = state()
+        self._column = 0
+        self._is_reversed = False
+        self._shown: list[tuple[str, str]] = []
+
+    def compose(self) -> ComposeResult:
+        """Yields the parts from top to bottom."""
+        yield Static(id="summary", markup=False)
+        yield Input(placeholder="part of a name", id="filter")
+        yield Connections(id="connections", cursor_type="row")
+        yield DataTable(id="components", cursor_type="none")
+        with Horizontal(id="panel"):
+            for part in _PARTS:
+                with VerticalScroll():
+                    yield Static(id=part, markup=False)
+        yield Footer()
+
+    def on_mount(self) -> None:
+        """Begins to look."""
+        components = self.query_one("#components", DataTable)
+        components.add_columns(*COMPONENT_TITLES)
+        components.can_focus = False
+        self._set_titles()
+        self.query_one(Connections).focus()
+        self.look()
+        self.set_interval(self._interval, self.look)
+
+    def on_unmount(self) -> None:
+        """Ends what was begun for the panel."""
+        self._inspection.close()
+
+    # ---- what is shown ----------------------------------------------------------------------
+
+    def look(self) -> None:
+        """Shows the present state."""
+        self._state = self._observe()
+        self._show()
+
+    def _show(self) -> None:
+        self.query_one("#summary", Static).update(Text(summary(self._state)))
+        self._show_connections()
+        self._show_components()
+        self._show_details()
+
+    def _set_titles(self) -> None:
+        """Names the columns, with a mark at the one that is sorted by."""
+        table = self.query_one(Connections)
+        table.clear(columns=True)
+        self._shown = []
+        for index, column in enumerate(COLUMNS):
+            is_up = COLUMNS[index].is_number is self._is_reversed
+            mark = f" {'▲' if is_up else '▼'}" if index == self._column else ""
+            table.add_column(Text(f"{column.title}{mark}"), key=column.title)
+            if index == _BEFORE_HISTORY:
+                table.add_column(Text("history"), key="history")
+
+    def _show_connections(self) -> None:
+        table = self.query_one(Connections)
+        wanted = self.query_one("#filter", Input).value
+        found = arranged(self._state, self._column, wanted, is_reversed=self._is_reversed)
+        keys = [each.key for each in found]
+        rows = [_cells(each) for each in found]
+        if keys == self._shown:
+            for index, cells in enumerate(rows):
+                self._update_row(table, index, cells)
+            return
+        chosen = self._chosen_key()
+        table.clear()
+        for cells in rows:
+            table.add_row(*cells)
+        self._shown = keys
+        if chosen in keys:
+            table.move_cursor(row=keys.index(chosen))
+
+    @staticmethod
+    def _update_row(table: Connections, index: int, cells: list[Text]) -> None:
+        for place, text in enumerate(cells):
+            at = Coordinate(index, place)
+            former = table.get_cell_at(at)
+            if former != text:
+                table.update_cell_at(at, text, update_width=len(text) != len(former))
+
+    def _show_components(self) -> None:
+        table = self.query_one("#components", DataTable)
+        table.clear()
+        components = self._state.components.values()
+        for each in sorted(components, key=lambda each: _numbers(each.address)):
+            first, *others = component_row(each)
+            table.add_row(Text(first, style=_STYLES[each.level]), *map(Text, others))
+
+    def _show_details(self) -> None:
+        connection = self._chosen()
+        if not self.query_one("#panel").has_class("open") or connection is None:
+            return
+        ros, jaus = self._inspection.at(connection)
+        texts = (
+            told_of(connection),
+            titled("Last message in ROS", ros),
+            titled("Last message in JAUS", jaus),
+        )
+        for part, text in zip(_PARTS, texts, strict=True):
+            self.query_one(f"#{part}", Static).update(text)
+
+    def _chosen_key(self) -> tuple[str, str] | None:
+        index = self.query_one(Connections).cursor_row
+        return self._shown[index] if 0 <= index < len(self._shown) else None
+
+    def _chosen(self) -> ConnectionState | None:
+        key = self._chosen_key()
+        return None if key is None else self._state.connections.get(key)
+
+    # ---- what is done -----------------------------------------------------------------------
+
+    def action_filter(self) -> None:
+        """Opens the filter."""
+        field = self.query_one("#filter", Input)
+        field.add_class("open")
+        field.focus()
+
+    def on_input_changed(self) -> None:
+        """Filters as it is typed."""
+        self._show()
+
+    def on_input_submitted(self) -> None:
+        """Goes back to the table; the filter stays."""
+        self.query_one(Connections).focus()
+
+    def action_sort_next(self) -> None:
+        """Sorts by the next column."""
+        self._sort((self._column + 1) % len(COLUMNS), is_reversed=False)
+
+    def action_sort(self, column: int) -> None:
+        """Sorts by a column; by the same one again the other way round."""
+        self._sort(column, is_reversed=column == self._column and not self._is_reversed)
+
+    def action_reverse(self) -> None:
+        """Sorts the other way round."""
+        self._sort(self._column, is_reversed=not self._is_reversed)
+
+    def _sort(self, column: int, *, is_reversed: bool) -> None:
+        chosen = self._chosen_key()
+        self._column, self._is_reversed = column, is_reversed
+        self._set_titles()
+        self._show_connections()
+        if chosen in self._shown:
+            table = self.query_one(Connections)
+            table.move_cursor(row=self._shown.index(chosen))
+
+    def on_data_table_row_selected(self) -> None:
+        """Opens the details of the chosen connection, or closes them."""
+        panel = self.query_one("#panel")
+        panel.toggle_class("open")
+        if panel.has_class("open"):
+            self._show_details()
+        else:
+            self._inspection.away()
+
+    def action_leave(self) -> None:
+        """Closes the filter, and shows all again; without one, closes the details."""
+        field = self.query_one("#filter", Input)
+        if field.has_class("open"):
+            field.remove_class("open")
+            field.value = ""
+            self.query_one(Connections).focus()
+        elif self.query_one("#panel").has_class("open"):
+            self.on_data_table_row_selected()
+
+
+def _cells(connection: ConnectionState) -> list[Text]:
+    first, *others = [
+        Text(text, justify="right" if column.is_number else "left")
+        for text, column in zip(row(connection), COLUMNS, strict=True)
+    ]
+    first.stylize(_STYLES[connection.level])
+    bars = sparkline(connection.history, connection.declared_rate)
+    return [first, *others[:_BEFORE_HISTORY], Text(bars), *others[_BEFORE_HISTORY:]]
+
+
+def _numbers(address: str) -> list[int]:
+    return [int(part) for part in address.split(".")]

@@ -1,1 +1,0 @@
-"""The terminal view of a running system. Its modules need textual."""
