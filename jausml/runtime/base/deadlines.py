@@ -22,12 +22,6 @@ class Deadlines(Generic[T]):
     """
 
     def __init__(self, loop: Loop, on_due: Callable[[T], None]) -> None:
-        """Wait for nothing.
-
-        Args:
-            loop: Runs the timers.
-            on_due: Told what has waited in vain.
-        """
         self._loop = loop
         self._on_due = on_due
         self._due: dict[float, dict[T, float]] = {}  # by delay, in the order in which they are due
@@ -37,7 +31,6 @@ class Deadlines(Generic[T]):
         """Wait for an answer; nothing may wait twice for the same time.
 
         Args:
-            item: What waits.
             delay: For how many seconds.
         """
         due = self._loop.now() + delay

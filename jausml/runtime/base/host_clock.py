@@ -15,11 +15,6 @@ class HostClock:
     """The clock of a component's host: that of this computer, or of a virtual world."""
 
     def __init__(self, loop: Loop) -> None:
-        """Show the time of a loop.
-
-        Args:
-            loop: Has the time.
-        """
         self._loop = loop
 
     def now(self) -> float:

@@ -58,11 +58,6 @@ class SimulatedClock:
     """
 
     def __init__(self, loop: Loop) -> None:
-        """Stand at 0.
-
-        Args:
-            loop: Its clock says what real time is; failures of callbacks are counted there.
-        """
         self.ratio = 1.0
         self.heard: float | None = None
         self.seeks = 0
@@ -97,11 +92,7 @@ class SimulatedClock:
         self._followers.append(changed)
 
     def advance_to(self, seconds: float) -> None:
-        """Take the time that the simulation says, and run what is due.
-
-        Args:
-            seconds: Time of the simulation.
-        """
+        """Take the time that the simulation says, and run what is due."""
         real, former = self._loop.now(), self.heard
         step = 0.0 if former is None else seconds - self._latest
         self.heard, self._latest = real, seconds

@@ -38,11 +38,6 @@ class QuietCollection:
     """Collects garbage when a loop has nothing to do."""
 
     def __init__(self, loop: Loop) -> None:
-        """Collects nothing yet.
-
-        Args:
-            loop: The loop.
-        """
         self._loop = loop
         self._last = loop.now()
 

@@ -33,13 +33,7 @@ SLICE = 4
 
 
 class Diagnosed(Ends, Protocol):
-    """A bridge as its diagnostics see it.
-
-    Attributes:
-        connections: What is carried across.
-        simulation: What it follows when the clock of ROS is simulated.
-        standing: State of the node and of the JAUS component.
-    """
+    """A bridge as its diagnostics see it."""
 
     connections: list[Carried]
     simulation: Simulation | None
@@ -53,7 +47,6 @@ class Diagnosing:
         """Does nothing before `start`.
 
         Args:
-            bridge: The bridge, which is open.
             period: Seconds from one report to the next.
         """
         self._bridge = bridge

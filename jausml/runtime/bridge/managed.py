@@ -45,15 +45,6 @@ class ManagedBridge:
         transport: Transport,
         end: Callable[[str], None],
     ) -> None:
-        """Begins unconfigured.
-
-        Args:
-            bridge: The bridge, not opened.
-            ros: The ROS side.
-            topics: The same, as what gives topics back.
-            transport: The JAUS side.
-            end: Ends the process; told why.
-        """
         self._bridge = bridge
         self._ros = ros
         self._topics = topics

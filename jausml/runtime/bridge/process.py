@@ -45,7 +45,6 @@ def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
     """Runs a bridge until SIGINT, SIGTERM or a JAUS Shutdown ends it.
 
     Args:
-        bridge: The bridge, not yet opened.
         arguments: Command line without the program's name, with --ros-args; that of the process
             when None.
 
@@ -102,7 +101,6 @@ def run_node(factory: Callable[[], object], arguments: Sequence[str] | None = No
     """Spins a ROS 2 node until SIGINT or SIGTERM.
 
     Args:
-        factory: Makes the node, after ROS has begun; the class itself, as a rule.
         arguments: Command line without the program's name, with --ros-args; that of the process
             when None.
 

@@ -23,21 +23,11 @@ class AskingById:
     """Asks who reports no component to a query with wildcards for its own services."""
 
     def __init__(self, component: Host) -> None:
-        """Has asked nobody yet.
-
-        Args:
-            component: The component that asks.
-        """
         self._component = component
         self._asked: dict[JausAddress, float] = {}
 
     def take(self, report: ReportServices, sender: JausAddress) -> None:
-        """Ask if a report is empty; learn of who reports something then.
-
-        Args:
-            report: The answer to a query for services.
-            sender: Who answers.
-        """
+        """Ask if a report is empty; learn of who reports something then."""
         now = self._component.loop.now()
         asked = self._asked.get(sender, -math.inf)
         if any(node.component_list for node in report.node_list):

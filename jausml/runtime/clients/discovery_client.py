@@ -51,12 +51,7 @@ OCU_TYPES = range(20001, 30001)
 
 @dataclass(frozen=True)
 class FoundComponent:
-    """A component that Discovery has found.
-
-    Attributes:
-        address: Its address.
-        services: What it provides.
-    """
+    """A component that Discovery has found."""
 
     address: JausAddress
     services: tuple[ServiceIdentity, ...]
@@ -70,14 +65,9 @@ class _Search:
 
 
 class DiscoveryClient:
-    """Registers one component with its subsystem and finds the providers of services.
-
-    Attributes:
-        server: The Discovery service that the component is registered with.
-    """
+    """Registers one component with its subsystem and finds the providers of services."""
 
     def __init__(self, component: Host) -> None:
-        """Listen to the answers of Discovery services."""
         self._component = component
         self._searches: list[_Search] = []
         self._watchers: list[Callable[[FoundComponent], None]] = []

@@ -21,8 +21,6 @@ class Asking:
         """Asks for the first time at once.
 
         Args:
-            loop: The loop.
-            rate: Queries each second.
             ask: Asks once; it is given the seconds until the next query.
         """
         self._loop = loop

@@ -23,15 +23,7 @@ _ALIKE = 0.999
 
 
 class Stream(Protocol):
-    """The event as its subscribers see it.
-
-    Attributes:
-        component: The component that subscribes.
-        provider: The component that provides the report.
-        missing: Reports that did not arrive.
-        late: Reports that arrived after newer ones.
-        refusal: Why the provider gives no such event; empty when it has not refused.
-    """
+    """The event as its subscribers see it."""
 
     component: Host
     provider: JausAddress
@@ -54,7 +46,6 @@ class EventSubscription:
     """One subscriber's share in an event; made by ``JausComponent.subscribe``.
 
     Attributes:
-        provider: The component that provides the report.
         rate: Reports each second that the subscriber asked for; None means every change.
         takes_payloads: Whether the subscriber takes encoded reports.
         ask: Asks the provider for one report, which `answer` takes.

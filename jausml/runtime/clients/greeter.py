@@ -31,12 +31,6 @@ class Greeter:
     """
 
     def __init__(self, component: Host, presence: Presence) -> None:
-        """Greet nobody yet.
-
-        Args:
-            component: The component that greets those that its settings name.
-            presence: Knows when they were last heard.
-        """
         self._component = component
         self._presence = presence
         self.unanswered = dict.fromkeys(component.settings.greeted, 0)

@@ -18,16 +18,10 @@ class PeerBinding:
     """Who is at the other end of a connection now.
 
     Attributes:
-        search: How they are found; None when they are named.
         present: They; replaced when it changes, so any thread may read it.
     """
 
     def __init__(self, peers: Sequence[JausAddress] | PeerSearch) -> None:
-        """Names them, or says how they are found.
-
-        Args:
-            peers: Their addresses, or a search.
-        """
         self.search = peers if isinstance(peers, PeerSearch) else None
         self.present: tuple[JausAddress, ...] = (
             () if isinstance(peers, PeerSearch) else tuple(peers)
@@ -44,13 +38,7 @@ class PeerBinding:
         join: Callable[[JausAddress], None],
         leave: Callable[[JausAddress], None],
     ) -> None:
-        """Meets those that are named, or each that is found from now on.
-
-        Args:
-            find_peers: Looks for peers; that of the component.
-            join: Begins with a peer.
-            leave: Ends with a peer that is gone.
-        """
+        """Meets those that are named, or each that is found from now on."""
 
         def change(found: Sequence[JausAddress]) -> None:
             before, self.present = self.present, tuple(found)

@@ -60,8 +60,6 @@ class PeerSearch:
 
         Args:
             own: Who searches; never found by itself.
-            address: The component.
-            urns: What it provides.
         """
         return (
             address != own

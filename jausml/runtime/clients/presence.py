@@ -28,7 +28,6 @@ class Presence:
     """
 
     def __init__(self, loop: Loop) -> None:
-        """Wait for nobody."""
         self._loop = loop
         self.heard: dict[JausAddress, float] = {}
         self._on_return: dict[JausAddress, list[Callable[[], None]]] = {}
@@ -37,7 +36,6 @@ class Presence:
         """Wait for a component.
 
         Args:
-            address: The component.
             on_return: Called when it speaks for the first time, or after a silence.
         """
         self.heard.setdefault(address, _NEVER)
@@ -76,7 +74,6 @@ class Pace:
     def __init__(
         self, settings: ComponentSettings, presence: Presence, address: JausAddress
     ) -> None:
-        """Begin with short pauses."""
         self._settings = settings
         self._presence = presence
         self._address = address

@@ -20,11 +20,6 @@ class PendingQuery:
     """A query that waits for its report; made by ``JausComponent.query``.
 
     Attributes:
-        target: The component that was asked.
-        report_class: Generated codec of the report.
-        payload: The encoded query.
-        on_report: Takes the report and its sender.
-        takes_payloads: Whether the encoded report is wanted.
         on_failure: Called when every attempt stayed unanswered.
         timeout: Seconds to wait before the query is repeated.
         attempts: How often it may still be sent.
@@ -72,14 +67,9 @@ class PendingQuery:
 
 
 class QueryClient:
-    """The one-time queries of one component; answers resolve them in the order of asking.
-
-    Attributes:
-        component: The component that asks.
-    """
+    """The one-time queries of one component; answers resolve them in the order of asking."""
 
     def __init__(self, component: Host) -> None:
-        """Start without queries."""
         self.component = component
         self._pending: dict[type[Message], list[PendingQuery]] = {}
         self._deadlines: Deadlines[PendingQuery] = Deadlines(component.loop, self._send)

@@ -18,13 +18,6 @@ class Questions:
     """Questions to a target by their kind: which are open, and how often each was asked in vain."""
 
     def __init__(self, component: Host, target: JausAddress, presence: Presence) -> None:
-        """Ask nothing yet.
-
-        Args:
-            component: The component that asks.
-            target: The component that is asked.
-            presence: Knows when the target was last heard.
-        """
         self._component = component
         self._target = target
         self._presence = presence

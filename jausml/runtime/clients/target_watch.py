@@ -39,14 +39,7 @@ class TargetWatch:
         target: JausAddress,
         take: Callable[[Message], None],
     ) -> None:
-        """Prepare; nothing is asked before ``start``.
-
-        Args:
-            component: The component that controls.
-            events: Its events.
-            target: The controlled component.
-            take: Takes each ReportStatus and ReportControl.
-        """
+        """Prepare; nothing is asked before ``start``."""
         self._component = component
         self._events = events
         self._target = target

@@ -39,20 +39,15 @@ class AccessControlService:
     A component that provides AccessControl v1.0 answers ReleaseControl as v1.0 says.
 
     Attributes:
-        controller: The controlling component.
         authority: Its authority code; the default authority without a controller.
-        offered: Whether the component offers control at all.
-        managed: Whether the state of the Management service permits control.
         has_lapsed: Whether the last controller let control lapse.
         kept: Whether the controller keeps control while nobody else may have it.
-        emergency_clients: Who has set an emergency.
         on_lost: Called when control ends, before the controller is told.
     """
 
     urns = frozenset([CORE + "AccessControl"])
 
     def __init__(self, component: Host) -> None:
-        """Begin without a controller."""
         self._component = component
         self._timer: Timer | None = None
         self._timeout = component.settings.control_timeout

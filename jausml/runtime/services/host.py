@@ -28,17 +28,7 @@ R = TypeVar("R", bound=Message)
 
 
 class Host(Protocol):
-    """A component as its core services and clients see it; ``JausComponent`` is the one.
-
-    Attributes:
-        transport: Carries the messages.
-        address: Address of the component.
-        name: Identification that Discovery reports.
-        services: Every service of the component, inherited ones included.
-        component_type: Type that Discovery reports (AS5710, ReportIdentification).
-        settings: Behaviour.
-        event_clock: Time by which its periodic events are due.
-    """
+    """A component as its core services and clients see it; ``JausComponent`` is the one."""
 
     transport: Transport
     address: JausAddress

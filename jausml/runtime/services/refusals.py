@@ -37,7 +37,6 @@ class Refusals:
     """
 
     def __init__(self, loop: Loop) -> None:
-        """Begin without requesters."""
         self._loop = loop
         self._counts: dict[JausAddress, _Count] = {}
 
@@ -45,7 +44,6 @@ class Refusals:
         """Tell whether a refusal is not to be sent now; the request is then judged again later.
 
         Args:
-            requester: Who asks.
             code: Why it is refused; another reason is told at once.
             again: Judges the request again; of several that wait the first one is.
         """

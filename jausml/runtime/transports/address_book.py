@@ -97,15 +97,6 @@ class AddressBook:
         places: int = MAX_PEERS,
         trusts: Callable[[Endpoint], bool] = lambda _endpoint: True,
     ) -> None:
-        """Start empty.
-
-        Args:
-            lifetime: Seconds of silence after which an endpoint is doubted.
-            counters: Where changed and refused endpoints are counted.
-            fixed: Whether an endpoint stands for as long as the component is heard from it.
-            places: Components that are remembered.
-            trusts: Whether components at an endpoint need not prove that they are there.
-        """
         self.lifetime = lifetime
         self._fixed = fixed
         self._places = places
@@ -170,7 +161,6 @@ class AddressBook:
         """Give a component a place of its own, instead of the one that an owner named before.
 
         Args:
-            owner: Component of this process.
             address: Who controls it; None for nobody.
         """
         if address is None:
@@ -203,14 +193,7 @@ class AddressBook:
             del self._claims[host]
 
     def refuses(self, address: JausAddress, entry: Entry, endpoint: Endpoint, now: float) -> bool:
-        """Return whether a component may not be heard from an endpoint; it is counted then.
-
-        Args:
-            address: The component.
-            entry: Its entry.
-            endpoint: Where something came from.
-            now: Time in seconds.
-        """
+        """Return whether a component may not be heard from an endpoint; it is counted then."""
         if entry.endpoint == endpoint or not self._stands(entry, now):
             return False
         detail = f"{address} at {endpoint}: it is heard from {entry.endpoint}"
@@ -255,7 +238,6 @@ class AddressBook:
         """Doubt an endpoint at once, because the component failed to acknowledge.
 
         Args:
-            address: The component.
             since: When the first packet without acknowledgement was sent: who was heard later is
                 there, and its acknowledgement may only be late.
         """

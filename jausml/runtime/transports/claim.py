@@ -12,11 +12,7 @@ class Claim:
     """What a component without proof has sent and got, at the one endpoint that it claims.
 
     Attributes:
-        host: The host that it claims to be on.
-        received: Bytes that came from it.
-        sent: Bytes that went to it.
         number: What it is to acknowledge; None while it has not been asked.
-        held: Datagrams that wait.
     """
 
     __slots__ = (

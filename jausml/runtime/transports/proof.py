@@ -59,10 +59,7 @@ class Prover:
         """Begin without claims.
 
         Args:
-            book: Where components are, and which of them have claims.
-            loop: Its clock and counters are used.
             limit: Bytes that go to an endpoint without proof for each byte from it.
-            put: Sends a datagram.
             draw: Returns a number from 0 to below its argument that nobody can guess.
         """
         self._book = book
@@ -77,8 +74,6 @@ class Prover:
         """Note that a packet came from a component without proof, and ask for one.
 
         Args:
-            entry: Its entry, with a claim.
-            packet: What came.
             asker: Component of this process that can ask; None where none is meant.
         """
         claim = entry.claim

@@ -16,12 +16,7 @@ if TYPE_CHECKING:
 
 
 def create_transport(settings: TransportSettings, loop: Loop) -> Transport:
-    """Return the transport that the settings name, not yet open.
-
-    Args:
-        settings: How messages travel, and the settings of that.
-        loop: Loop on which messages are received.
-    """
+    """Return the transport that the settings name, not yet open."""
     if settings.transport is TransportKind.JTCP:
         return JtcpTransport(settings, loop)
     if settings.transport is TransportKind.NODE_MANAGER:

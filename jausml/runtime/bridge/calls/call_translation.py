@@ -23,13 +23,7 @@ class CallFailedError(Exception):
 
 
 class CallTranslation(Limiting):
-    """Translates requests, or responses.
-
-    Attributes:
-        message: The JAUS message.
-        type: Light class of the ROS message.
-        to_ros: Whether the ROS message is made.
-    """
+    """Translates requests, or responses."""
 
     def __init__(
         self,
@@ -43,11 +37,7 @@ class CallTranslation(Limiting):
         """Prepares the translation.
 
         Args:
-            name: Name under which is counted.
             translate: Makes the target message, or None to let the call fail.
-            message: The JAUS message.
-            type: Light class of the ROS message.
-            to_ros: Whether the ROS message is made.
         """
         super().__init__()
         self.name = name

@@ -46,14 +46,9 @@ AskingT = TypeVar("AskingT")
 
 
 class Call:
-    """A call that is under way.
-
-    Attributes:
-        forget: What ends it on the side that was asked.
-    """
+    """A call that is under way."""
 
     def __init__(self) -> None:
-        """Has asked nobody yet."""
         self.forget: Callable[[], None] = lambda: None
 
 
@@ -61,13 +56,8 @@ class Calls(Generic[CallT, AskingT]):
     """The part of a connection that keeps its calls, counts them and tells of them.
 
     Attributes:
-        name: Name of the connection in the model.
-        service: The service of ROS.
         timeout: Seconds after which a call without an answer has failed, once it was sent.
         statistics: What happened so far: calls as arrivals, those that were answered as passed.
-        is_command: Whether the calls set something in motion.
-        form: Form in which the translations run.
-        counters: Counters of the process, while the bridge is open.
     """
 
     counters: Counters
@@ -86,14 +76,8 @@ class Calls(Generic[CallT, AskingT]):
         """Prepares the connection; nothing is exchanged before `open`.
 
         Args:
-            name: Name of the connection in the model.
-            service: The service of ROS.
-            request: The translation of requests, or what asks without one.
             response: The translation of responses, or the JAUS message that answers without one;
                 None where nothing answers.
-            timeout: Seconds after which a call without an answer has failed, once it was sent.
-            is_command: Whether the calls set something in motion.
-            priority: Priority of JAUS messages (AS5669A).
         """
         self.name = name
         self.service = service
@@ -113,11 +97,7 @@ class Calls(Generic[CallT, AskingT]):
     # ------------------------------------------------------------------ for the kinds
 
     def open(self, ends: Ends) -> None:
-        """Opens the ends of the connection.
-
-        Args:
-            ends: The bridge, whose two sides are there.
-        """
+        """Opens the ends of the connection."""
         self._ends = ends
         self.counters = ends.component.counters
         for each in self._translations():
@@ -128,13 +108,7 @@ class Calls(Generic[CallT, AskingT]):
         )
 
     def abandon(self, call: CallT, reason: str, text: str) -> None:
-        """Tells whoever asked that a call came to nothing.
-
-        Args:
-            call: The call, which is not under way any more.
-            reason: Why, as it is counted.
-            text: Why, in words.
-        """
+        """Tells whoever asked that a call came to nothing."""
         raise NotImplementedError
 
     def describe_peers(self) -> list[tuple[str, str]]:

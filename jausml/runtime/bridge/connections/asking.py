@@ -30,11 +30,7 @@ class AskedEvents:
         """Asks nobody yet.
 
         Args:
-            ends: The bridge.
-            query: The query whose answer is the report; it selects the fields.
             message: The report.
-            take: Takes each encoded report and its sender.
-            rate: Reports each second; None means one on every change.
         """
         self.rate = rate
         self._ends = ends
@@ -108,15 +104,6 @@ class AskedQueries:
     def __init__(
         self, ends: Ends, query: Message, message: type[Message], take: Take, rate: float
     ) -> None:
-        """Asks nobody yet.
-
-        Args:
-            ends: The bridge.
-            query: The query whose answer is the report; it selects the fields.
-            message: The report.
-            take: Takes each encoded report and its sender.
-            rate: Queries each second.
-        """
         self.rate = rate
         self._ends = ends
         self._query = query
@@ -129,11 +116,7 @@ class AskedQueries:
         self._silent: set[JausAddress] = set()
 
     def start(self, peers: PeerBinding) -> None:
-        """Asks whoever is there, from the next turn of the loop on.
-
-        Args:
-            peers: Who is asked.
-        """
+        """Asks whoever is there, from the next turn of the loop on."""
         self._peers = peers
         self._component = self._ends.component
         self._next = self._ends.clock.now()

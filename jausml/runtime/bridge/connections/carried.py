@@ -12,14 +12,7 @@ if TYPE_CHECKING:
 
 
 class Carried(Protocol):
-    """A connection as its bridge sees it. All of it runs on the loop, or with its lock.
-
-    Attributes:
-        name: Name of the connection in the model.
-        statistics: What happened so far.
-        is_command: Whether it sets something in motion.
-        form: Form in which its translations run, while the bridge is open.
-    """
+    """A connection as its bridge sees it. All of it runs on the loop, or with its lock."""
 
     name: str
     statistics: Statistics

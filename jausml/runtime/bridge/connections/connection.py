@@ -71,10 +71,7 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         """Prepares a connection; nothing is exchanged before `open`.
 
         Args:
-            name: Name of the connection in the model.
-            translate: Makes the target message, or None to pass nothing on.
             shape: Which messages pass, by number, pace and age.
-            when_lost: What happens when the source is lost: the parameters of `Stopping`.
         """
         Stopping.__init__(self, name, **when_lost)
         Limiting.__init__(self)
@@ -93,11 +90,7 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
     # ------------------------------------------------------------------ for the kinds
 
     def open(self, ends: Ends) -> None:
-        """Makes the publishers and subscriptions of the connection.
-
-        Args:
-            ends: The bridge, whose two sides are there.
-        """
+        """Makes the publishers and subscriptions of the connection."""
         super().open(ends)
         self.counters = ends.component.counters
         self._is_open = True
@@ -123,11 +116,7 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         raise NotImplementedError
 
     def make_take(self, switch: Switch) -> Take:
-        """Returns the short way of messages.
-
-        Args:
-            switch: Says when messages go another way.
-        """
+        """Returns the short way of messages."""
         raise NotImplementedError
 
     def age(self, data: bytes, origin: Any) -> int | None:
@@ -211,7 +200,6 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         """Takes one message from the source and passes its translation on.
 
         Args:
-            data: The encoded message.
             origin: Sender of a JAUS message; stamp of a ROS message in nanoseconds.
         """
         if self._halt is StopReason.INACTIVE and self.is_latched:
@@ -273,9 +261,6 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
 
     def stop(self, reason: StopReason) -> bool:
         """Sends the safe value, once; what waits for its time gives way to it.
-
-        Args:
-            reason: Why the source counts no more.
 
         Returns:
             Whether messages of the source stood until now.

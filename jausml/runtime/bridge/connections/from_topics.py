@@ -45,14 +45,8 @@ class FromTopics(Connection[SourceT, TargetT]):
         """Prepares the connection.
 
         Args:
-            name: Name of the connection in the model.
             translate: Makes the JAUS message, or None to pass nothing on. Joined topics give it
                 their messages as keyword arguments.
-            type: ROS type of the topics.
-            topics: Topics that are subscribed to.
-            message: JAUS message that is made.
-            joins: Further topics whose latest message the translation needs.
-            when_lost: What happens when the topics are lost: the parameters of `Connection`.
         """
         super().__init__(name, translate, **when_lost)
         self._topic_joins = tuple(map(JoinedTopic, joins))

@@ -36,8 +36,6 @@ class RateCap:
 
         Args:
             hertz: Messages each second that pass of one source, above 0.
-            clock: A monotonic time in seconds.
-            drop: Counts a message that does not pass, with a reason and details.
         """
         self._interval = 1 / hertz
         # Half an interval of tolerance: clocks round.

@@ -98,11 +98,6 @@ class Reporter:
     """Makes the statuses of a connection. All of it runs on the loop, or with its lock."""
 
     def __init__(self, connection: Reported) -> None:
-        """Has reported nothing yet.
-
-        Args:
-            connection: The connection.
-        """
         self._connection = connection
         self._reported: _Totals | None = None
         self._faults: list[TopicFault] = []
@@ -130,12 +125,7 @@ class Reporter:
         return total
 
     def status(self, now: float, hardware_id: str) -> ConnectionStatus:
-        """Returns the state since the last call.
-
-        Args:
-            now: Time of the loop.
-            hardware_id: JAUS address of the bridge.
-        """
+        """Returns the state since the last call."""
         connection, counts = self._connection, self._connection.statistics
         present = _Totals(
             now,

@@ -53,8 +53,6 @@ class Waiting(NamedTuple):
     """A message whose time has not come.
 
     Attributes:
-        data: The encoded message.
-        origin: Its sender, or its stamp.
         expiry: When it becomes too old, by the clock of the bridge.
     """
 
@@ -70,13 +68,7 @@ class Shaping:
     """
 
     def __init__(self, shape: Shape, counts: Statistics, drop: Drop) -> None:
-        """Shapes nothing before `open`.
-
-        Args:
-            shape: What shall pass, as the model says it.
-            counts: Counts of the connection.
-            drop: Counts a message that is not passed on, with a reason and details.
-        """
+        """Shapes nothing before `open`."""
         self._shape = shape
         self._counts = counts
         self._drop = drop
@@ -102,11 +94,7 @@ class Shaping:
         """Reads what parameters say.
 
         Args:
-            name: Name of the connection.
-            ends: The bridge, whose two sides are there.
-            age: Tells the age of a message.
             reshaped: Called when other messages shall pass than before.
-            judge_silence: Withdraws what waits if the source is silent.
         """
         self._ends, self._age, self._reshaped = ends, age, reshaped
         self._judge_silence = judge_silence
@@ -142,11 +130,7 @@ class Shaping:
         return self._shape.is_plain
 
     def before(self, way: Take) -> Take:
-        """Returns what takes messages instead of a way, and gives it those that pass.
-
-        Args:
-            way: What takes them from now on.
-        """
+        """Returns what takes messages instead of a way, and gives it those that pass."""
         self._way = way
         return self._take
 

@@ -38,8 +38,6 @@ class _Route:
     """Who gets the messages now.
 
     Attributes:
-        senders: What sends to each peer that obeys.
-        refusing: The peers that do not obey.
         is_whole: Whether there are peers, all obey and nothing halts the connection.
         latest: When the last message was published, in nanoseconds by the clock of its publisher,
             and when it was taken, by the clock of the bridge.
@@ -71,15 +69,10 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         """Prepares the connection.
 
         Args:
-            name: Name of the connection in the model.
             translate: Makes the JAUS message, or None to pass nothing on.
-            peers: JAUS components that receive it, or how they are found.
             control: What the peers demand of a sender that they obey. Unless that is ANY, control
                 of them is acquired and kept, they are resumed for READY, and the message is sent
                 to a peer only while it obeys.
-            priority: Priority of the message (AS5669A).
-            acknowledge: Whether each peer shall acknowledge it.
-            options: The other parameters of `FromTopics`.
         """
         super().__init__(name, translate, **options)
         self._peers = ControlledPeers(peers, control)

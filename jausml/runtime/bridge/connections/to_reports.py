@@ -38,13 +38,9 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
         """Prepares the connection.
 
         Args:
-            name: Name of the connection in the model.
             translate: Makes the JAUS report, or None to keep the one before.
-            query: The query that asks for the report.
             freshness: Seconds after which a message is too old to be reported; 0 means never.
             empty: Makes the report that says that there is no data, when its fields are optional.
-            silence_timeout: Seconds without a message that count as silence; 0 means never.
-            options: The other parameters of `FromTopics`.
         """
         super().__init__(name, translate, silence_timeout=silence_timeout or freshness, **options)
         self._query = query

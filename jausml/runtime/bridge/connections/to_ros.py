@@ -70,15 +70,8 @@ class ToTopics(Connection[SourceT, TargetT]):
         """Prepares the connection.
 
         Args:
-            name: Name of the connection in the model.
             translate: Makes the ROS message, or None to pass nothing on. Joined reports give it
                 their messages as keyword arguments.
-            message: JAUS message that is taken.
-            type: ROS type that is published.
-            topics: Where it is published.
-            peers: JAUS components at the other end, or how they are found.
-            joins: Further reports whose latest one the translation needs.
-            when_lost: What happens when the source is lost: the parameters of `Connection`.
         """
         super().__init__(name, translate, **when_lost)
         self._peers = PeerBinding(peers)
@@ -259,11 +252,7 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
         """Prepares the connection.
 
         Args:
-            name: Name of the connection in the model.
-            translate: Makes the ROS message, or None to pass nothing on.
             query: The query whose answer is the report; it selects the fields.
-            rate: Reports each second; None means one on every change.
-            options: The other parameters of `ToTopics`.
         """
         super().__init__(name, translate, **options)
         self.rate = rate
@@ -334,11 +323,7 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
 
 
 class QueryToTopics(ToTopics[SourceT, TargetT]):
-    """Asks for a report once each period and publishes the answer.
-
-    Attributes:
-        rate: Queries each second.
-    """
+    """Asks for a report once each period and publishes the answer."""
 
     def __init__(
         self,
@@ -349,15 +334,6 @@ class QueryToTopics(ToTopics[SourceT, TargetT]):
         rate: float,
         **options: Any,
     ) -> None:
-        """Prepares the connection.
-
-        Args:
-            name: Name of the connection in the model.
-            translate: Makes the ROS message, or None to pass nothing on.
-            query: The query whose answer is the report; it selects the fields.
-            rate: Queries each second.
-            options: The other parameters of `ToTopics`.
-        """
         super().__init__(name, translate, **options)
         self.rate = rate
         self._query = query
@@ -407,13 +383,10 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         """Prepares the connection.
 
         Args:
-            name: Name of the connection in the model.
-            translate: Makes the ROS message, or None to pass nothing on.
             when: Whom to obey: commands pass only from the controller of the bridge. A function
                 tells it from the message.
             rate_cap: Messages each second that are taken of one source; 0 means all.
             answer: How the last command that was passed on is told when somebody asks for it.
-            options: The other parameters of `ToTopics`.
         """
         super().__init__(name, translate, **options)
         self._when = when

@@ -14,9 +14,6 @@ class Parameter:
     """A parameter of the node.
 
     Attributes:
-        name: Its name.
-        default: Modelled value; its type is that of the parameter.
-        description: Text of its descriptor.
         limits: Least and greatest value of a number.
         check: Raises ValueError for a value that does not do; None takes all.
     """

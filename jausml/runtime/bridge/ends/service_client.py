@@ -16,10 +16,7 @@ class RosService:
     """A service of ROS.
 
     Attributes:
-        name: Its name.
         type_name: Its type, e.g. `std_srvs/srv/SetBool`.
-        request: Light class of the request.
-        response: Light class of the response.
         success: Path of the bool of the response that tells whether all went well; may be empty.
         reason: Path of the text of the response that tells why not; may be empty.
     """
@@ -42,7 +39,6 @@ class ServiceClient(Protocol):
         """Calls the service.
 
         Args:
-            request: The serialized request.
             answered: Is given the serialized response on the loop.
 
         Returns:

@@ -33,13 +33,7 @@ class Qos:
 
 @dataclass(frozen=True)
 class Published:
-    """What a publisher was made for.
-
-    Attributes:
-        topic: Full name of the topic.
-        type: Type of its messages, e.g. `nav_msgs/msg/Odometry`.
-        qos: Quality of service, with what parameters say of it.
-    """
+    """What a publisher was made for."""
 
     topic: str
     type: str

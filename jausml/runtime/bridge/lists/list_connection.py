@@ -31,13 +31,6 @@ class ListConnection(Connection[SourceT, TargetT]):
         *,
         action: ListAction,
     ) -> None:
-        """Prepares the connection.
-
-        Args:
-            name: Name of the connection in the model.
-            translate: Translates an element.
-            action: The action of ROS.
-        """
         super().__init__(name, translate, is_command=True)
         self._action = action
 

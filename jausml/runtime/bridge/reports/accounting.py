@@ -32,20 +32,11 @@ class Accounting:
     """
 
     def __init__(self, component: Accountable) -> None:
-        """Has told nothing yet.
-
-        Args:
-            component: The JAUS side of the bridge.
-        """
         self._component = component
         self._told: dict[JausAddress, deque[tuple[float, int, int]]] = {}
 
     def statuses(self, now: float) -> list[ConnectionStatus]:
-        """Returns a status for each peer that something came from, or was sent to.
-
-        Args:
-            now: Time of the loop.
-        """
+        """Returns a status for each peer that something came from, or was sent to."""
         own = str(self._component.address)
         accounts = accounts_of(self._component)
         peers = [each.traffic.peer for each in accounts]

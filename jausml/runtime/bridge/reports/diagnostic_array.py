@@ -31,11 +31,6 @@ class DiagnosticArray:
     TYPE = TYPE
 
     def __init__(self, node: str) -> None:
-        """Begins without statuses.
-
-        Args:
-            node: Full name of the node, with which the names of statuses begin.
-        """
         self._node = node
         self._count = 0
         self._data = bytearray(_BEGIN.size)
@@ -58,11 +53,7 @@ class DiagnosticArray:
         self._count += 1
 
     def serialized(self, stamp: Time) -> bytes:
-        """Returns the message.
-
-        Args:
-            stamp: Time at which it is published.
-        """
+        """Returns the message."""
         _BEGIN.pack_into(self._data, 0, stamp.sec, stamp.nanosec, 1, self._count)
         return _ENCODING + self._data
 

@@ -14,7 +14,6 @@ class Rate:
     """The rate of a connection, from one status to the next."""
 
     def __init__(self) -> None:
-        """Begins without messages."""
         self._noted: deque[tuple[float, int]] = deque(maxlen=_MOST)
         self.hertz = 0.0
         self.is_slow = False
@@ -24,7 +23,6 @@ class Rate:
 
         Args:
             now: Time in seconds.
-            arrivals: Messages so far.
             declared: Messages each second that the source promises; 0 when it promises none.
         """
         span = PERIODS / declared if declared > 0 else 0.0

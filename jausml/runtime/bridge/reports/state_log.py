@@ -22,22 +22,13 @@ class StateLog:
     """Remembers what the log was told of a connection."""
 
     def __init__(self, name: str) -> None:
-        """Begins with a connection that waits, of which nothing is told.
-
-        Args:
-            name: Name of the connection.
-        """
+        """Begins with a connection that waits, of which nothing is told."""
         self._name = name
         self._told = ConnectionPhase.WAITING
         self._next = 0.0
 
     def note(self, judgement: Judgement, now: float) -> None:
-        """Tells the log of a change, unless it was told something a moment ago.
-
-        Args:
-            judgement: The present state.
-            now: Time in seconds.
-        """
+        """Tells the log of a change, unless it was told something a moment ago."""
         phase = judgement.phase
         if phase is self._told or now < self._next:
             return

@@ -66,12 +66,7 @@ class Facts:
 
 
 class Judgement(NamedTuple):
-    """State of a connection.
-
-    Attributes:
-        phase: The state.
-        reason: Why, in words.
-    """
+    """State of a connection."""
 
     phase: ConnectionPhase
     reason: str
@@ -83,11 +78,7 @@ class Judgement(NamedTuple):
 
 
 def judge(facts: Facts) -> Judgement:
-    """Returns the state of a connection; of several facts the one that explains the others.
-
-    Args:
-        facts: What is known.
-    """
+    """Returns the state of a connection; of several facts the one that explains the others."""
     if facts.error:
         return Judgement(ConnectionPhase.FAILED, facts.error)
     if facts.fault:

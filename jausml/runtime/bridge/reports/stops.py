@@ -44,9 +44,6 @@ class Standing:
     """What the JAUS side of a bridge may do.
 
     Attributes:
-        status: Management state (AS5710).
-        controller: The component that controls the bridge.
-        is_active: Whether the node is active (ROS 2, managed nodes).
         has_lapsed: Whether nobody controls the bridge since its controller let control lapse.
     """
 
@@ -74,11 +71,7 @@ class Standing:
         return StopReason.CONTROL_LAPSED if self.has_lapsed else StopReason.CONTROL_RELEASED
 
     def lost_since(self, former: Standing) -> StopReason | None:
-        """Returns why what the former controller commanded must not stand; None when it may.
-
-        Args:
-            former: What held before.
-        """
+        """Returns why what the former controller commanded must not stand; None when it may."""
         if former.is_active and not self.is_active:
             return StopReason.INACTIVE
         if self.status is not former.status and self.status in _HALTS:

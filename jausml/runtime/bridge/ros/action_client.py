@@ -38,12 +38,8 @@ class NodeActionClient:
     """Sends goals of one action.
 
     Attributes:
-        handle: The client of rclpy.
-        messages: The classes of the action.
-        name: Name of the action.
         cancelling: Full name of the service that cancels its goals.
         former: Goals of a former life, which are cancelled.
-        work: What is done on the executor, and the goals under way.
     """
 
     def __init__(self, work: ActionWork, messages: ActionMessages, name: str) -> None:

@@ -26,9 +26,6 @@ class ActionMessages:
     def __init__(self, action: ListAction) -> None:
         """Finds them.
 
-        Args:
-            action: What the model says of the action.
-
         Raises:
             RosTypeError: The type is not installed as the model has it.
         """

@@ -24,13 +24,7 @@ if TYPE_CHECKING:
 
 
 class NodeActionServer:
-    """Takes the goals of one action.
-
-    Attributes:
-        handle: The server of rclpy.
-        messages: The classes of the action.
-        work: What is done on the executor, and the goals under way.
-    """
+    """Takes the goals of one action."""
 
     def __init__(
         self,
@@ -95,14 +89,9 @@ class NodeActionServer:
 
 
 class NodeServedGoal:
-    """A goal that a ROS client has sent.
-
-    Attributes:
-        request: The goal of rclpy.
-    """
+    """A goal that a ROS client has sent."""
 
     def __init__(self, server: NodeActionServer, handle: Any) -> None:
-        """Made by the server."""
         self.request = handle.request
         self._server = server
         self._handle = handle

@@ -16,23 +16,9 @@ if TYPE_CHECKING:
 
 
 class ActionWork:
-    """What the actions of one node have done, in order, and the goals that are under way.
-
-    Attributes:
-        node: The node of rclpy.
-        loop: What the bridge is told on, or with its lock.
-        ward: What tells the guardian of goals; None where there is none.
-    """
+    """What the actions of one node have done, in order, and the goals that are under way."""
 
     def __init__(self, node: Any, executor: Any, loop: Loop, ward: Ward | None) -> None:
-        """Has nothing to do yet.
-
-        Args:
-            node: The node of rclpy.
-            executor: What runs it.
-            loop: What the bridge is told on, or with its lock.
-            ward: What tells the guardian of goals; None where there is none.
-        """
         self.loop = loop
         self.ward = ward
         self.node = node

@@ -23,35 +23,17 @@ class NodeActions:
     """The actions of one node."""
 
     def __init__(self, node: Any, executor: Any, loop: Loop, ward: Ward | None) -> None:
-        """Has no actions yet.
-
-        Args:
-            node: The node of rclpy.
-            executor: What runs it.
-            loop: What the bridge is told on, or with its lock.
-            ward: What tells the guardian of goals; None where there is none.
-        """
         self._work = ActionWork(node, executor, loop, ward)
         self._ends: list[Any] = []
 
     def client(self, action: ListAction) -> NodeActionClient:
-        """Returns what sends goals of an action.
-
-        Raises:
-            RosTypeError: The type is not installed as the model has it.
-            ParameterError: ROS refuses the name.
-        """
+        """Returns what sends goals of an action."""
         client = NodeActionClient(self._work, ActionMessages(action), action.name)
         self._ends += [client.handle, client.former]
         return client
 
     def serve(self, action: ListAction, taker: GoalTaker) -> None:
-        """Takes the goals of an action.
-
-        Raises:
-            RosTypeError: The type is not installed as the model has it.
-            ParameterError: ROS refuses the name.
-        """
+        """Takes the goals of an action."""
         server = NodeActionServer(self._work, ActionMessages(action), action.name, taker)
         self._ends.append(server.handle)
 

@@ -32,17 +32,9 @@ class GuardedExecutor(SingleThreadedExecutor):
     """Runs the callbacks of a node, and counts what they raise.
 
     What ROS itself raises while it waits, and what is meant to end a process, still ends `spin`.
-
-    Attributes:
-        counters: Where failures are counted.
     """
 
     def __init__(self, context: Context) -> None:
-        """Has no node yet.
-
-        Args:
-            context: The context of the node.
-        """
         super().__init__(context=context)
         self.counters = Counters()
 

@@ -32,13 +32,7 @@ class FormerGoals:
     """
 
     def __init__(self, work: ActionWork, name: str, service: str) -> None:
-        """Listens to the states of goals, which their server gives newcomers too.
-
-        Args:
-            work: What is done on the executor.
-            name: Name of the action.
-            service: Full name of the service that cancels its goals.
-        """
+        """Listens to the states of goals, which their server gives newcomers too."""
         node = work.node
         words = (node.context.get_domain_id(), node.get_fully_qualified_name(), service)
         self._mark = blake2b("\0".join(map(str, words)).encode(), digest_size=MARK_SIZE).digest()

@@ -10,11 +10,6 @@ class RosLogHandler(logging.Handler):
     """Hands the records of the runtime to the logger of the node, and so to /rosout."""
 
     def __init__(self, node: Any) -> None:
-        """Finds the logger.
-
-        Args:
-            node: The node of rclpy.
-        """
         super().__init__()
         self._logger = node.get_logger()
 

@@ -15,15 +15,11 @@ class NodePublisher:
 
     Attributes:
         publish: Publishes a serialized message, from any thread: the function of rclpy itself.
-        matched: Subscriptions that are there now.
-        unmatched: Messages that found none of them; whoever publishes counts.
-        published: What it was made for.
     """
 
     __slots__ = ("_class", "handle", "matched", "publish", "published", "unmatched")
 
     def __init__(self, handle: Any, ros_class: type[Any], published: Published) -> None:
-        """Wraps a handle of rclpy."""
         self.handle = handle
         self.published = published
         self.publish: Callable[[bytes], None] = handle.publish_raw
@@ -32,11 +28,7 @@ class NodePublisher:
         self._class = ros_class
 
     def publish_message(self, message: Any) -> None:
-        """Publishes an object of the class of rclpy, from any thread.
-
-        Raises:
-            TypeError: It is of another class.
-        """
+        """Publishes an object of the class of rclpy, from any thread."""
         if not isinstance(message, self._class):
             raise TypeError(f"{self._class.__name__} expected, not {type(message).__name__}")
         self.handle.publish(message)

@@ -32,7 +32,6 @@ def spin(factory: Callable[[], Any], arguments: Sequence[str] | None) -> None:
     """Spins a node until SIGINT or SIGTERM.
 
     Args:
-        factory: Makes the node, after ROS has begun.
         arguments: Command line without the program's name; that of the process when None.
 
     Raises:

@@ -63,16 +63,7 @@ class NodeManagerClient(Carrier[str]):
         address: JausAddress,
         quirks: Quirks,
     ) -> None:
-        """Prepare a client; ``open`` attaches it.
-
-        Args:
-            settings: Time-outs and limits of messages.
-            loop: Its thread receives; its counters are used.
-            folder: Folder of the local sockets.
-            manager: Name of the manager's socket.
-            address: The component.
-            quirks: What was learnt of each peer.
-        """
+        """Prepare a client; ``open`` attaches it."""
         self.address = address
         self._loop = loop
         self._counters = loop.counters

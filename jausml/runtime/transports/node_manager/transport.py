@@ -30,12 +30,7 @@ class NodeManagerTransport(Transport):
     """
 
     def __init__(self, settings: TransportSettings, loop: Loop) -> None:
-        """Prepare a transport; ``open`` begins to look for the manager.
-
-        Args:
-            settings: Folder of the local sockets, time-outs and limits.
-            loop: Loop on which messages are received; its counters are used.
-        """
+        """Prepare a transport; ``open`` begins to look for the manager."""
         super().__init__(settings, loop)
         self._folder = Path(settings.node_manager_directory or tempfile.gettempdir())
         self._clients: dict[JausAddress, NodeManagerClient] = {}

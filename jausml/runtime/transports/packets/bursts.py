@@ -24,17 +24,10 @@ class Bursts:
     """
 
     def __init__(self) -> None:
-        """Start with nothing sent."""
         self._levels: dict[JausAddress, tuple[float, float]] = {}
 
     def fits(self, destination: JausAddress, count: int, now: float) -> bool:
-        """Return whether a destination can take packets now, and assume that it gets them if so.
-
-        Args:
-            destination: The receiver.
-            count: Packets of the message.
-            now: Time in seconds.
-        """
+        """Return whether a destination can take packets now, and assume that it gets them if so."""
         level, since = self._levels.get(destination, (0.0, now))
         level = max(0.0, level - (now - since) * PER_SECOND) + count
         if level > AT_ONCE:

@@ -35,12 +35,7 @@ class FlaglessMessages:
         self._fragmenting: OrderedDict[JausAddress, float] = OrderedDict()
 
     def whole(self, packet: Packet, now: float) -> Packet | None:
-        """Return the message that a packet with a payload is, or None if it may be a fragment.
-
-        Args:
-            packet: A packet that is marked as an acknowledgement.
-            now: Time in seconds.
-        """
+        """Return the message that a packet with a payload is, or None if it may be a fragment."""
         if (packet.priority, packet.broadcast, packet.acknowledge, packet.data_flags) != (
             Priority.SAFETY_CRITICAL,
             Broadcast.RESERVED,

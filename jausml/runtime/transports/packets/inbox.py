@@ -46,12 +46,8 @@ class Inbox(Generic[Origin]):
         """Start with no components.
 
         Args:
-            settings: Limits of duplicate detection and reassembly.
-            loop: Its lock, clock and counters are used.
             acknowledged: Told of an acknowledgement to whom and for which sequence number it is,
                 and who sent it; returns whether a packet waited for it.
-            carrier: Sends answers back.
-            quirks: What was learnt of each peer.
         """
         self._loop = loop
         self._counters = loop.counters
@@ -149,13 +145,7 @@ class Inbox(Generic[Origin]):
         self._counters.count("transport.own_source", place, level=logging.DEBUG)
 
     def take(self, packet: Packet, origin: Origin, now: float) -> bool:
-        """Take a packet of another process; return False when it is for nobody here.
-
-        Args:
-            packet: A packet whose source is not refused.
-            origin: Where acknowledgements go.
-            now: Time in seconds.
-        """
+        """Take a packet of another process; return False when it is for nobody here."""
         receivers = self.receivers_of(packet)
         if not receivers:
             return False
@@ -239,13 +229,7 @@ class Inbox(Generic[Origin]):
             self.take_acknowledgement(packet.destination, packet.sequence, packet.source)
 
     def take_acknowledgement(self, component: int, sequence: int, by: int) -> None:
-        """Take an acknowledgement.
-
-        Args:
-            component: Component of this process that it is for.
-            sequence: Number of the packet that is acknowledged.
-            by: Who acknowledges.
-        """
+        """Take an acknowledgement."""
         if self._acknowledged(component, sequence, by):
             self._matched.count += 1
         elif not self.proves(by, sequence):

@@ -55,11 +55,8 @@ class Messenger(Generic[Origin]):
         """Start with no components and nothing to wait for.
 
         Args:
-            settings: Sizes, time-outs and limits.
-            loop: Loop on which messages are received; its counters are used.
             carrier: Puts packets on the network. Messages are repeated until acknowledged unless
                 it is reliable by itself.
-            quirks: What was learnt of each peer.
             draw: Returns a random number from 0 to below its argument, for sequence numbers;
                 by default that of the process.
         """
@@ -179,11 +176,6 @@ class Messenger(Generic[Origin]):
         self, source: JausAddress, destination: JausAddress, payload: bytes
     ) -> list[tuple[bytes, int, int]]:
         """Cut a message of several packets that goes out in one go, without acknowledgement.
-
-        Args:
-            source: Component that sends.
-            destination: Component of another process.
-            payload: Longer than one packet.
 
         Returns:
             Each part with the bits of its place (AS5669A, data flags) and its sequence number;

@@ -53,16 +53,10 @@ class TcpConnection:
         """Take over a socket.
 
         Args:
-            sock: Connected, or on its way.
-            peer: The other end.
-            loop: Loop that watches it.
-            connecting: Whether the socket is on its way.
             buffer: Bytes that may wait for a slow peer; one message more can wait.
             timeout: Seconds in which the connection must be made, and in which a peer must take
                 something of what waits for it.
             idle: Seconds in which a peer must have said something; 0 for any time.
-            on_packet: Takes each message.
-            on_close: Told once when the connection ended, whoever ended it.
         """
         self.peer = peer
         self.is_neighbour = False

@@ -16,19 +16,9 @@ _SIZE_END = 3
 
 
 class StreamError(JausError):
-    """A stream in which no more messages can be found.
-
-    Attributes:
-        counter: Counter of the reason.
-    """
+    """A stream in which no more messages can be found."""
 
     def __init__(self, counter: str, detail: str) -> None:
-        """Say why.
-
-        Args:
-            counter: Counter of the reason.
-            detail: What a reader of the log needs to find the culprit.
-        """
         super().__init__(detail)
         self.counter = counter
 
@@ -37,11 +27,6 @@ class StreamReader:
     """Cuts one direction of a connection into messages, however it arrives."""
 
     def __init__(self, counters: Counters) -> None:
-        """Start before the version byte.
-
-        Args:
-            counters: Where messages that cannot be read are counted.
-        """
         self._counters = counters
         self._data = b""
         self._is_version_known = False
@@ -55,9 +40,6 @@ class StreamReader:
         """Yield the messages that are complete now; None for each that cannot be read.
 
         To be iterated to its end, or never fed again.
-
-        Args:
-            data: What arrived.
 
         Raises:
             StreamError: The version is another one, or a message is too small to be one.

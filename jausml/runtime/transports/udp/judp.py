@@ -42,12 +42,7 @@ class JudpTransport(DatagramTransport):
     """Components of this process on one JUDP port (AS5669A)."""
 
     def __init__(self, settings: TransportSettings, loop: Loop) -> None:
-        """Prepare a transport; ``open`` puts it on the network.
-
-        Args:
-            settings: Interface, port, peers and time-outs.
-            loop: Loop on which messages are received; its counters are used.
-        """
+        """Prepare a transport; ``open`` puts it on the network."""
         self._port = SharedPort(settings)
         super().__init__(settings, loop, self._port)
         self._allowed = AllowedHosts(settings, self.counters)
@@ -139,8 +134,6 @@ class JudpTransport(DatagramTransport):
         """Take a datagram as if a socket had read it, on the loop's thread; never raises.
 
         Args:
-            data: The datagram.
-            sender: Endpoint that it came from.
             by_multicast: Whether it came to the multicast group.
         """
         if sender in self._port.endpoints:

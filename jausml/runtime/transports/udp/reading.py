@@ -79,15 +79,6 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
 
     To find that nothing more has arrived costs more than a datagram, 30 us after a pause. So more
     than one are only looked for when one follows the other.
-
-    Args:
-        receive: Receives from the socket, which does not block.
-        loop: Its clock, counters and standstills are used.
-        port: Its own endpoints are those of this process.
-        book: Where components are.
-        inbox: Who receives, and what was received.
-        answer: Sends an acknowledgement.
-        otherwise: Takes a datagram that is not usual, and where it came from.
     """
     clock, counters = loop.now, loop.counters
     received = counters.tally("judp.received")
