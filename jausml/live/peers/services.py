@@ -9,10 +9,11 @@ from jausml.runtime.services.definitions import ServiceIdentity
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+    from typing import TypeAlias
 
     from jausml.runtime.messages import ReportControl, ReportServiceList, ReportServices
 
-    _Component = ReportServices.ComponentSeq | ReportServiceList.ComponentSeq
+    _Component: TypeAlias = ReportServices.ComponentSeq | ReportServiceList.ComponentSeq
 
 Services = dict[JausAddress, tuple[ServiceIdentity, ...]]
 """The services of components."""
