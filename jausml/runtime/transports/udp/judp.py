@@ -13,7 +13,7 @@ from ..packets.packet import EMPTY_MESSAGE_SIZE, JUDP_VERSION, AckNak, Packet, p
 from ..port_holder import manager_folder
 from .datagrams import DatagramTransport
 from .drops import KernelDrops
-from .reading import reader
+from .reading import Usual, reader
 from .shared_port import (
     FRAME,
     SharedPort,
@@ -47,6 +47,7 @@ class JudpTransport(DatagramTransport):
         super().__init__(settings, loop, self._port)
         self._allowed = AllowedHosts(settings, self.counters)
         self._drops = KernelDrops(self.counters)
+        self._usual = Usual(self._port, self._book, self._inbox)
         self._standstill: Watch | None = None
         self._takeover: Timer | None = None
         self._drops_watch: Timer | None = None
@@ -118,15 +119,7 @@ class JudpTransport(DatagramTransport):
     def _reader(self, sock: socket.socket, *, by_multicast: bool) -> Callable[[], None]:
         otherwise = partial(self.receive_datagram, by_multicast=by_multicast)
         receive = self._drops.receiver(sock)
-        return reader(
-            receive,
-            self.loop,
-            self._port,
-            self._book,
-            self._inbox,
-            self._sender.put,
-            otherwise,
-        )
+        return reader(receive, self.loop, self._usual, self._sender.put, otherwise)
 
     def receive_datagram(
         self, data: bytes, sender: Endpoint, *, by_multicast: bool = False
