@@ -27,8 +27,8 @@ class Switch:
     """Which way messages go.
 
     Attributes:
-        unusual: Takes them in place of the short way, which is for messages of which nothing is
-            to be known but what they say; None in the usual case.
+        unusual: Takes them instead; None in the usual case, in which nothing is to be known of
+            them but what they say.
     """
 
     __slots__ = ("unusual",)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from ...services.definitions import Guard
 from ...transports.packets.packet import Priority
-from .connection import FILTERED, NO_PEER, NOT_READY
+from .connection import NO_PEER, NOT_READY
 from .controlled_peers import ControlledPeers
 from .from_topics import FromTopics
 
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from ...wire.message import Message
     from ..ends.ends import Ends
     from ..reports.stops import Standing, StopReason
-    from .connection import Take
-    from .stopping import Switch
 
     Send = Callable[[bytes], None]
 
@@ -32,24 +30,6 @@ TargetT = TypeVar("TargetT", bound="Message")
 
 _BUSY = 3.0
 """Seconds after a message in which its receivers should be heard, if nothing was before."""
-
-
-class _Route:
-    """Who gets the messages now.
-
-    Attributes:
-        is_whole: Whether there are peers, all obey and nothing halts the connection.
-        latest: When the last message was published, in nanoseconds by the clock of its publisher,
-            and when it was taken, by the clock of the bridge.
-    """
-
-    __slots__ = ("is_whole", "latest", "refusing", "senders")
-
-    def __init__(self) -> None:
-        self.senders: tuple[Send, ...] = ()
-        self.refusing: tuple[JausAddress, ...] = ()
-        self.is_whole = False
-        self.latest = 0, 0.0
 
 
 class TopicsToMessage(FromTopics[SourceT, TargetT]):
@@ -79,8 +59,9 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         self._priority = priority
         self._acknowledge = acknowledge
         self._prepared: dict[JausAddress, Send] = {}
-        self._route = _Route()
-        self._before = self._route.latest
+        self._senders: tuple[Send, ...] = ()  # to the peers that obey
+        self._refusing: tuple[JausAddress, ...] = ()
+        self._before = self._handing.latest
         self._doubted: dict[JausAddress, float] = {}
         self._slots: dict[JausAddress, int] = {}
 
@@ -98,36 +79,6 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         )
         self.guard()
 
-    def make_take(self, switch: Switch) -> Take:
-        """Returns the short way of messages, for which all peers obey."""
-        counts, transcode, now = self.statistics, self._transcode, self._ends.clock.now
-        drop, fail, deliver, route = self.drop, self.fail, self.deliver, self._route
-
-        def take(data: bytes, stamp: int = 0) -> None:
-            if switch.unusual is not None:
-                switch.unusual(data, stamp)
-                return
-            counts.arrivals += 1
-            try:
-                target = transcode(data)
-                counts.heard = counts.last_arrival = at = now()
-                route.latest = stamp, at
-                if target is None:
-                    drop(FILTERED)
-                    return
-                if route.is_whole:
-                    for send in route.senders:
-                        send(target)
-                elif not deliver(target):
-                    return
-            except Exception as error:
-                counts.last_arrival = now()
-                fail(error)
-                return
-            counts.passed += 1
-
-        return take
-
     def waited(self, origin: Any) -> float | None:
         """Returns the seconds since a message was published, by the last one before a standstill.
 
@@ -139,7 +90,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         return self._ends.clock.now() - at - float(origin - stamp) * 1e-9
 
     def _backlog_changed(self) -> None:
-        self._before = self._route.latest
+        self._before = self._handing.latest
         super()._backlog_changed()
 
     def _join(self, peer: JausAddress) -> None:
@@ -160,11 +111,12 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
 
     def _find_route(self) -> None:
         """Finds out who gets the messages, now that peers, their control or a halt changed."""
-        route, prepared = self._route, self._prepared
+        prepared = self._prepared
         obeying = [peer for peer in prepared if self._peers.obeys(peer)]
-        route.senders = tuple(prepared[peer] for peer in obeying)
-        route.refusing = tuple(peer for peer in prepared if peer not in obeying)
-        route.is_whole = bool(obeying) and not route.refusing and self._halt is None
+        self._senders = tuple(prepared[peer] for peer in obeying)
+        self._refusing = tuple(peer for peer in prepared if peer not in obeying)
+        is_simple = len(obeying) == 1 and not self._refusing and self._halt is None
+        self._handing.deliver = self._senders[0] if is_simple else self.deliver
 
     def choose_way(self) -> None:
         """Sends messages the way that fits the case."""
@@ -177,16 +129,15 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
 
     def refusal(self) -> str:
         """Why no peer obeys."""
-        refusing = self._route.refusing
-        if not refusing or self._route.senders:
+        if not self._refusing or self._senders:
             return ""
-        return f"no peer obeys: {self._peers.reason(refusing[0])}"
+        return f"no peer obeys: {self._peers.reason(self._refusing[0])}"
 
     def unwilling(self) -> str:
         """Which of several peers do not obey."""
-        if not self._route.senders or not self._route.refusing:
+        if not self._senders or not self._refusing:
             return ""
-        return f"does not obey: {', '.join(map(str, self._route.refusing))}"
+        return f"does not obey: {', '.join(map(str, self._refusing))}"
 
     def follow(self, standing: Standing, lost: StopReason | None) -> bool:
         """Stops what the bridge commands while it may not command."""
@@ -194,20 +145,19 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
 
     def deliver(self, payload: bytes) -> bool:
         """Sends to each peer that obeys; False when none does."""
-        route = self._route
         if self._halt is not None:  # since the message was taken; the stop is the last word
             self.refuse_halted(self._halt)
             return False
         if not self._prepared:
             self.drop(NO_PEER)
             return False
-        for send in route.senders:
+        for send in self._senders:
             send(payload)
-        if not route.senders:
-            self.drop(NOT_READY, ", ".join(map(str, route.refusing)))
+        if not self._senders:
+            self.drop(NOT_READY, ", ".join(map(str, self._refusing)))
             return False
         withheld = self.statistics.withheld
-        for peer in route.refusing:
+        for peer in self._refusing:
             withheld[peer] = withheld.get(peer, 0) + 1
         return True
 

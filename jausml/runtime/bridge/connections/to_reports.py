@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from .connection import FILTERED
 from .from_topics import FromTopics
 
 if TYPE_CHECKING:
@@ -14,8 +13,6 @@ if TYPE_CHECKING:
     from ...wire.message import Message
     from ..ends.ends import Ends, ReportHolder
     from ..reports.stops import StopReason
-    from .connection import Take
-    from .stopping import Switch
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")
@@ -46,41 +43,16 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
         self._query = query
         self._empty = empty
         self._report: ReportHolder
+        self._put: Callable[[bytes | None], None]
 
     def open(self, ends: Ends) -> None:
         """Offers the report, then makes the subscriptions."""
         self._report = ends.report(self._query, self._message)
+        self._handing.deliver = self._put = self._putting(ends)
         super().open(ends)
 
-    def make_take(self, switch: Switch) -> Take:
-        """Returns the short way of messages."""
-        counts, transcode, now = self.statistics, self._transcode, self._ends.clock.now
-        drop, fail, holder, message = self.drop, self.fail, self._report, self._message
-        report_changed = self._ends.component.report_changed
-
-        def take(data: bytes, stamp: int = 0) -> None:
-            if switch.unusual is not None:
-                switch.unusual(data, stamp)
-                return
-            counts.arrivals += 1
-            try:
-                target = transcode(data)
-                counts.heard = counts.last_arrival = now()
-                if target is None:
-                    drop(FILTERED)
-                    return
-                holder.value, holder.feeder = target, self
-                report_changed(message)
-            except Exception as error:
-                counts.last_arrival = now()
-                fail(error)
-                return
-            counts.passed += 1
-
-        return take
-
     def deliver(self, payload: bytes) -> bool:
-        """Makes the message the present report and tells subscribers of changes."""
+        """Makes the message the present report."""
         self._put(payload)
         return True
 
@@ -96,9 +68,15 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
             self._put(self.encode(self._empty()) if self._empty is not None else None)
         return stood
 
-    def _put(self, report: bytes | None) -> None:
-        self._report.value, self._report.feeder = report, self
-        self._ends.component.report_changed(self._message)
+    def _putting(self, ends: Ends) -> Callable[[bytes | None], None]:
+        """Returns what makes a message the present report and tells subscribers of changes."""
+        holder, message, changed = self._report, self._message, ends.component.report_changed
+
+        def put(report: bytes | None) -> None:
+            holder.value, holder.feeder = report, self
+            changed(message)
+
+        return put
 
     def describe_peers(self) -> list[tuple[str, str]]:
         """Reports go to whoever asks."""

@@ -80,6 +80,7 @@ class ToTopics(Connection[SourceT, TargetT]):
         self._type = type
         self._topics = tuple(topics)
         self._publishers: list[RosPublisher] = []
+        self._publisher: RosPublisher | _Publishers
         self._encode: Callable[[Any], bytes]
         self._opened = 0.0
 
@@ -97,11 +98,13 @@ class ToTopics(Connection[SourceT, TargetT]):
         self._opened = ends.loop.now()
         greet = self._greet if self.is_command and self._safe_value is not None else None
         self._publishers = [ends.publisher(self._type, topic, greet) for topic in self._topics]
+        only = self._publishers[0] if len(self._publishers) == 1 else None
+        self._publisher = only or _Publishers(self._publishers)
         self.guard()
         for each in self._report_joins:
             each.open(ends, self.name, self._peers, self._refuse_sender)
         self.join(self._report_joins)
-        self._take = self.make_take(self._switch)
+        self._take = self.make_take(self._switch, self._transcode)
         self.begin(ends)
         self._peers.follow(ends.component.find_peers, self._join, self._leave)
 
@@ -121,12 +124,11 @@ class ToTopics(Connection[SourceT, TargetT]):
         is_real = uses_ros_classes(self._translate) or not is_light(self._type)
         return Form.ROS_CLASSES if is_real else Form.LIGHT
 
-    def make_take(self, switch: Switch) -> Take:
-        """Returns the short way of messages."""
-        counts, transcode, now = self.statistics, self._transcode, self._ends.clock.now
-        drop, fail, publishers = self.drop, self.fail, self._publishers
-        refused = self._note_refused
-        publisher = publishers[0] if len(publishers) == 1 else _Publishers(publishers)
+    def make_take(self, switch: Switch, transcode: Transcode) -> Take:
+        """Returns what takes messages."""
+        counts, now = self.statistics, self._ends.clock.now
+        drop, fail, refused = self.drop, self.fail, self._note_refused
+        publisher = self._publisher
         publish = publisher.publish
 
         def take(data: bytes, sender: JausAddress | None = None) -> None:
@@ -200,13 +202,12 @@ class ToTopics(Connection[SourceT, TargetT]):
     def deliver(self, payload: bytes) -> bool:
         """Publishes on every topic; False when ROS refuses."""
         try:
-            for publisher in self._publishers:
-                publisher.publish(payload)
-                if not publisher.matched:
-                    publisher.unmatched += 1
+            self._publisher.publish(payload)
         except Exception as error:
             self._note_refused(error)
             return False
+        if not self._publisher.matched:
+            self._publisher.unmatched += 1
         return True
 
     def _note_refused(self, error: Exception) -> None:

@@ -11,8 +11,6 @@ from ..light_message import is_light
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from ..connections.connection import Take
-    from ..connections.stopping import Switch
     from ..ends.actions import ListAction
     from ..ends.ends import Ends
     from ..reports.stops import StopReason
@@ -42,10 +40,6 @@ class ListConnection(Connection[SourceT, TargetT]):
 
     def watch(self) -> None:
         """Nothing is to be stopped before there is a list."""
-
-    def make_take(self, switch: Switch) -> Take:  # noqa: ARG002 - lists have one way
-        """Returns what takes an element by itself; lists come another way."""
-        return self.take
 
     def deliver(self, payload: bytes) -> bool:  # noqa: ARG002
         """Elements alone go nowhere."""
