@@ -20,7 +20,7 @@ from .base.api import API_VERSION, ApiVersionError, require_api
 from .base.errors import JausError
 from .base.settings import TransportKind, TransportSettings, peers
 from .bridge.bridge import Bridge
-from .bridge.calls.call_translation import CallTranslation
+from .bridge.calls.calls import CallTranslation
 from .bridge.calls.jaus_to_service import JausToRosService
 from .bridge.calls.service_to_jaus import RosServiceToJaus
 from .bridge.connections.carried import Carried

@@ -33,8 +33,8 @@ from .reports.stops import Standing, StopReason
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
+    from ..base.clocks import Timing
     from ..base.loop import Loop
-    from ..base.simulated_clock import Timing
     from ..clients.peer_binding import PeerBinding
     from ..guardian.ward import Ward
     from ..services.element_list import ListElement

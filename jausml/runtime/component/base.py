@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from ..base.host_clock import HostClock
+from ..base.clocks import HostClock
 from ..clients.clients import Clients
 from ..clients.presence import SILENCE
 from ..services.core import CoreServices
@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     from datetime import datetime
 
     from ..base.address import JausAddress
+    from ..base.clocks import Timing
     from ..base.counters import Counters
     from ..base.loop import Loop
-    from ..base.simulated_clock import Timing
     from ..services.completion import Completion
     from ..services.dispatch import Handler
     from ..services.element_list import ElementList, ListElement

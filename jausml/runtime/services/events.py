@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from ..base.address import JausAddress
+    from ..base.clocks import Timing
     from ..base.loop import Timer
-    from ..base.simulated_clock import Timing
     from .dispatch import Provision
     from .host import Host
 

@@ -12,9 +12,9 @@ if TYPE_CHECKING:
     from datetime import datetime
 
     from ..base.address import JausAddress
+    from ..base.clocks import Timing
     from ..base.counters import Counters
     from ..base.loop import Loop
-    from ..base.simulated_clock import Timing
     from ..transports.transport import Transport
     from ..wire.message import DecodeError
     from .completion import Completion

@@ -7,7 +7,7 @@ from datetime import datetime, timedelta, timezone
 from random import Random
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ..base.host_clock import HostClock
+from ..base.clocks import HostClock
 from ..base.loop import Loop
 from ..base.settings import TransportSettings
 from .graph import RosGraph

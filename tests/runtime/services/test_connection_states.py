@@ -16,8 +16,15 @@ from jausml.runtime.bridge.connections.to_reports import TopicsToReport
 from jausml.runtime.bridge.connections.to_ros import EventToTopics, QueryToTopics
 from jausml.runtime.bridge.ends.settings import BridgeSettings
 from jausml.runtime.bridge.ends.topics import Topic
-from jausml.runtime.bridge.reports.state_log import INTERVAL, StateLog
-from jausml.runtime.bridge.reports.states import LEVELS, ConnectionPhase, Facts, Judgement, judge
+from jausml.runtime.bridge.reports.states import (
+    INTERVAL,
+    LEVELS,
+    ConnectionPhase,
+    Facts,
+    Judgement,
+    StateLog,
+    judge,
+)
 from jausml.runtime.bridge.reports.stops import StopReason
 from jausml.runtime.messages import (
     QueryEventTimeout,

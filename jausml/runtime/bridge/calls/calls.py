@@ -6,17 +6,16 @@ or with its lock.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from ...wire.message import EncodeError
-from ..connections.connection import NOT_READY
-from ..connections.transcoding import Form
+from ..connections.connection import FILTERED, NOT_READY
+from ..connections.transcoding import Form, readable, ros_decoder, ros_encoder, uses_ros_classes
 from ..ends import parameters
 from ..reports.diagnostics import ConnectionStatus, Statistics
-from ..reports.state_log import StateLog
-from ..reports.states import Facts, judge
+from ..reports.limiting import Limiting
+from ..reports.states import Facts, StateLog, judge
 from ..reports.stops import StopReason
-from .call_translation import CallFailedError, CallTranslation
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -25,9 +24,91 @@ if TYPE_CHECKING:
     from ...base.counters import Counters
     from ...transports.packets.packet import Priority
     from ...wire.message import Message
+    from ..connections.transcoding import Transcode
     from ..ends.ends import Ends
     from ..ends.service_client import RosService
+    from ..light_message import LightMessage
     from ..reports.stops import Standing
+
+CallT = TypeVar("CallT", bound="Call")
+AskingT = TypeVar("AskingT")
+
+
+class CallFailedError(Exception):
+    """A half of a call that could not be translated, which is counted already."""
+
+
+class CallTranslation(Limiting):
+    """Translates requests, or responses."""
+
+    def __init__(
+        self,
+        name: str,
+        translate: Callable[[Any], Any],
+        *,
+        message: type[Message],
+        type: type[LightMessage],  # noqa: A002 - the word of the model
+        to_ros: bool,
+    ) -> None:
+        """Prepares the translation.
+
+        Args:
+            translate: Makes the target message, or None to let the call fail.
+        """
+        super().__init__()
+        self.name = name
+        self.statistics = Statistics()
+        self.message = message
+        self.type = type
+        self.to_ros = to_ros
+        self._translate = translate
+        self._transcode: Transcode
+
+    def open(self, ends: Ends) -> None:
+        """Finds out how both messages are read and written."""
+        self.counters = ends.component.counters
+        self._is_open = True
+        real = uses_ros_classes(self._translate)
+        decode = self.message.decode if self.to_ros else ros_decoder(ends.ros, self.type, real=real)
+        encode = ros_encoder(ends.ros, self.type) if self.to_ros else _encode
+        self._transcode = readable(
+            self._translate, decode, encode, self.note_blocking, ends.loop.stopwatch
+        )
+
+    def made(self, data: bytes) -> bytes:
+        """Returns the translation of an encoded message.
+
+        Raises:
+            CallFailedError: There is none; it says why.
+        """
+        try:
+            target = self._transcode(data)
+        except Exception as error:
+            self.fail(error)
+            raise CallFailedError(str(error) or repr(error)) from error
+        self.statistics.arrivals += 1
+        if target is None:
+            self.drop(FILTERED)
+            raise CallFailedError("the message is filtered out")
+        self.statistics.passed += 1
+        return target
+
+    def describe(self) -> list[tuple[str, str]]:
+        """Names and values of its counts, for diagnostics."""
+        counts = self.statistics
+        half = self.name.rpartition("_")[2]
+        return [
+            *(
+                (f"{half} out of range: {policy} {field}", str(n))
+                for (policy, field), n in sorted(counts.out_of_range.items())
+            ),
+            *((f"{half} dropped: {reason}", str(n)) for reason, n in sorted(counts.drops.items())),
+        ]
+
+
+def _encode(message: Message) -> bytes:
+    return message.encode()
+
 
 MOST_CALLS = 64
 """Calls of one connection that are under way at most; further ones are refused."""
@@ -40,9 +121,6 @@ ENDED = "ended"
 FAILED = "answer_not_delivered"
 NOT_TRANSLATED = "not_translated"
 UNANSWERED = "unanswered"
-
-CallT = TypeVar("CallT", bound="Call")
-AskingT = TypeVar("AskingT")
 
 
 class Call:

@@ -12,8 +12,17 @@ from ...transports.packets.packet import Priority
 from ..connections.to_ros import UNEXPECTED
 from ..ends import parameters
 from ..ends.by_sender import Taker
-from .call_translation import CallFailedError, CallTranslation
-from .calls import FAILED, NOT_TRANSLATED, REJECTED, TIMED_OUT, UNANSWERED, Call, Calls
+from .calls import (
+    FAILED,
+    NOT_TRANSLATED,
+    REJECTED,
+    TIMED_OUT,
+    UNANSWERED,
+    Call,
+    CallFailedError,
+    Calls,
+    CallTranslation,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

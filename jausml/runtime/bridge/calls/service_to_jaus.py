@@ -10,7 +10,6 @@ from ...services.definitions import Guard
 from ...transports.packets.packet import Priority
 from ..connections.connection import NO_PEER, NOT_READY
 from ..connections.controlled_peers import ControlledPeers
-from .call_translation import CallFailedError, CallTranslation
 from .calls import (
     FAILED,
     NOT_ASKED,
@@ -19,7 +18,9 @@ from .calls import (
     TIMED_OUT,
     UNANSWERED,
     Call,
+    CallFailedError,
     Calls,
+    CallTranslation,
     codes_of,
 )
 

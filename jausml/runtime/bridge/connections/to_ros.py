@@ -19,8 +19,8 @@ from .ages import jaus_age
 from .asking import AskedEvents, AskedQueries
 from .command_answers import CommandMemory
 from .connection import FILTERED, Connection
-from .rate_cap import RateCap
 from .report_joins import JoinedReport
+from .shaping import RateCap
 from .transcoding import Form, ros_encoder, uses_ros_classes
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
     from ...base.address import JausAddress
+    from ...base.clocks import Timing
     from ...base.loop import Loop
-    from ...base.simulated_clock import Timing
     from ...clients.exchanges import Exchanges
     from ...clients.peer_binding import PeerBinding
     from ...component.component import JausComponent

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ...base.clocks import SimulatedClock
 from ...base.counters import LOGGER
-from ...base.simulated_clock import SimulatedClock
 from ..reports.diagnostics import ConnectionStatus
 from ..reports.stops import StopReason
 

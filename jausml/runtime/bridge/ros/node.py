@@ -9,6 +9,7 @@ of rclpy has a thread of its own for parameters, services and `/clock`.
 
 from __future__ import annotations
 
+import logging
 import threading
 import time
 from typing import TYPE_CHECKING, Any
@@ -26,12 +27,11 @@ from ..ends import parameters
 from ..ends.topics import Qos, Topic, TopicCounts
 from ..messages.errors import RosLostError
 from .codec import Codec
-from .executor import GuardedExecutor
 from .internals import require_internals
 from .lifecycle import ManagedNode
-from .log import RosLogHandler
 from .parameters import NodeParameters, as_parameter_error
 from .services import NodeServices
+from .spin import GuardedExecutor
 from .topics import NodeTopics
 
 if TYPE_CHECKING:
@@ -45,9 +45,29 @@ if TYPE_CHECKING:
     from ..ends.service_client import RosService
     from .actions import NodeActions
     from .lifecycle import Managed
-    from .publisher import NodePublisher
     from .services import NodeClient, TakeRequest
-    from .topics import WaitingName
+    from .topics import NodePublisher, WaitingName
+
+
+class RosLogHandler(logging.Handler):
+    """Hands the records of the runtime to the logger of the node, and so to /rosout."""
+
+    def __init__(self, node: Any) -> None:
+        super().__init__()
+        self._logger = node.get_logger()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Logs one record; rclpy tells severities by the place of the call, hence the branches."""
+        text = self.format(record)
+        if record.levelno >= logging.ERROR:
+            self._logger.error(text)
+        elif record.levelno >= logging.WARNING:
+            self._logger.warning(text)
+        elif record.levelno >= logging.INFO:
+            self._logger.info(text)
+        else:
+            self._logger.debug(text)
+
 
 LAST_WORDS = 1.0
 """Longest time in seconds that a node which ends waits for slow subscribers."""

@@ -27,7 +27,6 @@ from .internals import internals
 from .listener import Listener, NoListenerError
 from .parameters import as_parameter_error, tell_unknown
 from .profiles import OVERRIDABLE, deep_enough, never_waiting, overridden, profile_of, qos_of
-from .publisher import NodePublisher
 from .taking import Subscription
 from .wait_set import WaitSets
 
@@ -37,6 +36,31 @@ if TYPE_CHECKING:
     from ...base.loop import Loop
     from ..ends.quality import TopicFault
     from .parameters import NodeParameters
+
+
+class NodePublisher:
+    """A publisher for serialized messages.
+
+    Attributes:
+        publish: Publishes a serialized message, from any thread: the function of rclpy itself.
+    """
+
+    __slots__ = ("_class", "handle", "matched", "publish", "published", "unmatched")
+
+    def __init__(self, handle: Any, ros_class: type[Any], published: Published) -> None:
+        self.handle = handle
+        self.published = published
+        self.publish: Callable[[bytes], None] = handle.publish_raw
+        self.matched = 0
+        self.unmatched = 0
+        self._class = ros_class
+
+    def publish_message(self, message: Any) -> None:
+        """Publishes an object of the class of rclpy, from any thread."""
+        if not isinstance(message, self._class):
+            raise TypeError(f"{self._class.__name__} expected, not {type(message).__name__}")
+        self.handle.publish(message)
+
 
 WaitingName = Literal["automatic", "listener", "wait-set"]
 """How the bridge waits for ROS; `automatic` takes the listener where there is one."""

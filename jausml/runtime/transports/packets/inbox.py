@@ -5,8 +5,8 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any, Generic
 
+from ...base.clocks import HostClock
 from ...base.counters import LOGGER
-from ...base.host_clock import HostClock
 from ...base.quirks import Quirk
 from ..delivery import MESSAGE_CODE_SIZE, Arrival, Double, ReceivedMessage
 from .carrier import Origin

@@ -1,8 +1,12 @@
-"""Time of a simulation, for timers that shall run as fast as it does."""
+"""Clocks beside that of the loop: the time of day, and that of a simulation.
+
+Timers of the latter run as fast as the simulation does.
+"""
 
 from __future__ import annotations
 
 import heapq
+from datetime import datetime, timedelta, timezone
 from typing import TYPE_CHECKING, Protocol
 
 from .loop import Timer
@@ -11,6 +15,25 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from .loop import Loop
+
+
+_EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
+
+
+class HostClock:
+    """The clock of a component's host: that of this computer, or of a virtual world."""
+
+    def __init__(self, loop: Loop) -> None:
+        self._loop = loop
+
+    def now(self) -> float:
+        """Return seconds that never go back; only their differences mean anything."""
+        return self._loop.now()
+
+    def utc(self) -> datetime:
+        """Return the time of day in UTC."""
+        return _EPOCH + timedelta(microseconds=self._loop.wall() // 1000)
+
 
 SEEK = 10.0
 """Seconds of simulated time in one step that are no time that passed, but another place in it."""
