@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from jausml.live.peers.services import services_of
 from jausml.runtime.base.address import BROADCAST, JausAddress
-from jausml.runtime.clients.asking_by_id import AskingById
+from jausml.runtime.clients.discovery_client import AskingById
 from jausml.runtime.messages import (
     QueryControl,
     QueryIdentification,

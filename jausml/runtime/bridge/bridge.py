@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
     from ..base.clocks import Timing
     from ..base.loop import Loop
-    from ..clients.peer_binding import PeerBinding
+    from ..clients.peer_search import PeerBinding
     from ..guardian.ward import Ward
     from ..services.element_list import ListElement
     from ..transports.transport import Transport

@@ -8,10 +8,9 @@ from .command_client import CommandClient
 from .control_session import ControlClient
 from .discovery_client import DiscoveryClient
 from .event_client import EventClient
-from .greeter import Greeter
 from .list_client import ListClient
 from .peer_client import PeerClient
-from .presence import Presence
+from .presence import Greeter, Presence
 from .query import QueryClient
 
 if TYPE_CHECKING:

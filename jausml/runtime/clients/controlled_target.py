@@ -20,8 +20,7 @@ from ..services.definitions import Status
 from ..services.ordering import Ordering
 from .control_state import ControlState, Session
 from .presence import QUICK_TRIES, Pace
-from .questions import Questions
-from .target_watch import TargetWatch
+from .target_watch import Questions, TargetWatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable

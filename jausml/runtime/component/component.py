@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
-from ..clients.peer_binding import PeerBinding
+from ..clients.peer_search import PeerBinding
 from ..messages import ClearEmergency, SetEmergency
 from ..transports.packets.packet import Priority
 from ..wire.message import Message

@@ -10,7 +10,6 @@ from enum import Enum, auto
 from typing import TYPE_CHECKING
 
 from ..base.address import address_of
-from .claim import Claim
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -18,6 +17,27 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.counters import Counters
     from ..base.settings import Endpoint
+
+
+class Claim:
+    """What a component without proof has sent and got, at the one endpoint that it claims.
+
+    Attributes:
+        number: What it is to acknowledge; None while it has not been asked.
+    """
+
+    __slots__ = (
+        *("asked", "asker", "held", "host", "number", "questions", "received", "sent", "wrong"),
+    )
+
+    def __init__(self, host: str) -> None:
+        self.host = host
+        self.received = self.sent = self.wrong = self.questions = 0
+        self.number: int | None = None
+        self.asked = float("-inf")
+        self.asker: JausAddress | None = None
+        self.held: list[bytes] = []
+
 
 SOURCE_REFUSED = "transport.source_refused"
 """Packets in the name of a component that is heard from elsewhere."""

@@ -20,8 +20,7 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.loop import Loop
     from ..base.settings import Endpoint
-    from .address_book import AddressBook, Entry
-    from .claim import Claim
+    from .address_book import AddressBook, Claim, Entry
 
 PROVED = "transport.address_proved"
 """Components that have acknowledged a question."""

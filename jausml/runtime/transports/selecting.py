@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..base.settings import TransportKind
-from .node_manager.transport import NodeManagerTransport
+from .node_manager import NodeManagerTransport
 from .tcp.jtcp import JtcpTransport
 from .udp.judp import JudpTransport
 

@@ -20,8 +20,7 @@ if TYPE_CHECKING:
     from ..bridge.ends.ends import RosCodec, RosPublisher
     from ..bridge.ends.parameter import Parameter
     from ..bridge.ends.quality import EndpointHealth, TopicFault
-    from ..bridge.ends.service_client import RosService, ServiceClient
-    from ..bridge.ends.topics import TopicCounts
+    from ..bridge.ends.topics import RosService, ServiceClient, TopicCounts
     from .graph import GraphPublisher, RosGraph
     from .link import Link
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from jausml.runtime import ComponentSettings, Guard
 from jausml.runtime.base.counters import LOGGER
 from jausml.runtime.bridge.bridge import Bridge
-from jausml.runtime.bridge.connections.to_reports import TopicsToReport
+from jausml.runtime.bridge.connections.to_jaus import TopicsToReport
 from jausml.runtime.bridge.connections.to_ros import EventToTopics, QueryToTopics
 from jausml.runtime.bridge.ends.settings import BridgeSettings
 from jausml.runtime.bridge.ends.topics import Topic

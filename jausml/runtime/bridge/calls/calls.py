@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from ...wire.message import Message
     from ..connections.transcoding import Transcode
     from ..ends.ends import Ends
-    from ..ends.service_client import RosService
+    from ..ends.topics import RosService
     from ..light_message import LightMessage
     from ..reports.stops import Standing
 

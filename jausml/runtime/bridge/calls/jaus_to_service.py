@@ -6,7 +6,7 @@ from functools import partial
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
-from ...clients.peer_binding import PeerBinding
+from ...clients.peer_search import PeerBinding
 from ...services.definitions import Guard
 from ...transports.packets.packet import Priority
 from ..connections.to_ros import UNEXPECTED
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from ...clients.peer_search import PeerSearch
     from ...wire.message import Message
     from ..ends.ends import Ends
-    from ..ends.service_client import RosService, ServiceClient
+    from ..ends.topics import RosService, ServiceClient
 
 NO_SERVICE = "no_service"
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from ...clients.peer_search import PeerSearch
     from ...wire.message import Message
     from ..ends.ends import Ends
-    from ..ends.service_client import RosService
+    from ..ends.topics import RosService
 
 _RESPONSE_CODES = ("response_code", "responsecode", "rejection_code")
 

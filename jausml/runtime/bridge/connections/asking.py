@@ -10,7 +10,7 @@ from ..ends.simulation import real_rate
 if TYPE_CHECKING:
     from ...base.address import JausAddress
     from ...clients.event_subscription import EventSubscription
-    from ...clients.peer_binding import PeerBinding
+    from ...clients.peer_search import PeerBinding
     from ...component.component import JausComponent
     from ...wire.message import Message
     from ..ends.ends import Ends

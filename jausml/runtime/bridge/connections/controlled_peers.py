@@ -6,7 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from ...clients.control_state import ControlState
-from ...clients.peer_binding import PeerBinding
+from ...clients.peer_search import PeerBinding
 from ...services.definitions import Guard
 from ..ends import parameters
 

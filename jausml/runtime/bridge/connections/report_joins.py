@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ...clients.peer_binding import PeerBinding
+from ...clients.peer_search import PeerBinding
 from ...services.definitions import Guard
 from ..ends import parameters
 from ..ends.by_sender import Taker

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from ...base.address import JausAddress
-    from ...clients.peer_binding import PeerBinding
+    from ...clients.peer_search import PeerBinding
     from ...component.component import JausComponent
     from ...wire.message import Message
     from ..ends.ends import RosPublisher, RosSide

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from ...clients.peer_binding import PeerBinding
+from ...clients.peer_search import PeerBinding
 from ...services.definitions import Guard, Status
 from ..ends import parameters
 from ..ends.by_sender import Taker

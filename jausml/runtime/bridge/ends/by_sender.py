@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ...base.address import JausAddress
-    from ...clients.peer_binding import PeerBinding
+    from ...clients.peer_search import PeerBinding
 
     Take = Callable[[bytes, Any], None]
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ...base.clocks import Timing
     from ...base.loop import Loop
     from ...clients.exchanges import Exchanges
-    from ...clients.peer_binding import PeerBinding
+    from ...clients.peer_search import PeerBinding
     from ...component.component import JausComponent
     from ...conversions import Time
     from ...guardian.ward import Ward
@@ -24,10 +24,9 @@ if TYPE_CHECKING:
     from .list_driver import ListDriver, ListMessages
     from .parameter import Parameter
     from .quality import TopicFault
-    from .service_client import RosService, ServiceClient
     from .settings import BridgeSettings
     from .simulation import Simulation
-    from .topics import Published, Topic, TopicCounts
+    from .topics import Published, RosService, ServiceClient, Topic, TopicCounts
 
 
 class RosPublisher(Protocol):

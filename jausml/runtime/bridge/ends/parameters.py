@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from ...base.address import JausAddress
 from ...base.errors import JausError
 from ...base.settings import MAX_FRAGMENT_SIZE, TransportKind
-from ...clients.peer_binding import PeerBinding
+from ...clients.peer_search import PeerBinding
 from ...services.definitions import MAX_EVENT_RATE
 from .parameter import Parameter
 
@@ -22,9 +22,8 @@ if TYPE_CHECKING:
 
     from .actions import ListAction
     from .ends import RosSide
-    from .service_client import RosService
     from .settings import BridgeSettings
-    from .topics import Topic
+    from .topics import RosService, Topic
 
 LEAST = 1e-9
 """Least value of a number that is above 0."""

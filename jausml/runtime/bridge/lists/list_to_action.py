@@ -9,7 +9,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from ...clients.peer_binding import PeerBinding
+from ...clients.peer_search import PeerBinding
 from ..connections.connection import NOT_READY
 from ..connections.transcoding import ros_encoder
 from ..ends import parameters

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from ...clients.greeter import PATIENCE
+from ...clients.presence import PATIENCE
 from ...services.definitions import Status
 
 if TYPE_CHECKING:

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from ..ends.actions import ActionClient, GoalTaker, ListAction
     from ..ends.parameter import Parameter
     from ..ends.quality import TopicFault
-    from ..ends.service_client import RosService
+    from ..ends.topics import RosService
     from .actions import NodeActions
     from .lifecycle import Managed
     from .services import NodeClient, TakeRequest

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ...base.loop import Loop
-    from ..ends.service_client import RosService
+    from ..ends.topics import RosService
 
     Reply = Callable[[bytes], None]
     TakeRequest = Callable[[bytes, Reply], None]
