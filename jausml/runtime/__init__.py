@@ -23,7 +23,6 @@ from .bridge.bridge import Bridge
 from .bridge.calls.calls import CallTranslation
 from .bridge.calls.jaus_to_service import JausToRosService
 from .bridge.calls.service_to_jaus import RosServiceToJaus
-from .bridge.connections.carried import Carried
 from .bridge.connections.command_answers import CommandAnswer
 from .bridge.connections.connection import AnyConnection
 from .bridge.connections.joins import Join
@@ -32,6 +31,7 @@ from .bridge.connections.shaping import Shape
 from .bridge.connections.to_jaus import TopicsToMessage, TopicsToReport
 from .bridge.connections.to_ros import EventToTopics, MessageToTopics, QueryToTopics
 from .bridge.connections.transcoding import Transcode, ros_classes, transcoded
+from .bridge.diagnosing import Carried
 from .bridge.ends.actions import ListAction, Progress
 from .bridge.ends.ends import RosSide
 from .bridge.ends.list_driver import ListAnswers, ListMessages

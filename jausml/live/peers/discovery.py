@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from jausml.live.peers.services import services_of
 from jausml.runtime.base.address import BROADCAST, JausAddress
-from jausml.runtime.clients.discovery_client import AskingById
+from jausml.runtime.clients.discovery_client import ServicesById
 from jausml.runtime.messages import (
     QueryControl,
     QueryIdentification,
@@ -94,7 +94,7 @@ class Survey:
         self._component = component
         self._peers = tuple(peers)
         self._subsystems: dict[int, KnownSubsystem] = {}
-        self._asking_by_id = AskingById(component)
+        self._asking_by_id = ServicesById(component)
         component.on_message(ReportIdentification, self._identified)
         component.on_message(ReportServices, self._services)
         component.on_message(ReportStatus, self._answered)

@@ -28,7 +28,7 @@ from .diagnosing import Diagnosing
 from .ends import parameters
 from .ends.list_driver import ListDriver
 from .ends.simulation import Simulation
-from .reports.stops import Standing, StopReason
+from .reports.states import Standing, StopReason
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from ..services.element_list import ListElement
     from ..transports.transport import Transport
     from ..wire.message import Message
-    from .connections.carried import Carried
+    from .diagnosing import Carried
     from .ends.by_sender import Taker
     from .ends.ends import Feed, ReportHolder, RosPublisher, RosSide
     from .ends.list_driver import ListMessages

@@ -34,7 +34,7 @@ INTERVAL = 5.0
 _MOST_ASKED = 4096
 
 
-class AskingById:
+class ServicesById:
     """Asks who reports no component to a query with wildcards for its own services."""
 
     def __init__(self, component: Host) -> None:
@@ -99,7 +99,7 @@ class DiscoveryClient:
         self._component = component
         self._searches: list[_Search] = []
         self._watchers: list[Callable[[FoundComponent], None]] = []
-        self._asking_by_id = AskingById(component)
+        self._asking_by_id = ServicesById(component)
         self._timer: Timer | None = None
         self._tries = 0
         self.server: JausAddress | None = None

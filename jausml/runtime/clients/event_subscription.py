@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ..wire.message import DecodeError, Message
 
 
-class Asking:
+class QueryTimer:
     """Queries at a rate, for a subscriber who shares an event that comes at every change.
 
     A provider has one event for each query of a client (AS5710, CreateEvent): a second one with
@@ -108,7 +108,7 @@ class EventSubscription:
         self._watch: Timer | None = None
         self._heard = 0.0
         self._silent = False
-        self._asking: Asking | None = None
+        self._query_timer: QueryTimer | None = None
         self._period = 0.0
         self._slack = 0.0
         self._due = _LONG_AGO
@@ -168,21 +168,21 @@ class EventSubscription:
         self._slack = 0.5 / given if given else 0.0
         if self.rate is None or given is not None:
             self._stop_asking()
-        elif self._asking is None:
+        elif self._query_timer is None:
             self._component.when_started(self._start_asking)
 
     def _start_asking(self) -> None:
-        if self._asking is None and self.rate is not None:
-            self._asking = Asking(self._component.loop, self.rate, self.ask)
+        if self._query_timer is None and self.rate is not None:
+            self._query_timer = QueryTimer(self._component.loop, self.rate, self.ask)
 
     def _stop_asking(self) -> None:
-        if self._asking is not None:
-            self._asking.stop()
-            self._asking = None
+        if self._query_timer is not None:
+            self._query_timer.stop()
+            self._query_timer = None
 
     def deliver(self, report: Message | bytes, now: float) -> None:
         """Hand a report of the event to the subscriber, unless it has another rate."""
-        if self._asking is not None:
+        if self._query_timer is not None:
             return
         if self._period:
             if now < self._due - self._slack:
@@ -193,7 +193,7 @@ class EventSubscription:
 
     def answer(self, report: Message | bytes, _provider: JausAddress) -> None:
         """Hand the answer to a query to the subscriber."""
-        if self._asking is not None:
+        if self._query_timer is not None:
             self._hand_over(report, self._component.loop.now())
 
     def _hand_over(self, report: Message | bytes, now: float) -> None:

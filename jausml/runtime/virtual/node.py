@@ -18,9 +18,8 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from ..bridge.ends.actions import ActionClient, GoalTaker, ListAction
     from ..bridge.ends.ends import RosCodec, RosPublisher
-    from ..bridge.ends.parameter import Parameter
     from ..bridge.ends.quality import EndpointHealth, TopicFault
-    from ..bridge.ends.topics import RosService, ServiceClient, TopicCounts
+    from ..bridge.ends.topics import Parameter, RosService, ServiceClient, TopicCounts
     from .graph import GraphPublisher, RosGraph
     from .link import Link
 

@@ -23,9 +23,9 @@ from jausml.runtime.bridge.reports.states import (
     Facts,
     Judgement,
     StateLog,
+    StopReason,
     judge,
 )
-from jausml.runtime.bridge.reports.stops import StopReason
 from jausml.runtime.messages import (
     QueryEventTimeout,
     QueryTime,

@@ -14,8 +14,7 @@ from ..connections.transcoding import Form, readable, ros_decoder, ros_encoder, 
 from ..ends import parameters
 from ..reports.diagnostics import ConnectionStatus, Statistics
 from ..reports.limiting import Limiting
-from ..reports.states import Facts, StateLog, judge
-from ..reports.stops import StopReason
+from ..reports.states import Facts, StateLog, StopReason, judge
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -28,7 +27,7 @@ if TYPE_CHECKING:
     from ..ends.ends import Ends
     from ..ends.topics import RosService
     from ..light_message import LightMessage
-    from ..reports.stops import Standing
+    from ..reports.states import Standing
 
 CallT = TypeVar("CallT", bound="Call")
 AskingT = TypeVar("AskingT")

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from ..ends import parameters
 from ..reports.latency import Latency
 from ..reports.limiting import Limiting
-from ..reports.stops import StopReason
+from ..reports.states import StopReason
 from .backlog import Backlog
 from .joins import with_joins
 from .reporting import Reporter

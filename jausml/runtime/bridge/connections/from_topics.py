@@ -31,7 +31,7 @@ SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")
 
 
-class HandingOver:
+class Sink:
     """How messages are handed over now, and the latest one that was.
 
     Attributes:
@@ -73,7 +73,7 @@ class FromTopics(Connection[SourceT, TargetT]):
         self._topics = tuple(topics)
         self._message = message
         self._feeds: list[Feed] = []
-        self._handing = HandingOver(self.deliver)
+        self._sink = Sink(self.deliver)
 
     def open(self, ends: Ends) -> None:
         """Makes the subscriptions; no message is taken before the bridge runs."""
@@ -87,7 +87,7 @@ class FromTopics(Connection[SourceT, TargetT]):
 
     def make_take(self, switch: Switch, transcode: Transcode) -> Take:
         """Returns what takes messages."""
-        counts, now, handing = self.statistics, self._ends.clock.now, self._handing
+        counts, now, sink = self.statistics, self._ends.clock.now, self._sink
         drop, fail = self.drop, self.fail
 
         def take(data: bytes, stamp: int = 0) -> None:
@@ -98,11 +98,11 @@ class FromTopics(Connection[SourceT, TargetT]):
             try:
                 target = transcode(data)
                 counts.heard = counts.last_arrival = at = now()
-                handing.latest = stamp, at
+                sink.latest = stamp, at
                 if target is None:
                     drop(FILTERED)
                     return
-                if handing.deliver(target) is False:
+                if sink.deliver(target) is False:
                     return
             except Exception as error:
                 counts.last_arrival = now()

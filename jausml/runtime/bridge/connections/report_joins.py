@@ -9,8 +9,8 @@ from ...clients.peer_search import PeerBinding
 from ...services.definitions import Guard
 from ..ends import parameters
 from ..ends.by_sender import Taker
-from .asking import AskedEvents, AskedQueries
 from .joins import Joined
+from .requests import EventRequests, QueryRequests
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -71,12 +71,12 @@ class JoinedReport(Joined):
             ends.accept(join.message, Taker(self.keep, senders, refuse), Guard.ANY)
             self._peers.follow(ends.component.find_peers, _nothing, _nothing)
         elif join.is_asked and join.rate is not None:
-            asked = AskedQueries(ends, join.query, join.message, self.keep, join.rate)
+            asked = QueryRequests(ends, join.query, join.message, self.keep, join.rate)
             asked.rate = ends.ros.parameter(parameters.rate(owner, join.rate), asked.set_rate)
             self._peers.follow(ends.component.find_peers, _nothing, _nothing)
             asked.start(self._peers)
         else:
-            events = AskedEvents(ends, join.query, join.message, self.keep, join.rate)
+            events = EventRequests(ends, join.query, join.message, self.keep, join.rate)
             if join.rate is not None:
                 rate = parameters.rate(owner, join.rate)
                 events.rate = ends.ros.parameter(rate, events.set_rate)

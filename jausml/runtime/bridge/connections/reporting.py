@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from ..reports.diagnostics import NOT_LOST, THINNED, ConnectionStatus
 from ..reports.limiting import FAILURES
-from ..reports.states import Facts, StateLog, judge
-from ..reports.stops import StopReason
+from ..reports.states import Facts, StateLog, StopReason, judge
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

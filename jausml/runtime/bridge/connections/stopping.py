@@ -9,7 +9,7 @@ from ...guardian.ward import stops
 from ..ends import parameters
 from ..ends.guarding import MARK
 from ..reports.diagnostics import Statistics
-from ..reports.stops import StopReason
+from ..reports.states import StopReason
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ...base.loop import Timer
     from ...guardian.ward import Content, Guarded
     from ..ends.ends import Ends
-    from ..reports.stops import Standing
+    from ..reports.states import Standing
 
 _LOG_INTERVAL = 5.0
 """Seconds between two lines of the log about the silence of one connection."""

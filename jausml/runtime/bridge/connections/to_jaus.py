@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ...guardian.ward import Content
     from ...wire.message import Message
     from ..ends.ends import Ends, ReportHolder
-    from ..reports.stops import Standing, StopReason
+    from ..reports.states import Standing, StopReason
 
     Send = Callable[[bytes], None]
 
@@ -61,7 +61,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         self._prepared: dict[JausAddress, Send] = {}
         self._senders: tuple[Send, ...] = ()  # to the peers that obey
         self._refusing: tuple[JausAddress, ...] = ()
-        self._before = self._handing.latest
+        self._before = self._sink.latest
         self._doubted: dict[JausAddress, float] = {}
         self._slots: dict[JausAddress, int] = {}
 
@@ -90,7 +90,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         return self._ends.clock.now() - at - float(origin - stamp) * 1e-9
 
     def _backlog_changed(self) -> None:
-        self._before = self._handing.latest
+        self._before = self._sink.latest
         super()._backlog_changed()
 
     def _join(self, peer: JausAddress) -> None:
@@ -116,7 +116,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         self._senders = tuple(prepared[peer] for peer in obeying)
         self._refusing = tuple(peer for peer in prepared if peer not in obeying)
         is_simple = len(obeying) == 1 and not self._refusing and self._halt is None
-        self._handing.deliver = self._senders[0] if is_simple else self.deliver
+        self._sink.deliver = self._senders[0] if is_simple else self.deliver
 
     def choose_way(self) -> None:
         """Sends messages the way that fits the case."""
@@ -252,7 +252,7 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
     def open(self, ends: Ends) -> None:
         """Offers the report, then makes the subscriptions."""
         self._report = ends.report(self._query, self._message)
-        self._handing.deliver = self._put = self._putting(ends)
+        self._sink.deliver = self._put = self._putting(ends)
         super().open(ends)
 
     def deliver(self, payload: bytes) -> bool:

@@ -14,12 +14,12 @@ from ..ends.quality import TopicFault
 from ..light_message import is_light
 from ..reports.diagnostics import LOST_ON_THE_WAY, OUT_OF_ORDER, UNHEARD
 from ..reports.latency import age_of_stamp
-from ..reports.stops import StopReason
+from ..reports.states import StopReason
 from .ages import jaus_age
-from .asking import AskedEvents, AskedQueries
 from .command_answers import CommandMemory
 from .connection import FILTERED, Connection
 from .report_joins import JoinedReport
+from .requests import EventRequests, QueryRequests
 from .shaping import RateCap
 from .transcoding import Form, ros_encoder, uses_ros_classes
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from ...wire.message import Message
     from ..ends.ends import Ends, RosPublisher
     from ..ends.topics import Topic
-    from ..reports.stops import Standing
+    from ..reports.states import Standing
     from .ages import Age
     from .command_answers import CommandAnswer
     from .connection import Take
@@ -258,7 +258,7 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
         super().__init__(name, translate, **options)
         self.rate = rate
         self._query = query
-        self._events: AskedEvents
+        self._events: EventRequests
         self._unasked_of: JausAddress | None = None
 
     @property
@@ -274,7 +274,7 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
 
     def begin(self, ends: Ends) -> None:
         """Prepares to ask for the event."""
-        self._events = AskedEvents(ends, self._query, self._message, self._take, self.rate)
+        self._events = EventRequests(ends, self._query, self._message, self._take, self.rate)
         ends.note_unasked(self._message, self._note_unasked, self._peers)
 
     def _note_unasked(self, _data: bytes, sender: JausAddress) -> None:
@@ -338,7 +338,7 @@ class QueryToTopics(ToTopics[SourceT, TargetT]):
         super().__init__(name, translate, **options)
         self.rate = rate
         self._query = query
-        self._queries: AskedQueries
+        self._queries: QueryRequests
 
     @property
     def declared_rate(self) -> float:
@@ -348,7 +348,7 @@ class QueryToTopics(ToTopics[SourceT, TargetT]):
     def open(self, ends: Ends) -> None:
         """Makes the publishers, then starts to ask."""
         super().open(ends)
-        self._queries = AskedQueries(ends, self._query, self._message, self._take, self.rate)
+        self._queries = QueryRequests(ends, self._query, self._message, self._take, self.rate)
         rate = ends.ros.parameter(parameters.rate(self.name, self.rate), self._set_rate)
         self.rate = self._queries.rate = rate
         self._queries.start(self._peers)

@@ -22,11 +22,10 @@ if TYPE_CHECKING:
     from .actions import ActionClient, GoalTaker, ListAction
     from .by_sender import Taker
     from .list_driver import ListDriver, ListMessages
-    from .parameter import Parameter
     from .quality import TopicFault
     from .settings import BridgeSettings
     from .simulation import Simulation
-    from .topics import Published, RosService, ServiceClient, Topic, TopicCounts
+    from .topics import Parameter, Published, RosService, ServiceClient, Topic, TopicCounts
 
 
 class RosPublisher(Protocol):

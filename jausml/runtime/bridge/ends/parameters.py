@@ -15,7 +15,7 @@ from ...base.errors import JausError
 from ...base.settings import MAX_FRAGMENT_SIZE, TransportKind
 from ...clients.peer_search import PeerBinding
 from ...services.definitions import MAX_EVENT_RATE
-from .parameter import Parameter
+from .topics import Parameter
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ...base.clocks import SimulatedClock
 from ...base.counters import LOGGER
 from ..reports.diagnostics import ConnectionStatus
-from ..reports.stops import StopReason
+from ..reports.states import StopReason
 
 if TYPE_CHECKING:
     from collections.abc import Callable

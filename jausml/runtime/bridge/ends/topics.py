@@ -1,9 +1,9 @@
-"""ROS topics and services as a bridge names them, without a dependency on rclpy."""
+"""Topics, services and parameters of ROS as a bridge names them, without rclpy."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -111,3 +111,19 @@ class ServiceClient(Protocol):
         Returns:
             What forgets the call.
         """
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of the node.
+
+    Attributes:
+        limits: Least and greatest value of a number.
+        check: Raises ValueError for a value that does not do; None takes all.
+    """
+
+    name: str
+    default: Any
+    description: str
+    limits: tuple[float, float] | None = None
+    check: Callable[[Any], object] | None = None

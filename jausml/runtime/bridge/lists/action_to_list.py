@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ..ends.actions import ListAction, ServedGoal
     from ..ends.ends import Ends
     from ..ends.list_driver import ListMessages
-    from ..reports.stops import Standing, StopReason
+    from ..reports.states import Standing, StopReason
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")

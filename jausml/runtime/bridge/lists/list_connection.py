@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from ..ends.actions import ListAction
     from ..ends.ends import Ends
-    from ..reports.stops import StopReason
+    from ..reports.states import StopReason
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT")

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from ..ends.ends import Ends
     from ..ends.list_driver import ListDriver, ListMessages
     from ..ends.quality import TopicFault
-    from ..reports.stops import Standing, StopReason
+    from ..reports.states import Standing, StopReason
 
 SourceT = TypeVar("SourceT", bound="Message")
 TargetT = TypeVar("TargetT")

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from ...base.address import JausAddress
     from ...transports.delivery import Double
-    from .stops import Standing, StopReason
+    from .states import Standing, StopReason
 
 LOST_IN_QUEUE = "lost_in_queue"
 """Messages of a topic that the queue of its subscription had no room for."""

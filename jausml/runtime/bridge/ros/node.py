@@ -40,9 +40,8 @@ if TYPE_CHECKING:
     from ...base.loop import Loop
     from ...guardian.ward import Ward
     from ..ends.actions import ActionClient, GoalTaker, ListAction
-    from ..ends.parameter import Parameter
     from ..ends.quality import TopicFault
-    from ..ends.topics import RosService
+    from ..ends.topics import Parameter, RosService
     from .actions import NodeActions
     from .lifecycle import Managed
     from .services import NodeClient, TakeRequest

@@ -22,7 +22,7 @@ from ..ends.parameters import ParameterError, nearest
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
-    from ..ends.parameter import Parameter
+    from ..ends.topics import Parameter
 
 
 class NodeParameters:

@@ -17,8 +17,7 @@ from rclpy.qos import (
     ReliabilityPolicy,
 )
 
-from ..ends.parameter import Parameter
-from ..ends.topics import Qos
+from ..ends.topics import Parameter, Qos
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Container

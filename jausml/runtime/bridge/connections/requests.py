@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from .connection import Take
 
 
-class AskedEvents:
+class EventRequests:
     """The AS5710 events of a report, one of each peer.
 
     Attributes:
@@ -94,7 +94,7 @@ class AskedEvents:
         return real_rate(self.rate, simulation.clock.ratio)
 
 
-class AskedQueries:
+class QueryRequests:
     """Queries for a report, one in each period to each peer.
 
     Attributes:
