@@ -20,26 +20,24 @@ from .base.api import API_VERSION, ApiVersionError, require_api
 from .base.errors import JausError
 from .base.settings import TransportKind, TransportSettings, peers
 from .bridge.bridge import Bridge
-from .bridge.calls.call_translation import CallTranslation
+from .bridge.calls.calls import CallTranslation
 from .bridge.calls.jaus_to_service import JausToRosService
 from .bridge.calls.service_to_jaus import RosServiceToJaus
-from .bridge.connections.carried import Carried
 from .bridge.connections.command_answers import CommandAnswer
 from .bridge.connections.connection import AnyConnection
 from .bridge.connections.joins import Join
 from .bridge.connections.report_joins import ReportJoin
 from .bridge.connections.shaping import Shape
-from .bridge.connections.to_jaus import TopicsToMessage
-from .bridge.connections.to_reports import TopicsToReport
+from .bridge.connections.to_jaus import TopicsToMessage, TopicsToReport
 from .bridge.connections.to_ros import EventToTopics, MessageToTopics, QueryToTopics
 from .bridge.connections.transcoding import Transcode, ros_classes
+from .bridge.diagnosing import Carried
 from .bridge.ends.actions import ListAction, Progress
 from .bridge.ends.ends import RosSide
 from .bridge.ends.list_driver import ListAnswers, ListMessages
 from .bridge.ends.parameters import AttributeParameter
-from .bridge.ends.service_client import RosService
 from .bridge.ends.settings import BridgeSettings
-from .bridge.ends.topics import Qos, Topic
+from .bridge.ends.topics import Qos, RosService, Topic
 from .bridge.forms import differing_forms
 from .bridge.lists.action_to_list import ActionToList
 from .bridge.lists.list_to_action import ListToAction

@@ -10,7 +10,7 @@ from jausml.runtime.clients.controlled_target import RENEWALS
 from jausml.runtime.clients.event_client import EVENT_HEADER
 from jausml.runtime.services.definitions import MAX_EVENT_RATE, ComponentSettings
 from jausml.runtime.services.events import _EVENT
-from jausml.runtime.transports.packets import bursts, messenger, packetizer
+from jausml.runtime.transports.packets import messenger, packetizer
 from jausml.runtime.transports.packets.packet import EMPTY_MESSAGE_SIZE
 from jausml.views.analysis.constants import runtime_constants
 
@@ -21,7 +21,7 @@ def test_constants_are_those_of_the_runtime():
     assert found.empty_message == EMPTY_MESSAGE_SIZE
     assert found.largest_fragment == MAX_FRAGMENT_SIZE
     assert found.most_small_fragments == packetizer.MOST_SMALL_FRAGMENTS
-    assert found.at_once == bursts.AT_ONCE
+    assert found.at_once == messenger.AT_ONCE
     assert found.held_by_peers == messenger.HELD_BY_PEERS
     assert found.largest_message == transport.reassembly_limit
     assert found.event_header == EVENT_HEADER == _EVENT.size

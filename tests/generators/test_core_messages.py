@@ -1,45 +1,219 @@
-"""The runtime's own messages are what the generator makes of the library."""
+"""The runtime's own messages are what the library says, and what generators would write."""
 
 from __future__ import annotations
 
-import importlib.util
-from typing import TYPE_CHECKING
+import random
+import sys
+import types
+from dataclasses import asdict, fields, is_dataclass
+from enum import IntEnum
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from codec_support import ROOT, library
+import pytest
+from codec_support import library
 
+from jausml.generation import FileTask, Target, render
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import read_models
 from jausml.language.semantics.jaus.core_services import CORE, CORE_MESSAGES, SERVED_BY_RUNTIME
 from jausml.runtime import messages as core_messages
 from jausml.runtime.services import core
 from jausml.runtime.services.liveness import UNSOLICITED
-from jausml.runtime.wire.message import Message
+from jausml.runtime.wire import DecodeError, EncodeError, Message
+from jausml_generators.python.codec.message_builder import build_messages
+from jausml_generators.python.codec.messages import MessagesModule
+from jausml_generators.python.package import PACKAGE_TEMPLATES
 
 if TYPE_CHECKING:
-    from types import ModuleType
+    from collections.abc import Iterator
+
+    from jausml.generation import Task
+    from jausml.language.model import Model
+
+SOURCE = Path(__file__).parents[2] / "models" / "library" / "jaus" / "core-1.1.xmi"
+TOO_MUCH = (
+    -1,
+    2**8,
+    2**16,
+    2**32,
+    1e9,
+    -0.5,
+    "x" * 300,
+    "\u20ac",
+    b"",
+    b"x",
+    None,
+    5.0,
+    float("nan"),
+)
 
 
-def tool(name: str) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(name, ROOT / "tools" / f"{name}.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+def tasks(model: Model) -> list[Task]:
+    services = list(model.instances(jaus.Service))
+    messages = [each for one in services for each in [*one.inputs, *one.outputs]]
+    module = MessagesModule(
+        summary="The messages of the core services.",
+        runtime="jausml.runtime",
+        messages=build_messages(messages),
+        source=SOURCE.name,
+        element_id="core_messages",
+    )
+    imports = lambda each: each.imports  # noqa: E731
+    return [FileTask("messages.py.j2", [module], lambda _: "core.py", imports=imports)]
 
 
-def test_the_module_is_up_to_date() -> None:
-    build = tool("build_core_messages")
-    assert build.OUTPUT.read_text("utf-8") == build.build()
+@pytest.fixture(scope="module")
+def generated() -> Iterator[types.ModuleType]:
+    """What the generator makes of the library."""
+    target = Target(
+        name="core_messages", description="", tasks=tasks, template_folders=(PACKAGE_TEMPLATES,)
+    )
+    (artifact,) = render(read_models([SOURCE]).model, [target])
+    module = types.ModuleType("generated_core_messages")
+    sys.modules[module.__name__] = module
+    exec(artifact.text, vars(module))  # noqa: S102
+    yield module
+    del sys.modules[module.__name__]
+
+
+def classes(module: types.ModuleType) -> dict[str, type[Message]]:
+    return {
+        name: each
+        for name, each in vars(module).items()
+        if isinstance(each, type) and issubclass(each, Message) and hasattr(each, "CODE")
+    }
+
+
+NAMES = sorted(classes(core_messages))
+
+
+def parts_of(cls: type) -> dict[str, Any]:
+    """Classes that a message offers, those of its bases included."""
+    found = {name: getattr(cls, name) for name in dir(cls) if name[0] != "_"}
+    return {name: each for name, each in found.items() if isinstance(each, type)}
+
+
+def filled(draw: random.Random, cls: Any, kinds: dict[str, Any], text: str) -> Any:
+    """An object of a generated class with values that are mostly legal."""
+
+    def value(declared: str, default: Any) -> Any:
+        if declared.endswith(" | None"):
+            return None if draw.random() < 0.3 else value(declared[:-7], default)
+        if declared.startswith("list["):
+            count = draw.choice((0, 1, 3))
+            return [value(declared[5:-1], default) for _ in range(count)]
+        if "." in declared:
+            kind = kinds[declared.rsplit(".", maxsplit=1)[-1]]
+            options = getattr(kind, "__args__", (kind,))
+            return filled(draw, draw.choice(options), kinds, text)
+        if declared == "int":
+            return (
+                default if isinstance(default, int) and draw.random() < 0.3 else draw.choice(LEGAL)
+            )
+        return {"float": draw.uniform(0, 1092), "bytes": text.encode(), "str": text}[declared]
+
+    return cls(**{each.name: value(each.type, each.default) for each in fields(cls)})
+
+
+LEGAL = (0, 1, 1, 2, 3, 5, 6, 12, 31, 200, 255, 10001)
+
+
+def moved(value: Any, module: types.ModuleType, cls: Any) -> Any:
+    """The same value as an object of the classes of another module."""
+    if isinstance(value, list):
+        return [moved(each, module, cls) for each in value]
+    if not is_dataclass(value):
+        return value
+    name = type(value).__name__
+    kind = cls if name == cls.__name__ else getattr(cls, name)
+    return kind(
+        **{each.name: moved(getattr(value, each.name), module, cls) for each in fields(value)}
+    )
+
+
+def outcome(action: Any) -> Any:
+    try:
+        return action()
+    except EncodeError as error:
+        return type(error), error.field, error.reason
+    except DecodeError as error:
+        # How many bytes are read at once is up to each codec.
+        return type(error), error.where, error.reason.split(": unpack_from")[0]
+
+
+def spoilt(draw: random.Random, message: Any) -> None:
+    """Gives one field, at any depth, a value that may not fit."""
+    at = message
+    while True:
+        each = draw.choice(fields(at))
+        inner = getattr(at, each.name)
+        inner = draw.choice(inner) if isinstance(inner, list) and inner else inner
+        if not is_dataclass(inner):
+            setattr(at, each.name, draw.choice(TOO_MUCH))
+            return
+        at = inner
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_message_offers_what_a_generated_one_does(name: str, generated: types.ModuleType) -> None:
+    cls, other = getattr(core_messages, name), getattr(generated, name)
+    assert (cls.CODE, cls.NAME) == (other.CODE, other.NAME)
+    assert [each.name for each in fields(cls)] == [each.name for each in fields(other)]
+    assert asdict(cls()) == asdict(other())
+    assert not hasattr(cls(), "__dict__")
+    offered = parts_of(cls)
+    for inner, kind in parts_of(other).items():
+        if issubclass(kind, IntEnum):
+            assert {e.name: e.value for e in offered[inner]} == {e.name: e.value for e in kind}
+        else:
+            assert asdict(offered[inner]()) == asdict(kind())
+            assert getattr(offered[inner], "TAG", None) == getattr(kind, "TAG", None)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_message_is_written_and_read_as_a_generated_one(
+    name: str, generated: types.ModuleType
+) -> None:
+    cls, other = getattr(core_messages, name), getattr(generated, name)
+    kinds = {key: getattr(other, key) for key in dir(other) if key[0] != "_"}
+    draw = random.Random(name)
+    written = 0
+    for number in range(120):
+        example = filled(draw, other, kinds, draw.choice(("", "ab", "abcd\0", "\xe4" * 80)))
+        if number % 2 and fields(other):
+            spoilt(draw, example)
+        same = moved(example, core_messages, cls)
+        expected = outcome(example.encode)
+        assert outcome(same.encode) == expected, example
+        if not isinstance(expected, bytes):
+            continue
+        written += 1
+        data = bytearray(expected)
+        for _ in range(8):
+            read, wanted = (outcome(partial(c.decode, bytes(data))) for c in (cls, other))
+            if isinstance(wanted, Message):
+                read, wanted = asdict(read), asdict(wanted)
+                assert str(read) == str(wanted)
+            else:
+                assert read == wanted
+            cut = draw.randrange(len(data) + 1)
+            data = draw.choice(
+                (
+                    data[:cut],
+                    data + b"\x01",
+                    data[:cut] + bytes([draw.randrange(256)]) + data[cut + 1 :],
+                )
+            )
+    assert written >= 5
 
 
 def test_the_module_has_every_message_of_the_core_services() -> None:
     views, _, _ = library("core-v1.1")
     expected = {view.jaus_name: view.code for view in views}
-    classes = {
-        name: cls.CODE
-        for name, cls in vars(core_messages).items()
-        if isinstance(cls, type) and issubclass(cls, Message) and hasattr(cls, "CODE")
-    }
-    assert classes == expected == CORE_MESSAGES
+    found = {name: cls.CODE for name, cls in classes(core_messages).items()}
+    assert found == expected == CORE_MESSAGES
 
 
 def test_messages_of_core_1_0_are_the_same() -> None:

@@ -9,10 +9,9 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from jausml.runtime.bridge.ends.parameter import Parameter
+from jausml.runtime.bridge.diagnosing import DiagnosticArray as DiagnosticWriter
 from jausml.runtime.bridge.ends.parameters import ParameterError
-from jausml.runtime.bridge.ends.topics import Qos, Topic
-from jausml.runtime.bridge.reports.diagnostic_array import DiagnosticArray as DiagnosticWriter
+from jausml.runtime.bridge.ends.topics import Parameter, Qos, Topic
 from jausml.runtime.bridge.reports.diagnostics import ConnectionStatus
 
 from .bridge_support import wait_for

@@ -24,7 +24,7 @@ class Spun:
     def __init__(self, context):
         import rclpy
 
-        from jausml.runtime.bridge.ros.executor import GuardedExecutor
+        from jausml.runtime.bridge.ros.spin import GuardedExecutor
 
         self.node = rclpy.create_node("guarded", context=context)
         self.executor = GuardedExecutor(context)

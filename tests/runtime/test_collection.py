@@ -9,7 +9,7 @@ import weakref
 import pytest
 
 from jausml.runtime.base.loop import Loop
-from jausml.runtime.bridge.collection import (
+from jausml.runtime.bridge.process import (
     LONGEST_DELAY,
     PERIOD,
     QuietCollection,

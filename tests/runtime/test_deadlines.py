@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime.base.deadlines import Deadlines
 from jausml.runtime.base.loop import Loop
+from jausml.runtime.clients.query import Deadlines
 
 
 class World:

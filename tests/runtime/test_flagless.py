@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.transports.packets.flagless import FlaglessMessages
+from jausml.runtime.transports.packets.inbox import FlaglessMessages
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet, Priority
 
 PEER = JausAddress(200, 1, 1)

@@ -26,8 +26,8 @@ from jausml.runtime.transports.packets.packet import (
     parse_datagram,
 )
 from jausml.runtime.transports.tcp import jtcp
+from jausml.runtime.transports.tcp.connection import StreamError, StreamReader
 from jausml.runtime.transports.tcp.jtcp import JtcpTransport
-from jausml.runtime.transports.tcp.stream import StreamError, StreamReader
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -17,7 +17,7 @@ import pytest
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportKind, TransportSettings
-from jausml.runtime.transports.node_manager.transport import NodeManagerTransport
+from jausml.runtime.transports.node_manager import NodeManagerTransport
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, Packet
 
 if TYPE_CHECKING:

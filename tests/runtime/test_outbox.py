@@ -13,9 +13,8 @@ from jausml.runtime.base.counters import Counters
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.quirks import Quirk, Quirks
 from jausml.runtime.base.settings import TransportSettings
-from jausml.runtime.transports.packets.bursts import Bursts
 from jausml.runtime.transports.packets.carrier import Carrier
-from jausml.runtime.transports.packets.messenger import Messenger
+from jausml.runtime.transports.packets.messenger import Bursts, Messenger
 from jausml.runtime.transports.packets.packet import AckNak, DataFlags, Packet, Priority
 
 OWN = JausAddress(100, 1, 1)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from jausml.runtime.base.address import BROADCAST, JausAddress
-from jausml.runtime.clients.asking_by_id import AskingById
+from jausml.runtime.clients.discovery_client import ServicesById
 from jausml.runtime.messages import (
     QueryControl,
     QueryIdentification,
@@ -22,11 +22,12 @@ from jausml.runtime.services.discovery_messages import query_all_services
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
+    from typing import TypeAlias
 
     from jausml.runtime import JausComponent
     from jausml.runtime.messages import ReportServiceList
 
-    _Component = ReportServices.ComponentSeq | ReportServiceList.ComponentSeq
+    _Component: TypeAlias = ReportServices.ComponentSeq | ReportServiceList.ComponentSeq
 
 
 Services = dict[JausAddress, tuple[ServiceIdentity, ...]]
@@ -138,7 +139,7 @@ class Survey:
         self._component = component
         self._peers = tuple(peers)
         self._subsystems: dict[int, KnownSubsystem] = {}
-        self._asking_by_id = AskingById(component)
+        self._asking_by_id = ServicesById(component)
         component.on_message(ReportIdentification, self._identified)
         component.on_message(ReportServices, self._services)
         component.on_message(ReportStatus, self._answered)

@@ -22,10 +22,6 @@ def require_api(version: tuple[int, int], file: str) -> None:
     Args:
         version: API that the code was generated for: the first number must be the same, and the
             second not greater than the runtime's.
-        file: The generated file.
-
-    Raises:
-        ApiVersionError: This runtime is older, or too new.
     """
     if version[0] == API_VERSION[0] and version[1] <= API_VERSION[1]:
         return

@@ -29,10 +29,6 @@ class Held(Generic[T]):
     """Something that holds a slot and asks for a rate.
 
     Attributes:
-        item: What it is.
-        place: Whose it is: host, endpoint and id.
-        is_proved: Whether it is certain that they are there.
-        is_kept: Whether it gives way to nobody.
         wanted: Reports a second that it asks for.
     """
 
@@ -51,7 +47,6 @@ def who_gives_way(held: Sequence[Held[T]], asker: Held[object]) -> T | None:
 
     Args:
         held: All that hold a slot, in the order in which they got it.
-        asker: Who asks for one.
     """
     left = [each for each in held if not each.is_kept]
     unproved = [each for each in left if not each.is_proved]
@@ -76,7 +71,6 @@ def fair_rates(held: Sequence[Held[T]], capacity: float, level: int = 0) -> list
     """Share a rate max-min fairly: nobody is cut who asks for less than an equal share.
 
     Args:
-        held: What asks.
         capacity: What there is a second.
         level: Level of the tree that it is shared by first.
     """

@@ -26,12 +26,6 @@ class Counters:
     """Counts by name, shared by all parts of one process; callable from any thread."""
 
     def __init__(self, clock: Clock = time.monotonic, log_interval: float = 5.0) -> None:
-        """Start with no counts.
-
-        Args:
-            clock: Time in seconds, for the rate limit of the log.
-            log_interval: Seconds between two log lines of the same name.
-        """
         self._clock = clock
         self._log_interval = log_interval
         self._lock = threading.Lock()
@@ -69,9 +63,6 @@ class Counters:
         Args:
             name: Area and reason, e.g. ``judp.bad_version``.
             detail: What a reader of the log needs to find the culprit.
-            amount: How many there were.
-            error: Exception whose traceback belongs into the log.
-            level: Level of the log line.
             once: Whether the first of a name is logged alone.
         """
         now = self._clock()

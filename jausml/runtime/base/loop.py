@@ -54,8 +54,6 @@ class Loop:
 
     Attributes:
         lock: Held while callbacks run; taken once for all callbacks of a turn.
-        counters: Where failures are counted.
-        now: Returns the time of the loop's clock in seconds.
         wall: Returns the time of day that goes with it, in nanoseconds since 1970 (UTC).
         stopwatch: Returns a time in seconds by which callbacks are slow.
         standstill: Says what may have waited because the loop did not turn.
@@ -70,14 +68,6 @@ class Loop:
         wall: Callable[[], int] = time.time_ns,
         stopwatch: Clock = time.perf_counter,
     ) -> None:
-        """Prepare a loop that does not run yet.
-
-        Args:
-            clock: Monotonic time in seconds.
-            counters: Where failures are counted; the transport uses the same ones.
-            wall: Time of day in nanoseconds since 1970 (UTC).
-            stopwatch: Time in seconds that passes while callbacks run.
-        """
         self.lock = threading.RLock()
         self.counters = Counters(clock) if counters is None else counters
         self.now = clock

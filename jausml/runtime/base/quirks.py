@@ -65,12 +65,7 @@ class Quirk(Enum):
 
 
 class Learnt(NamedTuple):
-    """A quirk that a peer has shown.
-
-    Attributes:
-        quirk: The quirk.
-        how: What showed it.
-    """
+    """A quirk that a peer has shown."""
 
     quirk: Quirk
     how: str
@@ -84,18 +79,11 @@ class Quirks:
     """What was learnt of each peer. All of it runs on the loop, or with its lock."""
 
     def __init__(self) -> None:
-        """Know nothing of anybody."""
         self._known: OrderedDict[int, dict[Quirk, str]] = OrderedDict()
         self._told = 0
 
     def learn(self, peer: JausAddress, quirk: Quirk, how: str) -> None:
-        """Remember a quirk of a peer; the log tells of it once.
-
-        Args:
-            peer: The component.
-            quirk: What it does.
-            how: What showed it.
-        """
+        """Remember a quirk of a peer; the log tells of it once."""
         known = self._known.get(peer)
         if known is None:
             if len(self._known) >= MOST_PEERS:

@@ -67,7 +67,6 @@ class TransportSettings:
         standstill: Seconds that the process may stand still; what waited longer in its UDP sockets
             is thrown away, since nobody can tell how old it is; 0 keeps it.
         receive_buffer: Bytes that the kernel may hold for one socket.
-        transport: How messages travel.
         send_buffer: Bytes that may wait for a slow JTCP peer.
         connection_timeout: Seconds in which a JTCP connection must be made, and in which a peer
             must take something of what waits for it.
@@ -163,12 +162,7 @@ class TransportSettings:
 def add_arguments(
     parser: argparse.ArgumentParser, defaults: TransportSettings | None = None
 ) -> None:
-    """Add the ``--jaus-...`` options that ``from_arguments`` reads.
-
-    Args:
-        parser: Command line of a generated component or bridge.
-        defaults: Modelled settings, which the options override.
-    """
+    """Add the ``--jaus-...`` options that ``from_arguments`` reads."""
     known = TransportSettings() if defaults is None else defaults
     group = parser.add_argument_group("JAUS transport")
     group.add_argument(
@@ -280,7 +274,6 @@ def from_arguments(
     """Return the settings that the options of ``add_arguments`` describe.
 
     Args:
-        arguments: Parsed command line.
         defaults: Modelled settings; its address book is extended by ``--jaus-peer``.
 
     Raises:

@@ -101,11 +101,7 @@ class Standstill:
     )
 
     def __init__(self, loop: Waiting) -> None:
-        """Notice nothing before ``watch``.
-
-        Args:
-            loop: The loop.
-        """
+        """Notice nothing before ``watch``."""
         self.due = self._limit = math.inf
         self._loop = loop
         self._turned = self._relayed = loop.now()
@@ -123,9 +119,7 @@ class Standstill:
         """Tell of standstills from now on; to be called with the lock of the loop.
 
         Args:
-            limit: Seconds that are one; 0 for none.
             began: Told how many seconds what waits may have waited, before it is served.
-            caught_up: Called when all of that has been served.
         """
         made = Watch(self, limit, began, caught_up)
         self._watches.append(made)

@@ -28,19 +28,19 @@ from .diagnosing import Diagnosing
 from .ends import parameters
 from .ends.list_driver import ListDriver
 from .ends.simulation import Simulation
-from .reports.stops import Standing, StopReason
+from .reports.states import Standing, StopReason
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
+    from ..base.clocks import Timing
     from ..base.loop import Loop
-    from ..base.simulated_clock import Timing
-    from ..clients.peer_binding import PeerBinding
+    from ..clients.peer_search import PeerBinding
     from ..guardian.ward import Ward
     from ..services.element_list import ListElement
     from ..transports.transport import Transport
     from ..wire.message import Message
-    from .connections.carried import Carried
+    from .diagnosing import Carried
     from .ends.by_sender import Taker
     from .ends.ends import Feed, ReportHolder, RosPublisher, RosSide
     from .ends.list_driver import ListMessages
@@ -53,18 +53,8 @@ class Bridge:
     """The common part of all bridges; a generated base derives from it and names connections.
 
     Attributes:
-        settings: What the model says.
-        connections: What is carried across.
-        parameters: Attributes that parameters of the node may change.
-        ros: The ROS side, while the bridge is open.
-        component: The JAUS side, while the bridge is open.
-        exchanges: What asks other components, while the bridge is open.
         clock: The time by which messages are late, while the bridge is open: that of the loop, or
             of a simulation.
-        standing: State of the node and of the JAUS component.
-        is_active: Whether messages may pass (ROS 2, managed nodes).
-        simulation: What the bridge follows when the clock of ROS is simulated.
-        ward: What tells the guardian of the process; None where there is none.
     """
 
     ros: RosSide
@@ -101,8 +91,6 @@ class Bridge:
         subscriber is counted.
 
         Args:
-            ros: The ROS side; it starts to wait for messages afterwards.
-            transport: The JAUS side.
             active: Whether messages pass; if not, `set_active` lets them.
         """
         self.ros = ros
@@ -248,13 +236,7 @@ class Bridge:
     def publisher(
         self, message_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
     ) -> RosPublisher:
-        """Returns what publishes on a topic; connections that name it alike share it.
-
-        Args:
-            message_type: Type of the messages.
-            topic: The topic.
-            greet: Called for each subscriber that is found.
-        """
+        """Returns what publishes on a topic; connections that name it alike share it."""
         return self._topics.publisher(message_type, topic, greet)
 
     def subscribe(

@@ -1,13 +1,18 @@
-"""Publishes diagnostics in time, a few connections in each turn of the loop."""
+"""Publishes diagnostics in time, a few connections in each turn of the loop.
+
+What goes into them besides the connections is the traffic with each peer.
+"""
 
 from __future__ import annotations
 
+import struct
+from collections import deque
 from typing import TYPE_CHECKING, Protocol
 
+from ..component.accounts import accounts_of
 from .ends.ends import Ends
-from .reports.accounting import Accounting
-from .reports.diagnostic_array import DiagnosticArray
 from .reports.diagnostics import (
+    ConnectionStatus,
     double_status,
     greeting_status,
     guardian_status,
@@ -19,11 +24,162 @@ from .reports.diagnostics import (
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from ..base.address import JausAddress
     from ..base.loop import Loop, Timer
-    from .connections.carried import Carried
+    from ..component.accounts import Accountable
+    from ..conversions import Time
+    from ..transports.delivery import PeerTraffic
+    from .connections.transcoding import Form
     from .ends.simulation import Simulation
-    from .reports.diagnostics import ConnectionStatus
-    from .reports.stops import Standing
+    from .reports.diagnostics import Statistics
+    from .reports.states import Standing, StopReason
+
+
+class Carried(Protocol):
+    """A connection as its bridge sees it. All of it runs on the loop, or with its lock."""
+
+    name: str
+    statistics: Statistics
+    is_command: bool
+    form: Form
+
+    @property
+    def when_lost(self) -> str:
+        """What happens when the source of a command is lost."""
+
+    def open(self, ends: Ends) -> None:
+        """Opens both ends, before the first message."""
+
+    def watch(self) -> None:
+        """Starts to mind the source."""
+
+    def follow(self, standing: Standing, lost: StopReason | None) -> bool:
+        """Stops what must not go on; whether something was stopped."""
+
+    def lose(self, reason: StopReason) -> bool:
+        """Stops what is watched for silence; whether something was stopped."""
+
+    def end(self) -> bool:
+        """Stops for good; whether something was stopped."""
+
+    def measure_latency(self, wanted: bool) -> None:  # noqa: FBT001
+        """Measures the latency from now on, or no more."""
+
+    def status(self) -> ConnectionStatus:
+        """Returns the state since the last call."""
+
+    def close_account(self) -> list[tuple[str, int]]:
+        """Counts what was lost since the last status; returns what became of all messages."""
+
+
+TYPE = "diagnostic_msgs/msg/DiagnosticArray"
+"""The type in ROS."""
+
+_ENCODING = b"\0\1\0\0"
+_LEVELS = {"ok": 0, "warning": 1, "error": 2, "stale": 3}
+_LENGTH = struct.Struct("<I")
+# The stamp, an empty name of a frame, and the number of statuses.
+_BEGIN = struct.Struct("<iII4xI")
+_PADDING = (b"", b"\0\0\0", b"\0\0", b"\0")
+
+
+class DiagnosticArray:
+    """A `diagnostic_msgs/msg/DiagnosticArray`, written status by status as ROS encodes it (CDR).
+
+    A bridge may have hundreds of connections: to make their message in one go lets others wait.
+    """
+
+    TYPE = TYPE
+
+    def __init__(self, node: str) -> None:
+        self._node = node
+        self._count = 0
+        self._data = bytearray(_BEGIN.size)
+
+    def add(self, status: ConnectionStatus) -> None:
+        """Adds a status."""
+        texts = [f"{self._node}: {status.name}", status.message, status.hardware_id]
+        pairs = [text for pair in status.values for text in pair]
+        written = [
+            *map(_written, texts),
+            _LENGTH.pack(len(status.values)),
+            *map(_written, pairs),
+        ]
+        data = self._data
+        data.append(_LEVELS[status.level])
+        data += _PADDING[len(data) & 3]
+        for each in written:
+            data += _PADDING[len(data) & 3]
+            data += each
+        self._count += 1
+
+    def serialized(self, stamp: Time) -> bytes:
+        """Returns the message."""
+        _BEGIN.pack_into(self._data, 0, stamp.sec, stamp.nanosec, 1, self._count)
+        return _ENCODING + self._data
+
+
+def _written(text: str) -> bytes:
+    data = text.encode() + b"\0"
+    return _LENGTH.pack(len(data)) + data
+
+
+LATELY = 10.0
+"""Seconds over which the share of lost packets is told."""
+
+MUCH = 0.05
+"""Share of lost packets from which on a status warns."""
+
+FEWEST_LOST = 3
+"""Lost packets below which no status warns."""
+
+
+class Accounting:
+    """Makes the statuses of peers. All of it runs on the loop.
+
+    It reads what the transport and the component count anyway, when a status is wanted. It warns of
+    a peer of which more than 5 % were lost lately, if that is exact: of one that may number for all
+    whom it talks to, what it sent to others looks lost.
+    """
+
+    def __init__(self, component: Accountable) -> None:
+        self._component = component
+        self._told: dict[JausAddress, deque[tuple[float, int, int]]] = {}
+
+    def statuses(self, now: float) -> list[ConnectionStatus]:
+        """Returns a status for each peer that something came from, or was sent to."""
+        own = str(self._component.address)
+        accounts = accounts_of(self._component)
+        peers = [each.traffic.peer for each in accounts]
+        self._told = {each: self._told.get(each, deque()) for each in peers}
+        return [
+            ConnectionStatus(
+                f"account of {each.traffic.peer}",
+                *self._lately(each.traffic, now),
+                own,
+                tuple(each.told()),
+            )
+            for each in accounts
+        ]
+
+    def _lately(self, traffic: PeerTraffic, now: float) -> tuple[str, str]:
+        """Returns a level, and which share of what a peer sent lately was lost."""
+        told = self._told[traffic.peer]
+        while len(told) > 1 and told[1][0] <= now - LATELY:
+            told.popleft()
+        came, lost = told[0][1:] if told else (0, 0)
+        told.append((now, traffic.came, traffic.lost))
+        came, lost = traffic.came - came, traffic.lost - lost
+        if came <= 0:
+            return "ok", "nothing came lately"
+        if lost <= 0:
+            return "ok", "nothing was lost lately"
+        share = lost / (came + lost)
+        text = f"{100 * share:.1f} % were lost on the way lately"
+        if not traffic.is_exact:
+            return "ok", f"{text}, at most"
+        return "warning" if share > MUCH and lost >= FEWEST_LOST else "ok", text
+
 
 _JAUS_AREAS = frozenset(["component", "judp", "jtcp", "transport"])
 _UNKNOWN = "component.unknown_message"
@@ -33,13 +189,7 @@ SLICE = 4
 
 
 class Diagnosed(Ends, Protocol):
-    """A bridge as its diagnostics see it.
-
-    Attributes:
-        connections: What is carried across.
-        simulation: What it follows when the clock of ROS is simulated.
-        standing: State of the node and of the JAUS component.
-    """
+    """A bridge as its diagnostics see it."""
 
     connections: list[Carried]
     simulation: Simulation | None
@@ -53,7 +203,6 @@ class Diagnosing:
         """Does nothing before `start`.
 
         Args:
-            bridge: The bridge, which is open.
             period: Seconds from one report to the next.
         """
         self._bridge = bridge

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import gc
 import sys
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from ..base.counters import LOGGER
 from ..base.settings import add_arguments, from_arguments
@@ -24,11 +25,9 @@ from ..component.process import (
     running_transport,
 )
 from ..guardian.ward import Ward
-from .collection import QuietCollection, without_collection
 from .ends import parameters
 from .ends.guarding import ros_of
 from .ends.parameters import ParameterError
-from .managed import ManagedBridge
 from .messages.errors import RosLostError, RosTypeError
 
 if TYPE_CHECKING:
@@ -36,16 +35,139 @@ if TYPE_CHECKING:
 
     from ..base.loop import Loop
     from ..base.settings import TransportSettings
+    from ..transports.transport import Transport
     from .bridge import Bridge
+    from .ends.ends import RosSide
     from .ends.settings import BridgeSettings
     from .ros.node import RosNode
+
+
+class ReleasableRosSide(Protocol):
+    """What transitions need of the ROS side beyond what a bridge does; `RosNode` has it."""
+
+    def listen(self) -> None:
+        """Begins to take messages of what was subscribed to."""
+
+    def release(self) -> None:
+        """Gives all topics back."""
+
+
+class ManagedBridge:
+    """Brings a bridge up and down in steps (ROS 2 design, managed nodes).
+
+    | state | on ROS | on JAUS |
+    |---|---|---|
+    | unconfigured | no topics | no component |
+    | inactive | topics, nothing passes | Standby; control is not available |
+    | active | messages pass | Standby, Ready or Emergency, as its controller says |
+    | finalized | no topics | Shutdown was told, no component |
+
+    Every method ends in the state before when it raises.
+    """
+
+    def __init__(
+        self,
+        bridge: Bridge,
+        ros: RosSide,
+        topics: ReleasableRosSide,
+        transport: Transport,
+        end: Callable[[str], None],
+    ) -> None:
+        self._bridge = bridge
+        self._ros = ros
+        self._topics = topics
+        self._transport = transport
+        self._end = end
+        self._is_closing = False
+
+    def configure(self) -> None:
+        """Makes topics and the JAUS component; nothing passes yet."""
+        try:
+            self._bridge.open(self._ros, self._transport, active=False)
+        except BaseException:
+            self._bridge.close()
+            self._topics.release()
+            raise
+        self._bridge.component.when_shut_down(self._note_shutdown)
+        self._topics.listen()
+
+    def activate(self) -> None:
+        """Lets messages pass."""
+        self._bridge.set_active(True)
+        LOGGER.info("%s runs as %s", self._ros.name, self._bridge.settings.address)
+
+    def deactivate(self) -> None:
+        """Stops what is commanded, gives control back, and lets nothing pass."""
+        self._bridge.set_active(False)
+        LOGGER.info("%s is inactive", self._ros.name)
+
+    def cleanup(self) -> None:
+        """Ends the JAUS component and gives the topics back."""
+        self._is_closing = True
+        try:
+            # JAUS first: stops are sent and control is released while ROS still delivers.
+            self._bridge.close()
+        finally:
+            self._is_closing = False
+        self._topics.release()
+
+    def shut_down(self) -> None:
+        """Does the same for good: a process without a bridge in it is of no use."""
+        self.cleanup()
+        self._end("shutdown of the node")
+
+    def _note_shutdown(self) -> None:
+        if not self._is_closing:
+            self._end("JAUS Shutdown")
+
+
+PERIOD = 1.0
+"""Seconds between two collections."""
+
+LONGEST_DELAY = 10.0
+"""Seconds after which garbage is collected at a moment that is not quiet, too."""
+
+
+@contextmanager
+def without_collection() -> Iterator[None]:
+    """Collects nothing by itself within the block; to be entered once in a process."""
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
+        gc.enable()
+
+
+class QuietCollection:
+    """Collects garbage when a loop has nothing to do.
+
+    After its start a bridge has tens of thousands of objects, of which nothing ever becomes
+    garbage. A full collection looks at all of them, for tens of milliseconds in which no message
+    moves. So they are set aside, and what came later is collected when nothing waits.
+    """
+
+    def __init__(self, loop: Loop) -> None:
+        self._loop = loop
+        self._last = loop.now()
+
+    def start(self) -> None:
+        """Sets aside what is there, and collects what comes later from now on."""
+        gc.freeze()
+        self._last = self._loop.now()
+        self._loop.call_later(PERIOD, self._run)
+
+    def _run(self) -> None:
+        if self._loop.is_idle() or self._loop.now() - self._last >= LONGEST_DELAY:
+            gc.collect()
+            self._last = self._loop.now()
+        self._loop.call_later(PERIOD, self._run)
 
 
 def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
     """Runs a bridge until SIGINT, SIGTERM or a JAUS Shutdown ends it.
 
     Args:
-        bridge: The bridge, not yet opened.
         arguments: Command line without the program's name, with --ros-args; that of the process
             when None.
 
@@ -102,7 +224,6 @@ def run_node(factory: Callable[[], object], arguments: Sequence[str] | None = No
     """Spins a ROS 2 node until SIGINT or SIGTERM.
 
     Args:
-        factory: Makes the node, after ROS has begun; the class itself, as a rule.
         arguments: Command line without the program's name, with --ros-args; that of the process
             when None.
 

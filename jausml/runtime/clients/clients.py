@@ -8,10 +8,9 @@ from .command_client import CommandClient
 from .control_session import ControlClient
 from .discovery_client import DiscoveryClient
 from .event_client import EventClient
-from .greeter import Greeter
 from .list_client import ListClient
 from .peer_client import PeerClient
-from .presence import Presence
+from .presence import Greeter, Presence
 from .query import QueryClient
 
 if TYPE_CHECKING:
@@ -19,26 +18,9 @@ if TYPE_CHECKING:
 
 
 class Clients:
-    """The clients of one component.
-
-    Attributes:
-        presence: When the components that are used were last heard.
-        events: Subscriptions to reports of others.
-        control: Sessions that control others.
-        queries: Questions that wait for an answer.
-        discovery: The search for others.
-        greeter: Speaks to those that say nothing first.
-        peers: Others that are found by their services, and kept while they live.
-        commands: Commands whose end is awaited.
-        lists: Lists of others that are edited and read.
-    """
+    """The clients of one component."""
 
     def __init__(self, host: Host) -> None:
-        """Listen to the answers of others.
-
-        Args:
-            host: The component.
-        """
         self.presence = Presence(host.loop)
         self.queries = QueryClient(host)
         self.events = EventClient(host, self.presence, self.queries)

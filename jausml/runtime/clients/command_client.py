@@ -28,14 +28,7 @@ _CREATE = CreateCommandEvent.CODE.to_bytes(2, "little")
 
 
 class PendingCommand:
-    """A command whose end is awaited; made by ``JausComponent.command``.
-
-    Attributes:
-        target: The component that executes it.
-        request_id: Marks our request in the target's answers.
-        event_id: The target's id of the command event, once confirmed.
-        max_duration: Seconds in which the target must have done it.
-    """
+    """A command whose end is awaited; made by ``JausComponent.command``."""
 
     def __init__(
         self,
@@ -113,14 +106,9 @@ class PendingCommand:
 
 
 class CommandClient:
-    """The commands of one component that wait for their ends.
-
-    Attributes:
-        component: The component that commands.
-    """
+    """The commands of one component that wait for their ends."""
 
     def __init__(self, component: Host) -> None:
-        """Listen to the answers of targets."""
         self.component = component
         self._pending: dict[tuple[JausAddress, int], PendingCommand] = {}
         self._next_request = 0

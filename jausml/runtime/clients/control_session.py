@@ -20,13 +20,7 @@ if TYPE_CHECKING:
 
 
 class ControlSession:
-    """One user's share in the control of a target; made by ``JausComponent.control``.
-
-    Attributes:
-        target: The component to control.
-        authority: Authority code that was asked for.
-        resume: Whether the target is to be resumed.
-    """
+    """One user's share in the control of a target; made by ``JausComponent.control``."""
 
     def __init__(
         self,
@@ -77,7 +71,6 @@ class ControlClient:
     """All control sessions of one component, and the messages that concern them."""
 
     def __init__(self, component: Host, presence: Presence, events: EventClient) -> None:
-        """Listen to the answers of targets."""
         self._component = component
         self._presence = presence
         self._events = events

@@ -20,12 +20,7 @@ class ControlState(Enum):
 
 
 class Session(Protocol):
-    """One user's share, as the control sees it.
-
-    Attributes:
-        authority: Authority code that was asked for.
-        resume: Whether the target is to be resumed.
-    """
+    """One user's share, as the control sees it."""
 
     authority: int
     resume: bool

@@ -20,8 +20,7 @@ from ..services.definitions import Status
 from ..services.ordering import Ordering
 from .control_state import ControlState, Session
 from .presence import QUICK_TRIES, Pace
-from .questions import Questions
-from .target_watch import TargetWatch
+from .target_watch import Questions, TargetWatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -51,13 +50,6 @@ class ControlledTarget:
     Each request is repeated until it is answered, without a long pause as long as anything is heard
     of the target. While control is refused the target is asked who controls it and how it is, so
     that control is requested as soon as it can be had.
-
-    Attributes:
-        component: The component that controls.
-        target: The component to control.
-        state: What is known now.
-        status: State of the target as it last reported it; None before.
-        controller: Who controls the target, as it last reported; None when nobody or unknown.
     """
 
     def __init__(
@@ -69,16 +61,6 @@ class ControlledTarget:
         releases: Releases,
         on_end: Callable[[ControlledTarget], None],
     ) -> None:
-        """Begin without sessions.
-
-        Args:
-            component: The component that controls.
-            target: The component to control.
-            presence: Knows when the target was last heard.
-            events: Events of the component that controls.
-            releases: Gives control back.
-            on_end: Called when the last session has left.
-        """
         self.component = component
         self.target = target
         self.state = ControlState.SEEKING

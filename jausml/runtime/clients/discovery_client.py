@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..base.address import BROADCAST
-from ..messages import (
-    QueryIdentification,
-    ReportIdentification,
-    ReportServiceList,
-    ReportServices,
-)
+from ..base.quirks import Quirk
+from ..messages import QueryIdentification, ReportIdentification, ReportServiceList, ReportServices
 from ..services.definitions import CORE, Scope
 from ..services.discovery_messages import (
     query_all_service_lists,
     query_all_services,
+    query_services_of,
     register_services,
     reported_service_list,
     reported_services,
 )
-from .asking_by_id import AskingById
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -29,6 +26,37 @@ if TYPE_CHECKING:
     from ..base.loop import Timer
     from ..services.definitions import ServiceIdentity
     from ..services.host import Host
+
+
+INTERVAL = 5.0
+"""Seconds after which a component that reports nothing is asked again."""
+
+_MOST_ASKED = 4096
+
+
+class ServicesById:
+    """Asks who reports no component to a query with wildcards for its own services."""
+
+    def __init__(self, component: Host) -> None:
+        self._component = component
+        self._asked: dict[JausAddress, float] = {}
+
+    def take(self, report: ReportServices, sender: JausAddress) -> None:
+        """Ask if a report is empty; learn of who reports something then."""
+        now = self._component.loop.now()
+        asked = self._asked.get(sender, -math.inf)
+        if any(node.component_list for node in report.node_list):
+            if now < asked + INTERVAL:
+                quirks = self._component.transport.quirks
+                quirks.learn(sender, Quirk.NO_WILDCARDS, "it reported nothing to a wildcard")
+            return
+        if now < asked + INTERVAL:
+            return
+        if len(self._asked) >= _MOST_ASKED:
+            self._asked.clear()
+        self._asked[sender] = now
+        self._component.send(query_services_of(sender), sender)
+
 
 EAGER_TRIES = 3
 """Attempts in quick succession after the start."""
@@ -51,12 +79,7 @@ OCU_TYPES = range(20001, 30001)
 
 @dataclass(frozen=True)
 class FoundComponent:
-    """A component that Discovery has found.
-
-    Attributes:
-        address: Its address.
-        services: What it provides.
-    """
+    """A component that Discovery has found."""
 
     address: JausAddress
     services: tuple[ServiceIdentity, ...]
@@ -70,18 +93,13 @@ class _Search:
 
 
 class DiscoveryClient:
-    """Registers one component with its subsystem and finds the providers of services.
-
-    Attributes:
-        server: The Discovery service that the component is registered with.
-    """
+    """Registers one component with its subsystem and finds the providers of services."""
 
     def __init__(self, component: Host) -> None:
-        """Listen to the answers of Discovery services."""
         self._component = component
         self._searches: list[_Search] = []
         self._watchers: list[Callable[[FoundComponent], None]] = []
-        self._asking_by_id = AskingById(component)
+        self._asking_by_id = ServicesById(component)
         self._timer: Timer | None = None
         self._tries = 0
         self.server: JausAddress | None = None

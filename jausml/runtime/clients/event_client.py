@@ -46,7 +46,6 @@ class EventClient:
     """All subscriptions of one component, and the messages of Events that concern them."""
 
     def __init__(self, component: Host, presence: Presence, queries: QueryClient) -> None:
-        """Listen to the answers of providers."""
         self._component = component
         self._queries = queries
         self._presence = presence

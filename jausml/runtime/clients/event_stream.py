@@ -78,8 +78,6 @@ class EventStream:
     """Creates an event, renews it, and creates it again when the provider lost it.
 
     Attributes:
-        component: The component that subscribes.
-        provider: The component that provides the report.
         payload: The encoded query.
         request_id: Marks our requests in the provider's answers.
         event_id: The provider's id of the event, once confirmed.
@@ -97,7 +95,6 @@ class EventStream:
         payload: bytes,
         presence: Presence,
     ) -> None:
-        """Prepare a stream without subscribers."""
         self.component = component
         self.provider = provider
         self.payload = payload
@@ -364,12 +361,7 @@ class EventStream:
     # ---- reports ----------------------------------------------------------------------------
 
     def receive(self, sequence: int, payload: bytes) -> None:
-        """Hand a report to the subscribers.
-
-        Args:
-            sequence: Sequence number of the event.
-            payload: The encoded report.
-        """
+        """Hand a report to the subscribers."""
         if self._expected is not None and sequence != self._expected:
             missing = (sequence - self._expected) & 0xFF
             if missing >= HALF_SEQUENCE and not self._is_renewed:

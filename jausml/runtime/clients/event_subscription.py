@@ -5,15 +5,43 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
-from .event_asking import Asking
-
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..base.address import JausAddress
-    from ..base.loop import Timer
+    from ..base.loop import Loop, Timer
     from ..services.host import Host
     from ..wire.message import DecodeError, Message
+
+
+class QueryTimer:
+    """Queries at a rate, for a subscriber who shares an event that comes at every change.
+
+    A provider has one event for each query of a client (AS5710, CreateEvent): a second one with
+    another type would replace it. It asks at absolute times, so that the rate does not drift; a
+    late loop does not catch up.
+    """
+
+    def __init__(self, loop: Loop, rate: float, ask: Callable[[float], object]) -> None:
+        """Asks for the first time at once.
+
+        Args:
+            ask: Asks once; it is given the seconds until the next query.
+        """
+        self._loop = loop
+        self._period = 1 / rate
+        self._ask = ask
+        self._next = loop.now()
+        self._timer: Timer = loop.call_at(self._next, self._due)
+
+    def stop(self) -> None:
+        """Ask no more."""
+        self._timer.cancel()
+
+    def _due(self) -> None:
+        self._next = max(self._next + self._period, self._loop.now())
+        self._timer = self._loop.call_at(self._next, self._due)
+        self._ask(self._period)
 
 
 _LONG_AGO = float("-inf")
@@ -23,15 +51,7 @@ _ALIKE = 0.999
 
 
 class Stream(Protocol):
-    """The event as its subscribers see it.
-
-    Attributes:
-        component: The component that subscribes.
-        provider: The component that provides the report.
-        missing: Reports that did not arrive.
-        late: Reports that arrived after newer ones.
-        refusal: Why the provider gives no such event; empty when it has not refused.
-    """
+    """The event as its subscribers see it."""
 
     component: Host
     provider: JausAddress
@@ -54,7 +74,6 @@ class EventSubscription:
     """One subscriber's share in an event; made by ``JausComponent.subscribe``.
 
     Attributes:
-        provider: The component that provides the report.
         rate: Reports each second that the subscriber asked for; None means every change.
         takes_payloads: Whether the subscriber takes encoded reports.
         ask: Asks the provider for one report, which `answer` takes.
@@ -89,7 +108,7 @@ class EventSubscription:
         self._watch: Timer | None = None
         self._heard = 0.0
         self._silent = False
-        self._asking: Asking | None = None
+        self._query_timer: QueryTimer | None = None
         self._period = 0.0
         self._slack = 0.0
         self._due = _LONG_AGO
@@ -149,21 +168,21 @@ class EventSubscription:
         self._slack = 0.5 / given if given else 0.0
         if self.rate is None or given is not None:
             self._stop_asking()
-        elif self._asking is None:
+        elif self._query_timer is None:
             self._component.when_started(self._start_asking)
 
     def _start_asking(self) -> None:
-        if self._asking is None and self.rate is not None:
-            self._asking = Asking(self._component.loop, self.rate, self.ask)
+        if self._query_timer is None and self.rate is not None:
+            self._query_timer = QueryTimer(self._component.loop, self.rate, self.ask)
 
     def _stop_asking(self) -> None:
-        if self._asking is not None:
-            self._asking.stop()
-            self._asking = None
+        if self._query_timer is not None:
+            self._query_timer.stop()
+            self._query_timer = None
 
     def deliver(self, report: Message | bytes, now: float) -> None:
         """Hand a report of the event to the subscriber, unless it has another rate."""
-        if self._asking is not None:
+        if self._query_timer is not None:
             return
         if self._period:
             if now < self._due - self._slack:
@@ -174,7 +193,7 @@ class EventSubscription:
 
     def answer(self, report: Message | bytes, _provider: JausAddress) -> None:
         """Hand the answer to a query to the subscriber."""
-        if self._asking is not None:
+        if self._query_timer is not None:
             self._hand_over(report, self._component.loop.now())
 
     def _hand_over(self, report: Message | bytes, now: float) -> None:

@@ -43,17 +43,11 @@ class Exchange:
     """A message that waits for its turn, then for its answer; made by `Exchanges.ask`.
 
     Attributes:
-        payload: The message.
-        codes: Codes of the messages that may answer.
-        end: Is given the answer, or why there is none.
         timeout: Seconds for which it waits for its turn, and then for its answer.
-        is_query: Whether the message is a query.
-        priority: Priority of the message.
         owed: Answers that may come, one for each time that it was sent.
         is_over: Whether it has ended; what is owed may come still.
         same_until: Until when the same question waits then, by the clock of the loop.
         others_until: Until when others wait.
-        timers: What it waits for.
     """
 
     def __init__(
@@ -100,10 +94,6 @@ class Exchange:
 
         Who has answered in time soon answers a repeated query too. Who was silent may come late;
         the same question is asked again earlier, for a late answer is one to it as well.
-
-        Args:
-            now: Time of the loop.
-            ending: The answer, or why there is none; None if nobody waits for it any more.
         """
         self.is_over = True
         self.same_until = now + (self.timeout if ending is Unanswered.SILENT else 0.0)
@@ -126,11 +116,6 @@ class Exchanges:
     """The exchanges of one component. All of it runs on the loop, or with its lock."""
 
     def __init__(self, component: Host) -> None:
-        """Begins without any.
-
-        Args:
-            component: The component that asks.
-        """
         self._component = component
         self._known: dict[JausAddress, list[Exchange]] = defaultdict(list)
         self._heard: set[type[Message]] = set()
@@ -159,13 +144,8 @@ class Exchanges:
         transport of the target, and so takes effect once.
 
         Args:
-            target: The component that is asked.
-            payload: The message.
-            answers: The messages that may answer, to which `listen` listens.
             end: Is given the answer, or why there is none.
             timeout: Seconds for which it waits for its turn at most, and then for its answer.
-            is_query: Whether the message is a query.
-            priority: Priority of the message (AS5669A).
 
         Returns:
             What ends the exchange without an answer; `end` is not called then.

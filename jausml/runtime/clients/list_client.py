@@ -39,9 +39,6 @@ class ListRequest:
     """A change of another component's list, under way; made by ``JausComponent``.
 
     The requests are sent one after the other, each again until it is answered.
-
-    Attributes:
-        target: The component that keeps the list.
     """
 
     def __init__(
@@ -123,14 +120,9 @@ class ListRequest:
 
 
 class ListClient:
-    """The changes that one component makes to the lists of others.
-
-    Attributes:
-        component: The component that edits.
-    """
+    """The changes that one component makes to the lists of others."""
 
     def __init__(self, component: Host, queries: QueryClient) -> None:
-        """Listen to the answers of list managers."""
         self.component = component
         self._queries = queries
         self._pending: list[ListRequest] = []

@@ -54,12 +54,7 @@ class _Provider:
 
 
 class _Finder:
-    """One search, whoever of the component's connections share it.
-
-    Attributes:
-        search: What is looked for.
-        bound: The peers.
-    """
+    """One search, whoever of the component's connections share it."""
 
     def __init__(self, component: Host, search: PeerSearch) -> None:
         self.search = search
@@ -102,12 +97,7 @@ class PeerClient:
     """The searches of one component, and the peers that they have found."""
 
     def __init__(self, component: Host, discovery: DiscoveryClient) -> None:
-        """Listen to what Discovery tells; nothing is asked before there is a search.
-
-        Args:
-            component: The component.
-            discovery: Its use of Discovery.
-        """
+        """Listen to what Discovery tells; nothing is asked before there is a search."""
         self._component = component
         self._discovery = discovery
         self._finders: dict[PeerSearch, _Finder] = {}
@@ -123,7 +113,6 @@ class PeerClient:
         """Look for peers until the component stops.
 
         Args:
-            search: What is looked for.
             on_change: Told all peers whenever they change; none when they are gone.
         """
         if not self._finders:

@@ -1,15 +1,21 @@
-"""Presence of the components that others are used by: when they were last heard."""
+"""When the components that are used were last heard, and greetings to those that wait for one."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..base.counters import LOGGER
+from ..messages import QueryIdentification
+from .discovery_client import EAGER_INTERVAL
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..base.address import JausAddress
-    from ..base.loop import Loop
+    from ..base.loop import Loop, Timer
     from ..services.definitions import ComponentSettings
+    from ..services.host import Host
+
 
 QUICK_TRIES = 8
 """Requests without an answer after which the pauses between them grow."""
@@ -28,7 +34,6 @@ class Presence:
     """
 
     def __init__(self, loop: Loop) -> None:
-        """Wait for nobody."""
         self._loop = loop
         self.heard: dict[JausAddress, float] = {}
         self._on_return: dict[JausAddress, list[Callable[[], None]]] = {}
@@ -37,7 +42,6 @@ class Presence:
         """Wait for a component.
 
         Args:
-            address: The component.
             on_return: Called when it speaks for the first time, or after a silence.
         """
         self.heard.setdefault(address, _NEVER)
@@ -76,7 +80,6 @@ class Pace:
     def __init__(
         self, settings: ComponentSettings, presence: Presence, address: JausAddress
     ) -> None:
-        """Begin with short pauses."""
         self._settings = settings
         self._presence = presence
         self._address = address
@@ -98,3 +101,68 @@ class Pace:
         pause = min(self._pause, longest)
         self._pause = min(2 * pause, self._settings.retry_max)
         return pause
+
+
+PATIENCE = 3
+"""Greetings without an answer after which somebody is told, once in each silence."""
+
+
+class Greeter:
+    """Asks peers for their identification until they speak, and again when they fall silent.
+
+    Operator units of competitions, and components behind a router without multicast, learn of
+    this component by that alone. Each peer gets one small query in ``EAGER_INTERVAL`` seconds at
+    most, which is not repeated otherwise, and none while it was heard, with whatever message,
+    within ``discovery_timeout`` of the settings: it may have been restarted after such a silence.
+
+    Attributes:
+        unanswered: How often each peer was greeted since it spoke last.
+    """
+
+    def __init__(self, component: Host, presence: Presence) -> None:
+        self._component = component
+        self._presence = presence
+        self.unanswered = dict.fromkeys(component.settings.greeted, 0)
+        self._timer: Timer | None = None
+
+    def start(self) -> None:
+        """Greet now, and whoever is silent again and again."""
+        for peer in self.unanswered:
+            self._presence.watch(peer, self._heard)
+        if self.unanswered:
+            self._look()
+
+    def stop(self) -> None:
+        """Greet no more."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+            for peer in self.unanswered:
+                self._presence.forget(peer, self._heard)
+
+    def _look(self) -> None:
+        """Greet whoever was not heard for long."""
+        component = self._component
+        since = component.loop.now() - component.settings.discovery_timeout
+        for peer in self.unanswered:
+            if not self._presence.heard_since(peer, since):
+                self._greet(peer)
+        self._timer = component.loop.call_later(EAGER_INTERVAL, self._look)
+
+    def _greet(self, peer: JausAddress) -> None:
+        self.unanswered[peer] += 1
+        scope = self._component.settings.greeted[peer]
+        self._component.counters.add("greeter.sent")
+        self._component.send(QueryIdentification(query_type=scope), peer)
+        if self.unanswered[peer] == PATIENCE:
+            self._component.counters.count(
+                "greeter.unanswered", f"{peer} has answered none of {PATIENCE} greetings"
+            )
+
+    def _heard(self) -> None:
+        """Tell once of each peer that speaks after it was greeted."""
+        since = self._component.loop.now() - self._component.settings.discovery_timeout
+        for peer, tries in self.unanswered.items():
+            if tries and self._presence.heard_since(peer, since):
+                LOGGER.info("%s speaks, and is greeted no more", peer)
+                self.unanswered[peer] = 0

@@ -25,7 +25,6 @@ class Releases:
         """Nothing is under way.
 
         Args:
-            component: The component that controlled others.
             on_done: Told of each target to which nothing is under way any more.
         """
         self._component = component
@@ -40,7 +39,6 @@ class Releases:
         """Send ReleaseControl.
 
         Args:
-            target: The component that was controlled.
             acknowledge: Whether it is repeated until it is acknowledged.
         """
         if not acknowledge:

@@ -22,12 +22,7 @@ _NOT_KNOWN = "not known: what was lost is that much at most"
 
 
 class Accountable(Protocol):
-    """A component as its accounts see it.
-
-    Attributes:
-        transport: What it sends and receives through.
-        address: Its address.
-    """
+    """A component as its accounts see it."""
 
     transport: Transport
     address: JausAddress
@@ -37,13 +32,7 @@ class Accountable(Protocol):
 
 
 class PeerAccount(NamedTuple):
-    """What a component and a peer exchanged.
-
-    Attributes:
-        traffic: Packets of both directions.
-        drops: Messages of the peer that were dropped, by reason.
-        quirks: What was learnt of the peer.
-    """
+    """What a component and a peer exchanged."""
 
     traffic: PeerTraffic
     drops: Mapping[str, int]
@@ -82,11 +71,7 @@ class PeerAccount(NamedTuple):
 
 
 def accounts_of(component: Accountable) -> list[PeerAccount]:
-    """Returns the accounts of the peers, by address; with the lock of the loop.
-
-    Args:
-        component: A component that is attached to its transport.
-    """
+    """Returns the accounts of the peers, by address; with the lock of the loop."""
     transport = component.transport
     # Those of no place are in the order in which they were heard, the latest last.
     found = sorted(
@@ -100,10 +85,6 @@ def accounts_of(component: Accountable) -> list[PeerAccount]:
 
 
 def log_accounts(component: Accountable) -> None:
-    """Logs the accounts, as the last word of a component on what it exchanged.
-
-    Args:
-        component: A component that is attached to its transport.
-    """
+    """Logs the accounts, as the last word of a component on what it exchanged."""
     for each in accounts_of(component):
         LOGGER.info("%s", each)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from ..base.host_clock import HostClock
+from ..base.clocks import HostClock
 from ..clients.clients import Clients
 from ..clients.presence import SILENCE
 from ..services.core import CoreServices
@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     from datetime import datetime
 
     from ..base.address import JausAddress
+    from ..base.clocks import Timing
     from ..base.counters import Counters
     from ..base.loop import Loop
-    from ..base.simulated_clock import Timing
     from ..services.completion import Completion
     from ..services.dispatch import Handler
     from ..services.element_list import ElementList, ListElement
@@ -67,13 +67,8 @@ class ComponentBase(ComponentHooks):
         """Describe a component; nothing is sent or received before ``start``.
 
         Args:
-            transport: Carries the messages; it may serve several components.
-            address: Address of the component.
-            name: Identification that Discovery reports.
-            services: Every service of the component, inherited ones included.
             component_type: Type that Discovery reports (AS5710, ReportIdentification), e.g.
                 10001 vehicle, 20001 operator control unit, 60001 component.
-            settings: Behaviour; the defaults suit a component that is not a Discovery server.
 
         Raises:
             ValueError: The address does not name one component.
@@ -119,7 +114,6 @@ class ComponentBase(ComponentHooks):
         """Call ``handler(message, sender)`` for each such input message.
 
         Args:
-            message_class: Generated codec of the message.
             handler: Acts on the message. It returns a new ``Completion`` when the command takes
                 time, for the client of a command event.
             when: Whom to obey; messages of others are counted and ignored, since AS5710 knows
@@ -150,8 +144,6 @@ class ComponentBase(ComponentHooks):
         raises DecodeError; the message is counted then as one that ``handle`` cannot decode.
 
         Args:
-            message_class: Generated codec of the message.
-            handler: Acts on the message.
             when: Whom to obey. A function is only asked, about the decoded message, when the sender
                 is not obeyed in Ready; it can thus not be stricter than that.
             is_robust: Whether the handler raises nothing and tells itself when it takes too long:
@@ -182,8 +174,6 @@ class ComponentBase(ComponentHooks):
         """Answer a query, and events on it, with what ``provider(query, sender)`` returns.
 
         Args:
-            query_class: Generated codec of the query.
-            report_class: Generated codec of the report.
             provider: Returns the present report, or the bytes of it with the message code. They
                 are sent as they are where the query asks for all that is in them. None means that
                 there is no report now: the query stays unanswered and no event is sent.
@@ -227,8 +217,6 @@ class ComponentBase(ComponentHooks):
         raises DecodeError; the message is counted then as one that cannot be decoded.
 
         Args:
-            message_class: Generated codec of the message.
-            callback: Takes an encoded message and its sender.
             is_robust: Whether the callback raises nothing and tells itself when it takes too long.
             counts_each: Whether a message is of use that a newer one of its sender came before;
                 as with ``handle``.
@@ -244,7 +232,6 @@ class ComponentBase(ComponentHooks):
         """Call ``callback(payload, sender)`` for each such message that nothing else takes.
 
         Args:
-            message_class: Generated codec of the message.
             callback: Takes an encoded message and its sender; there is one for each message.
         """
         with self.loop.lock:
@@ -261,10 +248,7 @@ class ComponentBase(ComponentHooks):
         """Send one message.
 
         Args:
-            message: What to send.
             destination: A component, or a wildcard address.
-            priority: Priority of the message (AS5669A).
-            acknowledge: Whether the receiver's transport shall acknowledge it.
 
         Raises:
             EncodeError: A value does not fit its field.
@@ -319,11 +303,7 @@ class ComponentBase(ComponentHooks):
                 self.transport.detach(self.address)
 
     def fail(self, reason: str) -> None:
-        """Enter Failure (AS5710, Management, internal event Failure).
-
-        Args:
-            reason: For the log.
-        """
+        """Enter Failure (AS5710, Management, internal event Failure)."""
         with self.loop.lock:
             self._jaus_core.management.fail(reason)
 

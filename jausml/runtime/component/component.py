@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
-from ..clients.peer_binding import PeerBinding
+from ..clients.peer_search import PeerBinding
 from ..messages import ClearEmergency, SetEmergency
 from ..transports.packets.packet import Priority
 from ..wire.message import Message
@@ -64,10 +64,7 @@ class JausComponent(ComponentBase):
         later subscriber gets the last report at once.
 
         Args:
-            provider: The component that provides the report.
             query: Asks for the report; its presence vector selects the fields.
-            report_class: Generated codec of the report.
-            on_report: Takes each report and the provider's address.
             rate: Reports each second, above 0 and up to 1092; None means every change.
             silence_timeout: Seconds without a report before ``on_silence``; 0 means never.
             on_silence: Called once each time the provider falls silent.
@@ -107,10 +104,8 @@ class JausComponent(ComponentBase):
         authority asked for.
 
         Args:
-            target: The component to control.
             authority: Authority code to request control with, 0 to 255.
             resume: Whether to take the target from Standby to Ready whenever it is found there.
-            on_change: Called with each new state.
 
         Returns:
             A handle to read the state from and to release control with.
@@ -136,13 +131,8 @@ class JausComponent(ComponentBase):
         """Ask another component for a report once.
 
         Args:
-            target: The component to ask.
-            query: Asks for the report.
-            report_class: Generated codec of the report.
-            on_report: Takes the report and the sender's address.
             on_failure: Called when every attempt stayed unanswered.
             timeout: Seconds to wait for the report before the query is repeated.
-            retries: Repetitions of an unanswered query.
             payloads: Whether ``on_report`` takes the encoded report, message code and body, as it
                 came. It raises DecodeError for one that it cannot read, which is counted.
 
@@ -182,7 +172,6 @@ class JausComponent(ComponentBase):
 
         Args:
             target: The component to command; it must be controlled if the command needs that.
-            command: What to do.
             on_done: Told whether the command was done; False also when it took too long.
             on_refused: Told the code of RejectEventRequest and its text; the code is None when
                 the target did not answer.
@@ -214,13 +203,11 @@ class JausComponent(ComponentBase):
         """Replace the list of another component, which must be controlled (AS5710, SetElement).
 
         Args:
-            target: The component that keeps the list.
             elements: The list, in order; see ``chain``.
             on_done: Called when the whole list is confirmed.
             on_refused: Told the code of RejectElementRequest, or None when the target did not
                 answer; the list may then be set in part.
             timeout: Seconds to wait for each answer before the request is repeated.
-            retries: Repetitions of an unanswered request.
 
         Returns:
             A handle to cancel with.
@@ -247,12 +234,9 @@ class JausComponent(ComponentBase):
         """Delete elements of another component's list, which must be controlled.
 
         Args:
-            target: The component that keeps the list.
             uids: The elements, at most 255; 65535 means all.
-            on_done: Called when they are deleted.
             on_refused: Told the code of RejectElementRequest, or None without an answer.
             timeout: Seconds to wait for each answer before the request is repeated.
-            retries: Repetitions of an unanswered request.
 
         Returns:
             A handle to cancel with.
@@ -278,12 +262,9 @@ class JausComponent(ComponentBase):
         """Read the list of another component; control is not needed.
 
         Args:
-            target: The component that keeps the list.
-            on_list: Takes the elements in order.
             on_failure: Called when a query stayed unanswered, for example because the list was
                 changed meanwhile.
             timeout: Seconds to wait for each report before the query is repeated.
-            retries: Repetitions of an unanswered query.
 
         Raises:
             ValueError: The target is not one component.
@@ -304,7 +285,6 @@ class JausComponent(ComponentBase):
 
         Args:
             urn: Identifier of the service, e.g. ``urn:jaus:jss:mobility:VelocityStateSensor``.
-            on_found: Takes the component.
         """
         with self.loop.lock:
             self._jaus_clients.discovery.discover(urn, on_found)
@@ -319,7 +299,6 @@ class JausComponent(ComponentBase):
         taken is kept while it lives, also when a nearer one appears.
 
         Args:
-            search: What is looked for.
             on_change: Told all of them, in order, whenever they change; none when they are gone.
         """
         with self.loop.lock:
@@ -339,10 +318,6 @@ class JausComponent(ComponentBase):
         """Receive a report of what a search finds, as ``subscribe`` does of one provider.
 
         Args:
-            search: What is looked for.
-            query: Asks for the report; its presence vector selects the fields.
-            report_class: Generated codec of the report.
-            on_report: Takes each report and the provider's address.
             rate: Reports each second of each provider; None means every change.
             silence_timeout: Seconds without a report before ``on_silence``; 0 means never.
             on_silence: Told a provider each time that it falls silent.
@@ -376,14 +351,7 @@ class JausComponent(ComponentBase):
         report_class: type[R],
         on_report: Callable[[R, JausAddress], None],
     ) -> None:
-        """Ask each component that a search finds for a report once, when it is found.
-
-        Args:
-            search: What is looked for.
-            query: Asks for the report.
-            report_class: Generated codec of the report.
-            on_report: Takes the report and the sender's address.
-        """
+        """Ask each component that a search finds for a report once, when it is found."""
 
         def join(peer: JausAddress) -> None:
             self.query(peer, query, report_class, on_report)

@@ -73,8 +73,6 @@ class ModelledComponent(JausComponent):
         """Run a state machine from the start of the component on.
 
         Args:
-            name: Name in the model.
-            states: The states.
             extends_core: Whether it extends ReceiveFSM: its outer states are those of the core
                 services and change with them.
         """
@@ -88,7 +86,6 @@ class ModelledComponent(JausComponent):
         """Let the machines take an input message.
 
         Args:
-            message_class: Generated codec of the message.
             when: Whom to obey, before any guard of the machine; a function tells it from the
                 message.
 
@@ -109,8 +106,6 @@ class ModelledComponent(JausComponent):
         transition itself is taken for a query alone.
 
         Args:
-            query_class: Generated codec of the query.
-            report_class: Generated codec of the report.
             *makers: The actions that make the report.
 
         Raises:
@@ -127,9 +122,6 @@ class ModelledComponent(JausComponent):
         """Let the machines take an internal event; callable from any thread.
 
         An event that an action raises is taken when the transition is complete.
-
-        Args:
-            name: Name of the event in the model.
         """
         with self.loop.lock:
             taken = [machine.raise_event(name) for machine in self._jaus_machines]

@@ -43,15 +43,7 @@ EXIT_USAGE = 2
 
 @dataclass(frozen=True)
 class ComponentProgram:
-    """What the model says of a component's process; options override it.
-
-    Attributes:
-        name: Name of the program.
-        description: What it does, for ``--help``.
-        address: Address of the component.
-        transport: Settings of the transport.
-        settings: Behaviour of the component.
-    """
+    """What the model says of a component's process; options override it."""
 
     name: str
     description: str
@@ -66,8 +58,6 @@ def run_component(
     """Run one component until SIGINT, SIGTERM or a JAUS Shutdown ends it.
 
     Args:
-        factory: Makes the component; the class itself, as a rule.
-        program: What the model says of its process.
         argv: Command line without the program's name; the process's own when None.
 
     Returns:
@@ -119,12 +109,7 @@ def given_options(line: Sequence[str]) -> list[str]:
 
 
 def add_component_arguments(parser: argparse.ArgumentParser, address: JausAddress) -> None:
-    """Add the options of a component that are not the transport's.
-
-    Args:
-        parser: Command line of a component or bridge.
-        address: Modelled address.
-    """
+    """Add the options of a component that are not the transport's."""
     group = parser.add_argument_group("JAUS component")
     group.add_argument(
         "--jaus-id",
@@ -151,12 +136,7 @@ def add_component_arguments(parser: argparse.ArgumentParser, address: JausAddres
 def component_settings(
     arguments: argparse.Namespace, defaults: ComponentSettings | None = None
 ) -> ComponentSettings:
-    """Return the settings that the options of ``add_component_arguments`` describe.
-
-    Args:
-        arguments: Parsed command line.
-        defaults: Modelled settings.
-    """
+    """Return the settings that the options of ``add_component_arguments`` describe."""
     known = ComponentSettings() if defaults is None else defaults
     if arguments.control_survives_emergency:
         known = replace(known, control_survives_emergency=True)
@@ -166,11 +146,7 @@ def component_settings(
 
 
 def configure_log(level: str) -> None:
-    """Log to standard error.
-
-    Args:
-        level: One of ``LOG_LEVELS``.
-    """
+    """Log to standard error."""
     logging.basicConfig(format=LOG_FORMAT, level=level.upper())
 
 
@@ -193,12 +169,7 @@ def running_transport(settings: TransportSettings) -> Iterator[Transport]:
 
 
 def log_counts(label: str, counts: Mapping[str, int]) -> None:
-    """Log names and numbers on one line, as the last word of a process on what it did.
-
-    Args:
-        label: What is counted.
-        counts: Numbers by name.
-    """
+    """Log names and numbers on one line, as the last word of a process on what it did."""
     pairs = " ".join(f"{name}={number}" for name, number in counts.items())
     LOGGER.info("%s: %s", label, pairs or "none")
 
@@ -207,7 +178,6 @@ class StopRequest:
     """Ends the wait of the main thread; may be requested by signals and by any thread."""
 
     def __init__(self) -> None:
-        """Start without a request."""
         # Unlike Event.set, SimpleQueue.put may be called in a signal handler that interrupts
         # the very thread that waits.
         self._requests: SimpleQueue[str | BaseException] = SimpleQueue()

@@ -54,8 +54,6 @@ class On:
         trigger: What takes it; None is whatever no other transition takes.
         when: Its guard; None means always.
         do: What is done, after the exit and before the entry actions.
-        target: Path of the state to enter.
-        kind: What it does to the state.
     """
 
     trigger: Trigger
@@ -72,8 +70,6 @@ class State:
     Attributes:
         path: Names from the outermost state, joined by dots.
         initial: Whether entering the enclosing state, or the machine, enters this one.
-        entry: What is done on entering it.
-        exit: What is done on leaving it.
         transitions: Tried in this order; the first whose guard holds is taken.
         defaults: Tried for the states inside, before the transitions of this state.
     """
@@ -112,7 +108,6 @@ class StateMachine:
     lock.
 
     Attributes:
-        name: Name in the model.
         state: Path of the present state; empty before ``start``. Actions of a transition and of
             the states that it leaves still find the one from which it goes.
     """
@@ -120,15 +115,6 @@ class StateMachine:
     def __init__(
         self, name: str, states: Sequence[State], host: MachineHost, *, extends_core: bool = False
     ) -> None:
-        """Prepare a machine that is in no state yet.
-
-        Args:
-            name: Name in the model.
-            states: The states, enclosing ones included.
-            host: The component.
-            extends_core: Whether the outer states are those of the core services, which the
-                machine follows.
-        """
         self.name = name
         self.state = self._place = ""
         self._host = host

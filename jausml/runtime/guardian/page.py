@@ -27,7 +27,6 @@ class Page:
     """The shared memory: each word of it is written by one side alone."""
 
     def __init__(self, descriptor: int) -> None:
-        """Maps the memory of a descriptor."""
         self._memory = mmap.mmap(descriptor, _SIZE)
 
     @staticmethod

@@ -53,10 +53,6 @@ class Topic:
     """A stop for a topic.
 
     Attributes:
-        name: Full name of the topic.
-        support: Type support of its messages.
-        qos: Quality of service of the bridge's publisher.
-        data: The serialized stop.
         stamps: Where the present time stands in it.
     """
 
@@ -72,8 +68,6 @@ class Datagram:
     """A stop for a JAUS component.
 
     Attributes:
-        data: The datagram, which ends with its sequence number.
-        endpoint: Where it goes.
         slot: Where the page has the sequence number.
     """
 
@@ -88,8 +82,6 @@ class Stops:
 
     Attributes:
         patience: Seconds without a beat after which it is said.
-        topics: Stops for topics.
-        datagrams: Stops for components.
     """
 
     patience: float
@@ -102,11 +94,7 @@ class _Told:
     """How often whoever listens to a stop was told, by the number of those who do.
 
     Attributes:
-        publisher: What tells them.
-        topic: The stop.
         rivals: Publishers on the topic when the stop was due.
-        times: How often they were told.
-        last: When that was.
     """
 
     publisher: Publisher
@@ -121,10 +109,7 @@ class _Cancel:
     """What was asked of the server of an action.
 
     Attributes:
-        canceller: What asks.
-        goal: The goal that shall end.
         first: When it was asked first, 0 before its server was found.
-        last: When it was asked last.
     """
 
     canceller: Any
@@ -140,11 +125,8 @@ class Guardian:
         """Watches nothing before `run`.
 
         Args:
-            channel: What the bridge hands over comes here.
-            page: The shared memory.
             death: Descriptor of the process that the bridge is, which it opened itself: it may be
                 gone before this one runs.
-            bridge: Process id of the bridge.
         """
         self._channel = channel
         self._page = page
@@ -374,12 +356,6 @@ def _log(text: str) -> None:
 
 def main(channel: str, page: str, death: str, bridge: str) -> int:
     """Guards one bridge.
-
-    Args:
-        channel: Descriptor of the socket.
-        page: Descriptor of the shared memory.
-        death: Descriptor of the process of the bridge.
-        bridge: Process id of the bridge.
 
     Returns:
         The exit code: 0, or `EXIT_OF_ROS`.

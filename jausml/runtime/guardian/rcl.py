@@ -66,8 +66,6 @@ class Rcl:
         """Joins ROS.
 
         Args:
-            rcl: Path of librcl.so that the bridge has loaded.
-            utilities: Path of librcutils.so.
             name: Name of the node; one that begins with `_` is hidden from most tools.
             arguments: What concerns security, as on the command line of the bridge.
 
@@ -123,8 +121,6 @@ class Rcl:
         """Makes a publisher.
 
         Args:
-            topic: Full name of the topic.
-            support: Type support of the messages.
             qos: Quality of service by the words of the model; durations in seconds, 0 for none.
 
         Raises:
@@ -204,12 +200,7 @@ class Rcl:
         self._call("rcl_publisher_fini", ctypes.byref(publisher.handle), ctypes.byref(self._node))
 
     def canceller(self, service: str, support: Any) -> Any:
-        """Returns what cancels goals of an action.
-
-        Args:
-            service: Full name of the service that does it.
-            support: Type support of action_msgs/srv/CancelGoal.
-        """
+        """Returns what cancels goals of an action."""
         options = self._default("rcl_client_get_default_options")
         handle = _HANDLE()
         self._call(
@@ -226,7 +217,6 @@ class Rcl:
         """Asks that a goal ends.
 
         Args:
-            canceller: Of its action.
             goal: Its id, 16 octets.
 
         Returns:

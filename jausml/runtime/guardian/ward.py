@@ -40,11 +40,7 @@ Content = dict[str, Any]
 
 
 class Guarded:
-    """One connection, whose stops the guardian says in its place.
-
-    Attributes:
-        number: Its number, by which its stops are armed.
-    """
+    """One connection, whose stops the guardian says in its place."""
 
     def __init__(self, ward: Ward, number: int, stops: Callable[[], Content]) -> None:
         """Use `Ward.guard` instead."""
@@ -84,7 +80,6 @@ class Ward:
         """Guards nothing yet.
 
         Args:
-            loop: The loop of the bridge, whose life is what the beat tells.
             ros: Returns what the guardian needs to speak ROS; nothing where there is none.
             now: Returns simulated time in nanoseconds, 0 where there is none.
             taken: Told, on the loop, that the guardian has spoken.
@@ -125,11 +120,7 @@ class Ward:
         return made
 
     def slot(self, sequence: Callable[[], int]) -> int:
-        """Returns where the page keeps the next sequence number to a component.
-
-        Args:
-            sequence: Returns the next number.
-        """
+        """Returns where the page keeps the next sequence number to a component."""
         self._sequences.append(sequence)
         return len(self._sequences) - 1
 
@@ -145,13 +136,7 @@ class Ward:
     # ------------------------------------------------------------------ for goals
 
     def open_goal(self, goal: bytes, service: str, library: str) -> None:
-        """Hands a goal over, before it is sent.
-
-        Args:
-            goal: Its id.
-            service: Full name of the service that cancels goals of its action.
-            library: Path of the library with the type support of action_msgs.
-        """
+        """Hands a goal over, before it is sent."""
         content = {"id": goal.hex(), "service": service, "library": library}
         with self._loop.lock:
             self._goals[goal.hex()] = content
@@ -328,8 +313,6 @@ def stops(
 
     Args:
         patience: Seconds of silence after which the stop of the connection is due.
-        topics: Stops for topics.
-        datagrams: Stops for components.
     """
     due = max(LEAST_PATIENCE, patience)
     return {"patience": due, "topics": list(topics), "datagrams": list(datagrams)}

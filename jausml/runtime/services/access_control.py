@@ -18,15 +18,83 @@ from ..messages import (
     SetAuthority,
 )
 from .definitions import CORE, VERSION_1_1, Guard
-from .refusals import Refusals
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Set
 
     from ..base.address import JausAddress
-    from ..base.loop import Timer
+    from ..base.loop import Loop, Timer
     from ..wire.message import Message
     from .host import Host
+
+
+LIMIT = 10
+"""Like refusals that a requester gets at once in each second."""
+
+PERIOD = 1.0
+"""Seconds in which they are counted."""
+
+MAX_REQUESTERS = 256
+"""Requesters that are counted at a time; a flood of false ones must not fill the memory."""
+
+
+class _Count:
+    __slots__ = ("code", "number", "since", "waits")
+
+    def __init__(self, code: int, since: float) -> None:
+        self.code = code
+        self.since = since
+        self.number = 0
+        self.waits = False
+
+
+class Refusals:
+    """Counts the refusals of each requester, and puts off those that are too many.
+
+    Some clients ask again as soon as they are refused, as fast as the network carries it.
+    """
+
+    def __init__(self, loop: Loop) -> None:
+        self._loop = loop
+        self._counts: dict[JausAddress, _Count] = {}
+
+    def put_off(self, requester: JausAddress, code: int, again: Callable[[], None]) -> bool:
+        """Tell whether a refusal is not to be sent now; the request is then judged again later.
+
+        Args:
+            code: Why it is refused; another reason is told at once.
+            again: Judges the request again; of several that wait the first one is.
+        """
+        now = self._loop.now()
+        count = self._counts.get(requester)
+        if count is None or count.code != code or now >= count.since + PERIOD:
+            waits = count is not None and count.waits
+            count = self._begin(requester, code, now)
+            if count is None:
+                return False
+            count.waits = waits
+        count.number += 1
+        if count.number <= LIMIT:
+            return False
+        if not count.waits:
+            count.waits = True
+            self._loop.call_at(count.since + PERIOD, lambda: self._judge(requester, again))
+        return True
+
+    def _begin(self, requester: JausAddress, code: int, now: float) -> _Count | None:
+        if requester not in self._counts and len(self._counts) >= MAX_REQUESTERS:
+            lately = self._counts.items()
+            self._counts = {a: c for a, c in lately if c.waits or now < c.since + PERIOD}
+            if len(self._counts) >= MAX_REQUESTERS:
+                return None
+        self._counts[requester] = _Count(code, now)
+        return self._counts[requester]
+
+    def _judge(self, requester: JausAddress, again: Callable[[], None]) -> None:
+        count = self._counts.get(requester)
+        if count is not None:
+            count.waits = False
+        again()
 
 
 Confirm = ConfirmControl.ResponseCode
@@ -39,20 +107,15 @@ class AccessControlService:
     A component that provides AccessControl v1.0 answers ReleaseControl as v1.0 says.
 
     Attributes:
-        controller: The controlling component.
         authority: Its authority code; the default authority without a controller.
-        offered: Whether the component offers control at all.
-        managed: Whether the state of the Management service permits control.
         has_lapsed: Whether the last controller let control lapse.
         kept: Whether the controller keeps control while nobody else may have it.
-        emergency_clients: Who has set an emergency.
         on_lost: Called when control ends, before the controller is told.
     """
 
     urns = frozenset([CORE + "AccessControl"])
 
     def __init__(self, component: Host) -> None:
-        """Begin without a controller."""
         self._component = component
         self._timer: Timer | None = None
         self._timeout = component.settings.control_timeout

@@ -49,7 +49,6 @@ class CommandEvents:
     """Executes commands that come as events, and reports their ends."""
 
     def __init__(self, component: Host, ids: EventIds) -> None:
-        """Begin without commands."""
         self._component = component
         self._ids = ids
         self._commands: dict[int, _Command] = {}

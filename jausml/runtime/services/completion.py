@@ -17,7 +17,6 @@ class Completion:
     """
 
     def __init__(self) -> None:
-        """Begin to wait for the end."""
         self._succeeded: bool | None = None
         self._on_end: Callable[[], None] | None = None
 

@@ -36,23 +36,9 @@ class CoreServices:
 
     It is there whatever the component provides: one without Management is ready for nobody, one
     without AccessControl is never controlled. Only services that are provided take messages.
-
-    Attributes:
-        events: Events, and commands under way.
-        access_control: Who controls the component.
-        management: The state of the component.
-        time: Its clock.
-        list_manager: Its list.
-        liveness: Its heartbeat.
-        discovery: Who else is there.
     """
 
     def __init__(self, host: Host) -> None:
-        """Serve the messages of what the component provides.
-
-        Args:
-            host: The component.
-        """
         self.events = EventsService(host)
         self.access_control = AccessControlService(host)
         self.management = ManagementService(host, self.access_control)

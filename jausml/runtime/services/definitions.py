@@ -27,8 +27,6 @@ class ServiceIdentity:
 
     Attributes:
         urn: Identifier, e.g. ``urn:jaus:jss:mobility:PrimitiveDriver``; case matters.
-        major: Major version.
-        minor: Minor version.
     """
 
     urn: str

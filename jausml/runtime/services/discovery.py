@@ -53,7 +53,6 @@ class DiscoveryService:
     urns = frozenset([CORE + "Discovery"])
 
     def __init__(self, component: Host) -> None:
-        """Begin without registrations."""
         self._component = component
         self._scope = component.settings.discovery_scope
         self._registered: dict[JausAddress, tuple[ServiceIdentity, ...]] = {}

@@ -41,11 +41,7 @@ class Provision(Generic[Q, R]):
     """What answers a query.
 
     Attributes:
-        query_class: Codec of the query.
-        report_class: Codec of the report.
         provider: Returns the present report, encoded or not, or None without one.
-        periodic: Whether periodic events may be set up on the query.
-        every_change: Whether every-change events may be set up on the query.
     """
 
     query_class: type[Q]
@@ -60,9 +56,6 @@ class Handler:
     """What acts on an input message.
 
     Attributes:
-        message_class: Codec of the message.
-        action: Acts on the message.
-        condition: Whom to obey.
         takes_payload: Whether the action takes the encoded message instead of the decoded one.
         is_robust: Whether one that does raises nothing and tells itself when it takes too long.
         counts_each: Whether one that is late is of use still, after newer ones.
@@ -103,7 +96,6 @@ class Router:
         takers: By message code what takes the payloads. The tuples are replaced, never changed:
             what takes a message may add others.
         unwanted: By message code what takes the payloads that nothing else takes.
-        unknown: Takes the payloads of all other messages.
         drops: How many messages were dropped, by sender, reason and message; strangers do not
             fill it beyond 1,024.
     """
@@ -115,14 +107,6 @@ class Router:
         ordering: Callable[[], Ordering],
         stopwatch: Clock,
     ) -> None:
-        """Start without routes.
-
-        Args:
-            counters: Where ignored messages and failures are counted.
-            allows: Decides whether a sender is obeyed under a guard.
-            ordering: Makes what tells late messages of one kind.
-            stopwatch: Tells the seconds that user code takes.
-        """
         self._counters = counters
         self._allows = allows
         self._ordering = ordering
@@ -188,14 +172,7 @@ class Router:
         is_robust: bool = False,
         counts_each: bool = True,
     ) -> None:
-        """Also call ``action`` with the bytes of each such message.
-
-        Args:
-            message_class: Codec of the message.
-            action: Takes an encoded message and its sender.
-            is_robust: Whether it raises nothing and tells itself when it takes too long.
-            counts_each: Whether a message that is late is of use still, after newer ones.
-        """
+        """Also call ``action`` with the bytes of each such message."""
         route = self._routes.setdefault(message_class.CODE, _Route())
         take = self._payload_taker(message_class, action, is_robust)
         if not counts_each:

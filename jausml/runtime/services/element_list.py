@@ -62,12 +62,7 @@ class ListError(JausError):
 def chain(
     contents: Iterable[tuple[int, bytes, int]], *, circular: bool = False
 ) -> list[ListElement]:
-    """Return elements linked in the order given.
-
-    Args:
-        contents: UID, data and data format of each element.
-        circular: Whether the first element follows the last one.
-    """
+    """Return elements linked in the order given."""
     known = list(contents)
     if not known:
         return []
@@ -88,11 +83,6 @@ class ElementList:
     """
 
     def __init__(self, capacity: int) -> None:
-        """Start without elements.
-
-        Args:
-            capacity: Most elements that the list may hold.
-        """
         self._capacity = capacity
         self._elements: dict[int, ListElement] = {}
 

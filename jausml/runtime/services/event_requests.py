@@ -23,11 +23,7 @@ MAX_TEXT = 80
 
 
 class RequestError(JausError):
-    """An event request that cannot be met.
-
-    Attributes:
-        code: Code for RejectEventRequest.
-    """
+    """An event request that cannot be met."""
 
     def __init__(self, code: RejectCode, text: str) -> None:
         super().__init__(text)

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from ..base.address import JausAddress
+    from ..base.clocks import Timing
     from ..base.loop import Timer
-    from ..base.simulated_clock import Timing
     from .dispatch import Provision
     from .host import Host
 
@@ -88,7 +88,6 @@ class EventsService:
     urns = frozenset([CORE + "Events"])
 
     def __init__(self, component: Host) -> None:
-        """Begin without events."""
         self._component = component
         self._loop = component.loop
         self._settings = component.settings
@@ -346,10 +345,6 @@ class EventsService:
         """Send the present report to some clients; encoded once for all who are to have the same.
 
         An event may end before its turn, since a provider is user code.
-
-        Args:
-            events: Theirs.
-            only_changes: Whether a report is only sent that differs from the last one.
         """
         attempt, living = self._component.attempt, self._events
         made: dict[bytes, tuple[Message | bytes, bytes | None]] = {}

@@ -12,9 +12,9 @@ if TYPE_CHECKING:
     from datetime import datetime
 
     from ..base.address import JausAddress
+    from ..base.clocks import Timing
     from ..base.counters import Counters
     from ..base.loop import Loop
-    from ..base.simulated_clock import Timing
     from ..transports.transport import Transport
     from ..wire.message import DecodeError
     from .completion import Completion
@@ -28,17 +28,7 @@ R = TypeVar("R", bound=Message)
 
 
 class Host(Protocol):
-    """A component as its core services and clients see it; ``JausComponent`` is the one.
-
-    Attributes:
-        transport: Carries the messages.
-        address: Address of the component.
-        name: Identification that Discovery reports.
-        services: Every service of the component, inherited ones included.
-        component_type: Type that Discovery reports (AS5710, ReportIdentification).
-        settings: Behaviour.
-        event_clock: Time by which its periodic events are due.
-    """
+    """A component as its core services and clients see it; ``JausComponent`` is the one."""
 
     transport: Transport
     address: JausAddress

@@ -39,11 +39,7 @@ ELEMENTS_OF_DRIVERS = {
 
 
 class ListManagerService:
-    """Edits and reports the list (AS5710 v1.1, ListManager, protocol behaviour).
-
-    Attributes:
-        elements: The list.
-    """
+    """Edits and reports the list (AS5710 v1.1, ListManager, protocol behaviour)."""
 
     # The service was part of the other sets before core v1.1 took it over.
     urns = frozenset(
@@ -51,7 +47,6 @@ class ListManagerService:
     )
 
     def __init__(self, component: Host) -> None:
-        """Begin with an empty list."""
         self._component = component
         self.elements = ElementList(component.settings.max_list_elements)
         self._codes = {

@@ -53,15 +53,11 @@ class ManagementService:
     A component that provides Management v1.0 behaves as v1.0 says: after an emergency it goes on
     where it was, Reset needs Ready, and anyone may shut down or reset it in Emergency. Of either
     version, one that has failed or was shut down is so again after an emergency.
-
-    Attributes:
-        status: The present state.
     """
 
     urns = frozenset([CORE + "Management"])
 
     def __init__(self, component: Host, access: AccessControlService) -> None:
-        """Begin in Init."""
         self._component = component
         self._access = access
         self._emergencies: set[JausAddress] = set()
@@ -236,9 +232,6 @@ class ManagementService:
 
         When it was the last one, the component is in Standby without a controller, in v1.0 as
         well: nothing moves before somebody takes control and resumes it.
-
-        Raises:
-            EmergencyStandsError: See ``check_lift``.
         """
         for each in self.check_lift(clients):
             self._emergencies.discard(each)

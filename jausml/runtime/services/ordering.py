@@ -26,12 +26,6 @@ class Ordering:
     """
 
     def __init__(self, arrival: Arrival, clock: Callable[[], float]) -> None:
-        """Begin without messages.
-
-        Args:
-            arrival: The message that is being handed over.
-            clock: Monotonic time in seconds.
-        """
         self._arrival = arrival
         self._clock = clock
         self._latest: dict[JausAddress, tuple[int, float]] = {}

@@ -32,7 +32,6 @@ class TimeService:
     urns = frozenset([CORE + "Time"])
 
     def __init__(self, component: Host) -> None:
-        """Begin with the time of the host."""
         self._component = component
         self._offset = timedelta()
 

@@ -10,7 +10,6 @@ from enum import Enum, auto
 from typing import TYPE_CHECKING
 
 from ..base.address import address_of
-from .claim import Claim
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -18,6 +17,27 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.counters import Counters
     from ..base.settings import Endpoint
+
+
+class Claim:
+    """What a component without proof has sent and got, at the one endpoint that it claims.
+
+    Attributes:
+        number: What it is to acknowledge; None while it has not been asked.
+    """
+
+    __slots__ = (
+        *("asked", "asker", "held", "host", "number", "questions", "received", "sent", "wrong"),
+    )
+
+    def __init__(self, host: str) -> None:
+        self.host = host
+        self.received = self.sent = self.wrong = self.questions = 0
+        self.number: int | None = None
+        self.asked = float("-inf")
+        self.asker: JausAddress | None = None
+        self.held: list[bytes] = []
+
 
 SOURCE_REFUSED = "transport.source_refused"
 """Packets in the name of a component that is heard from elsewhere."""
@@ -97,15 +117,6 @@ class AddressBook:
         places: int = MAX_PEERS,
         trusts: Callable[[Endpoint], bool] = lambda _endpoint: True,
     ) -> None:
-        """Start empty.
-
-        Args:
-            lifetime: Seconds of silence after which an endpoint is doubted.
-            counters: Where changed and refused endpoints are counted.
-            fixed: Whether an endpoint stands for as long as the component is heard from it.
-            places: Components that are remembered.
-            trusts: Whether components at an endpoint need not prove that they are there.
-        """
         self.lifetime = lifetime
         self._fixed = fixed
         self._places = places
@@ -170,7 +181,6 @@ class AddressBook:
         """Give a component a place of its own, instead of the one that an owner named before.
 
         Args:
-            owner: Component of this process.
             address: Who controls it; None for nobody.
         """
         if address is None:
@@ -203,14 +213,7 @@ class AddressBook:
             del self._claims[host]
 
     def refuses(self, address: JausAddress, entry: Entry, endpoint: Endpoint, now: float) -> bool:
-        """Return whether a component may not be heard from an endpoint; it is counted then.
-
-        Args:
-            address: The component.
-            entry: Its entry.
-            endpoint: Where something came from.
-            now: Time in seconds.
-        """
+        """Return whether a component may not be heard from an endpoint; it is counted then."""
         if entry.endpoint == endpoint or not self._stands(entry, now):
             return False
         detail = f"{address} at {endpoint}: it is heard from {entry.endpoint}"
@@ -255,7 +258,6 @@ class AddressBook:
         """Doubt an endpoint at once, because the component failed to acknowledge.
 
         Args:
-            address: The component.
             since: When the first packet without acknowledgement was sent: who was heard later is
                 there, and its acknowledgement may only be late.
         """

@@ -26,12 +26,6 @@ class AllowedHosts:
     """
 
     def __init__(self, settings: TransportSettings, counters: Counters) -> None:
-        """Read the settings.
-
-        Args:
-            settings: Their networks.
-            counters: Where refusals are counted.
-        """
         self._counters = counters
         named = (*settings.allowed_hosts, settings.interface) if settings.allowed_hosts else ()
         networks = [ipaddress.IPv4Network(each) for each in named]

@@ -21,10 +21,7 @@ class ReceivedMessage(NamedTuple):
     """One JAUS message as it arrived.
 
     Attributes:
-        source: Component that sent it.
-        destination: Component or wildcard that it was sent to.
         payload: Little-endian 16-bit message code and body.
-        priority: Priority that the sender chose.
         sequence: Sequence number of its (first) packet.
     """
 
@@ -47,7 +44,6 @@ class Arrival:
     __slots__ = ("is_sure", "number")
 
     def __init__(self) -> None:
-        """Begin without a message."""
         self.number: int | None = None
         self.is_sure = False
 
@@ -60,18 +56,10 @@ class PeerTraffic(NamedTuple):
     components of jausml do, or talks to this component alone. Else ``lost`` is an upper bound.
 
     Attributes:
-        own: The component of this process.
-        peer: The other one.
-        sent: Packets to the peer.
-        acknowledged: Messages to the peer that were acknowledged in time.
         acknowledged_late: Messages that were acknowledged when they had been given up.
         answered: Messages whose answer came, and no acknowledgement.
         unacknowledged: Messages that never were, though they may have arrived.
-        came: Packets of the peer that arrived.
         lost: Packets of the peer that were lost on the way.
-        late: Those that arrived after newer ones.
-        repeated: Packets that came again, too late to be known as duplicates.
-        restarts: How often the peer began anew.
         is_exact: Whether the peer is known not to number for all whom it talks to.
     """
 
@@ -94,8 +82,6 @@ class Double(NamedTuple):
     """Another component that was heard with the address of one of this process.
 
     Attributes:
-        address: The address.
-        place: Where the other one sends from.
         first_heard: When it was heard first, in UTC.
         last_heard: When it was heard last, by the clock of the loop.
     """
@@ -124,12 +110,6 @@ OnResult = Callable[[bool], None]
 
 
 def report(loop: Loop, on_result: OnResult | None, *, success: bool) -> None:
-    """Tell a result in the next round of the loop.
-
-    Args:
-        loop: The loop.
-        on_result: Who wants to know, if anybody.
-        success: Whether the message went out.
-    """
+    """Tell a result in the next round of the loop."""
     if on_result is not None:
         loop.call_soon(partial(on_result, success))

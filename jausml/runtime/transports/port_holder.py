@@ -21,12 +21,7 @@ _ADDRESS, _STATE, _INODE = 1, 3, 9
 
 
 class Holder(NamedTuple):
-    """A process that holds a port.
-
-    Attributes:
-        name: Name of its program.
-        process: Its number.
-    """
+    """A process that holds a port."""
 
     name: str
     process: int
@@ -37,35 +32,20 @@ class Holder(NamedTuple):
 
 
 def holders(protocol: str, port: int) -> list[Holder]:
-    """Return the other processes that hold a port, as far as this one may see them (Linux).
-
-    Args:
-        protocol: ``udp`` or ``tcp``.
-        port: The port.
-    """
+    """Return the other processes that hold a port, as far as this one may see them (Linux)."""
     inodes = set(_inodes(protocol, port))
     return sorted(set(_processes(inodes))) if inodes else []
 
 
 def advice(protocol: str, settings: TransportSettings) -> str:
-    """Return who holds the port of the settings, and how to share or change it.
-
-    Args:
-        protocol: ``udp`` or ``tcp``.
-        settings: Interface and port.
-    """
+    """Return who holds the port of the settings, and how to share or change it."""
     share = "To share it with a node manager: --jaus-transport node-manager"
     text = who_holds(protocol, settings)
     return f"{text}. {share}; to use another port, as every peer then must: --jaus-port"
 
 
 def who_holds(protocol: str, settings: TransportSettings) -> str:
-    """Return who holds the port of the settings, as far as this process may see it.
-
-    Args:
-        protocol: ``udp`` or ``tcp``.
-        settings: Interface and port.
-    """
+    """Return who holds the port of the settings, as far as this process may see it."""
     known = holders(protocol, settings.port)
     manager = manager_folder(settings)
     if known:
@@ -85,11 +65,7 @@ def manager_folder(settings: TransportSettings) -> Path | None:
 
 
 def is_alive(path: Path) -> bool:
-    """Return whether a process has a local socket.
-
-    Args:
-        path: The socket.
-    """
+    """Return whether a process has a local socket."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as probe:
         try:
             probe.connect(str(path))

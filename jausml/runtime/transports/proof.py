@@ -20,8 +20,7 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.loop import Loop
     from ..base.settings import Endpoint
-    from .address_book import AddressBook, Entry
-    from .claim import Claim
+    from .address_book import AddressBook, Claim, Entry
 
 PROVED = "transport.address_proved"
 """Components that have acknowledged a question."""
@@ -59,10 +58,7 @@ class Prover:
         """Begin without claims.
 
         Args:
-            book: Where components are, and which of them have claims.
-            loop: Its clock and counters are used.
             limit: Bytes that go to an endpoint without proof for each byte from it.
-            put: Sends a datagram.
             draw: Returns a number from 0 to below its argument that nobody can guess.
         """
         self._book = book
@@ -77,8 +73,6 @@ class Prover:
         """Note that a packet came from a component without proof, and ask for one.
 
         Args:
-            entry: Its entry, with a claim.
-            packet: What came.
             asker: Component of this process that can ask; None where none is meant.
         """
         claim = entry.claim

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..base.settings import TransportKind
-from .node_manager.transport import NodeManagerTransport
+from .node_manager import NodeManagerTransport
 from .tcp.jtcp import JtcpTransport
 from .udp.judp import JudpTransport
 
@@ -16,12 +16,7 @@ if TYPE_CHECKING:
 
 
 def create_transport(settings: TransportSettings, loop: Loop) -> Transport:
-    """Return the transport that the settings name, not yet open.
-
-    Args:
-        settings: How messages travel, and the settings of that.
-        loop: Loop on which messages are received.
-    """
+    """Return the transport that the settings name, not yet open."""
     if settings.transport is TransportKind.JTCP:
         return JtcpTransport(settings, loop)
     if settings.transport is TransportKind.NODE_MANAGER:

@@ -27,21 +27,10 @@ class Transport(ABC):
 
     ``JudpTransport`` is that of UDP, ``JtcpTransport`` of TCP, and ``NodeManagerTransport`` goes
     through the host's node manager.
-
-    Attributes:
-        loop: The loop on which messages are received.
-        counters: Where drops are counted.
-        arrival: The message that is being handed over.
-        quirks: What was learnt of each peer.
     """
 
     def __init__(self, settings: TransportSettings, loop: Loop) -> None:
-        """Prepare a transport; ``open`` puts it on the network.
-
-        Args:
-            settings: Interface, port, peers, time-outs and limits.
-            loop: Loop on which messages are received; its counters are used.
-        """
+        """Prepare a transport; ``open`` puts it on the network."""
         self.loop = loop
         self.counters: Counters = loop.counters
         self.arrival = Arrival()
@@ -64,7 +53,6 @@ class Transport(ABC):
         """Receive messages for a component of this process from now on.
 
         Args:
-            address: The component.
             receive: Takes each message, on the loop's thread.
             take: Does the same with payload and sender alone; a transport may call it instead.
 
@@ -81,21 +69,13 @@ class Transport(ABC):
             self._detach(address)
 
     def double_of(self, address: JausAddress) -> Double | None:
-        """Return who else was heard with the address of a component, None when nobody was.
-
-        Args:
-            address: A component of this process.
-        """
+        """Return who else was heard with the address of a component, None when nobody was."""
         with self.loop.lock:
             messenger = self._messenger_of(address)
             return None if messenger is None else messenger.inbox.double_of(address)
 
     def traffic(self, address: JausAddress) -> list[PeerTraffic]:
-        """Return what a component has exchanged with each other one, in packets.
-
-        Args:
-            address: A component of this process.
-        """
+        """Return what a component has exchanged with each other one, in packets."""
         with self.loop.lock:
             messenger = self._messenger_of(address)
             known = [] if messenger is None else messenger.traffic()
@@ -105,9 +85,6 @@ class Transport(ABC):
         """Return whether a component would have been heard by now if messages reached it.
 
         Only a transport that asks silent components for acknowledgement knows.
-
-        Args:
-            address: A component that messages are sent to.
         """
         del address
         return False
@@ -116,8 +93,6 @@ class Transport(ABC):
         """Take the answer to a message as good as its acknowledgement: it is repeated no more.
 
         Args:
-            address: The component of this process that has asked.
-            peer: The component that answers.
             start: What the payload of the message begins with: its code at least.
         """
         with self.loop.lock:
@@ -131,12 +106,6 @@ class Transport(ABC):
         """Return what another process may send in the place of a component, and where.
 
         It asks for acknowledgement, so that it is obeyed however late it seems. Its number is 0.
-
-        Args:
-            source: A component of this process.
-            destination: A component that was heard.
-            payload: The message.
-            priority: Its priority.
 
         Returns:
             The datagram and its endpoint; None where one datagram does not do.
@@ -155,28 +124,17 @@ class Transport(ABC):
         """Return whether a component has proved where it is, or need not.
 
         Only UDP has addresses that can be forged.
-
-        Args:
-            address: A component that was heard.
         """
         del address
         return True
 
     def place_of(self, address: JausAddress) -> tuple[str, str]:
-        """Return the host and the endpoint of a component, as budgets share what there is.
-
-        Args:
-            address: A component that was heard.
-        """
+        """Return the host and the endpoint of a component, as budgets share what there is."""
         del address
         return "", ""
 
     def is_kept(self, address: JausAddress) -> bool:
-        """Return whether a component gives way to nobody: it is configured or in control.
-
-        Args:
-            address: A component that was heard.
-        """
+        """Return whether a component gives way to nobody: it is configured or in control."""
         del address
         return False
 
@@ -184,7 +142,6 @@ class Transport(ABC):
         """Let a component give way to nobody, instead of the one that an owner named before.
 
         Args:
-            owner: Component of this process.
             address: Who controls it; None for nobody.
         """
         del owner, address
@@ -198,11 +155,7 @@ class Transport(ABC):
         del listener
 
     def silence_of(self, address: JausAddress) -> float:
-        """Return for how many seconds nothing came from a component; infinite if nothing did.
-
-        Args:
-            address: The component.
-        """
+        """Return for how many seconds nothing came from a component; infinite if nothing did."""
         del address
         return math.inf
 
@@ -225,10 +178,8 @@ class Transport(ABC):
         and reported to ``on_result``.
 
         Args:
-            source: Component that sends, of this process.
             destination: Component, or a wildcard for several.
             payload: Little-endian 16-bit message code and body.
-            priority: Priority of the message.
             acknowledge: Repeat until acknowledged; of several receivers one is enough. A message
                 of more than ten packets is repeated in any case.
             on_result: Told once whether the message was acknowledged or received in this
@@ -256,9 +207,7 @@ class Transport(ABC):
         be asked for before the transport is open.
 
         Args:
-            source: Component that sends, of this process.
             destination: Component, or a wildcard for several.
-            priority: Priority of the messages.
         """
         return partial(self.send, source, destination, priority=priority)
 

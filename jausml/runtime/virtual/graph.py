@@ -45,16 +45,7 @@ class GraphPublisher:
     """A publisher.
 
     Attributes:
-        node: Name of its node.
-        qos: What it offers.
-        topic: Where it publishes.
-        greet: Called for each subscription that is found.
-        health: What is wrong with it.
-        publish: Publishes a serialized message.
-        encode: Serializes an object of the class of rclpy.
-        matched: Subscriptions that it reaches.
         unmatched: Messages that found none of them; whoever publishes counts.
-        reached: The subscriptions that it reaches.
         kept: What late subscriptions get, with the time of its publication.
     """
 
@@ -103,13 +94,7 @@ class GraphPublisher:
 
 @dataclass(eq=False)
 class GraphSubscription:
-    """A subscription, and the way to it.
-
-    Attributes:
-        node: Name of its node.
-        qos: What it requests.
-        counts: What became of its messages.
-    """
+    """A subscription, and the way to it."""
 
     node: str
     qos: Qos
@@ -137,7 +122,6 @@ class GraphSubscription:
         """Lets a message come.
 
         Args:
-            data: The serialized message.
             stamp: When it was published, in nanoseconds since 1970.
         """
         if not self.way.carry(partial(self._arrive, data, stamp)):
@@ -157,16 +141,7 @@ class GraphSubscription:
 
 
 class GraphTopic:
-    """A topic, with those who publish and subscribe.
-
-    Attributes:
-        name: Its full name.
-        kind: Name of the type of its messages.
-        wall: Time of day in nanoseconds.
-        watch: Told each message that arrives.
-        publishers: Its publishers.
-        subscriptions: Its subscriptions.
-    """
+    """A topic, with those who publish and subscribe."""
 
     def __init__(self, graph: RosGraph, name: str, kind: str) -> None:
         self.name = name
@@ -233,20 +208,9 @@ class RosGraph:
 
     Messages are serialized, as `RosSide` has them. Each subscription is reached by a way of its
     own. What a way loses is lost, whatever quality of service says: it stands for `best_effort`.
-
-    Attributes:
-        loop: Everything happens on it.
-        watch: Told each message that arrives, and its topic.
     """
 
     def __init__(self, loop: Loop, random: Random, watch: Callable[[str, bytes], None]) -> None:
-        """Begins without topics.
-
-        Args:
-            loop: Everything happens on it.
-            random: Decides what gets lost, and how long the rest takes.
-            watch: Told each message that arrives, and its topic.
-        """
         self.loop = loop
         self.watch = watch
         self._random = random
@@ -257,9 +221,6 @@ class RosGraph:
         """Publishes a serialized message; the first on a topic makes its publisher.
 
         Args:
-            topic: Full name of the topic.
-            ros_type: Type of the message.
-            data: The serialized message.
             qos: Quality of service; that of a plain publisher by default.
 
         Raises:
@@ -283,11 +244,7 @@ class RosGraph:
         """Subscribes to a topic.
 
         Args:
-            topic: Full name of the topic.
-            ros_type: Type of its messages.
-            take: Is given each serialized message.
             qos: Quality of service; by default one that requests nothing, so that all is heard.
-            link: What the way to the subscription does; nothing by default.
 
         Returns:
             The subscription, whose link may be changed, and which may be closed.
@@ -313,12 +270,6 @@ class RosGraph:
     ) -> GraphPublisher:
         """Makes a publisher of a node.
 
-        Args:
-            node: Name of the node.
-            ros_type: Type of the messages.
-            topic: The topic, by its full name.
-            greet: Called for each subscription that is found.
-
         Raises:
             RosTypeError: The topic has another type.
         """
@@ -340,11 +291,7 @@ class RosGraph:
         """Makes a subscription of a node.
 
         Args:
-            node: Name of the node.
-            ros_type: Type of the messages.
-            topic: The topic, by its full name.
             take: Is given each serialized message, and when it was published, in nanoseconds.
-            link: What the way to the subscription does.
 
         Raises:
             RosTypeError: The topic has another type.

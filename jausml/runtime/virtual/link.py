@@ -71,16 +71,13 @@ class Way:
 
     Attributes:
         link: What it does; another one counts for what comes from then on.
-        is_cut: Whether nothing passes.
     """
 
     def __init__(self, loop: Loop, random: Random, link: Link) -> None:
         """Begin to let pass.
 
         Args:
-            loop: Its clock is that of the way.
             random: Decides what happens, in the order in which it happens.
-            link: What the way does.
         """
         self.link = link
         self.is_cut = False

@@ -37,13 +37,6 @@ class Network:
     """
 
     def __init__(self, loop: Loop, random: Random, watch: Callable[[str, bytes], None]) -> None:
-        """Begin without processes.
-
-        Args:
-            loop: Everything happens on it.
-            random: Decides what gets lost, and how long the rest takes.
-            watch: Told each datagram that arrives, and between whom.
-        """
         self._loop = loop
         self._random = random
         self._watch = watch
@@ -56,9 +49,6 @@ class Network:
         """Return the transport of one more process, open.
 
         Args:
-            settings: Time-outs and limits.
-            out: What the way out of it does.
-            into: What the way to it does.
             draw: Returns a random number from 0 to below its argument, for sequence numbers.
         """
         self._made += 1
@@ -121,20 +111,12 @@ class Station:
     """Where a process is on the network: the port that it sends from, and its two ways.
 
     Attributes:
-        endpoint: Where it is reached.
-        group: Where all are reached.
-        out: The way out of it.
-        into: The way to it.
-        unicast: It itself, while it is open.
-        sent: Datagrams that it has sent.
-        received: Datagrams that have reached it.
         lost: Datagrams that got lost on one of its ways, or went to where nobody is.
     """
 
     group: Endpoint = _GROUP
 
     def __init__(self, network: Network, endpoint: Endpoint, out: Way, into: Way) -> None:
-        """Begin, closed."""
         self.endpoint = endpoint
         self.out = out
         self.into = into
@@ -165,9 +147,6 @@ class VirtualTransport(DatagramTransport):
 
     What JUDP does with packets is done here as well, on the bytes of its datagrams: numbers,
     acknowledgements and repetitions, fragments, the search for who is where.
-
-    Attributes:
-        station: Its place on the network.
     """
 
     def __init__(

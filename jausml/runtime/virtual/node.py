@@ -18,10 +18,8 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from ..bridge.ends.actions import ActionClient, GoalTaker, ListAction
     from ..bridge.ends.ends import RosCodec, RosPublisher
-    from ..bridge.ends.parameter import Parameter
     from ..bridge.ends.quality import EndpointHealth, TopicFault
-    from ..bridge.ends.service_client import RosService, ServiceClient
-    from ..bridge.ends.topics import TopicCounts
+    from ..bridge.ends.topics import Parameter, RosService, ServiceClient, TopicCounts
     from .graph import GraphPublisher, RosGraph
     from .link import Link
 
@@ -43,10 +41,7 @@ class VirtualRosNode:
         """Joins the graph; `VirtualWorld.ros_node` does that.
 
         Args:
-            graph: Topics of the world.
-            name: Full name, e.g. `/fleet/bridge`.
             parameters: Values by name, which replace those of the model.
-            link: What the ways to its subscriptions do.
         """
         self.name = name
         self._graph = graph
@@ -89,7 +84,6 @@ class VirtualRosNode:
         """Declares a parameter and returns its value.
 
         Args:
-            parameter: The parameter.
             changed: Takes each later value; without it the parameter cannot change.
 
         Raises:
@@ -105,10 +99,6 @@ class VirtualRosNode:
 
     def set_parameter(self, name: str, value: Any) -> None:
         """Changes a parameter, as `ros2 param set` does.
-
-        Args:
-            name: Its name.
-            value: The new value.
 
         Raises:
             ParameterError: There is no such parameter, it cannot change, or the value does not do.

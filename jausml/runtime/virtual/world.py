@@ -7,7 +7,7 @@ from datetime import datetime, timedelta, timezone
 from random import Random
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ..base.host_clock import HostClock
+from ..base.clocks import HostClock
 from ..base.loop import Loop
 from ..base.settings import TransportSettings
 from .graph import RosGraph
@@ -44,16 +44,13 @@ class VirtualWorld:
     from ``random`` or a seed of its own. All of it runs on the thread that calls ``run_for``.
 
     Attributes:
-        loop: The loop of all components and bridges.
         random: Decides what gets lost, and how long the rest takes, in the order of events.
-        ros: Topics.
     """
 
     def __init__(self, seed: int = 1, start: datetime = START) -> None:
         """Begin at 0 seconds.
 
         Args:
-            seed: Of all that happens by chance.
             start: Time of day at 0 seconds, with its time zone.
 
         Raises:
@@ -101,8 +98,6 @@ class VirtualWorld:
         """Return the transport of one more process, open.
 
         Args:
-            out: What the way out of the process does; nothing by default.
-            into: What the way to it does; nothing by default.
             settings: Time-outs and limits; what is said there of sockets does not count.
         """
         self._transports += 1
@@ -123,10 +118,7 @@ class VirtualWorld:
         """Return a node for a bridge.
 
         Args:
-            name: Its name.
-            parameters: Values of parameters, which replace those of the model.
             namespace: Namespace, e.g. `/fleet`; empty means the root.
-            link: What the ways to its subscriptions do; nothing by default.
         """
         full = f"/{namespace.strip('/')}/{name}" if namespace.strip("/") else f"/{name}"
         return VirtualRosNode(self.ros, full, parameters or {}, link or Link())
@@ -179,7 +171,6 @@ class VirtualWorld:
         """Let time pass until a condition holds; it is asked after each turn of the loop.
 
         Args:
-            condition: Whether it holds.
             limit: Longest time in seconds.
 
         Raises:

@@ -24,17 +24,7 @@ _SLACK = 1e-3
 
 
 def integer(value: int, lower: int, upper: int, field: str) -> int:
-    """Returns an integer that lies in its range.
-
-    Args:
-        value: The value.
-        lower: Smallest legal value.
-        upper: Largest legal value.
-        field: Attribute that an error names.
-
-    Raises:
-        EncodeError: The value is out of range or no number.
-    """
+    """Returns an integer that lies in its range."""
     try:
         if lower <= value <= upper:
             return value
@@ -44,16 +34,7 @@ def integer(value: int, lower: int, upper: int, field: str) -> int:
 
 
 def one_of(value: int, ranges: Sequence[tuple[int, int]], field: str) -> int:
-    """Returns an integer that its value set lists.
-
-    Args:
-        value: The value.
-        ranges: Smallest and largest value of each legal range.
-        field: Attribute that an error names.
-
-    Raises:
-        EncodeError: No range holds the value.
-    """
+    """Returns an integer that its value set lists."""
     try:
         if any(lower <= value <= upper for lower, upper in ranges):
             return value
@@ -63,17 +44,7 @@ def one_of(value: int, ranges: Sequence[tuple[int, int]], field: str) -> int:
 
 
 def whole(value: float, lower: int, upper: int, field: str) -> int:
-    """Returns the integer that a real number stands for.
-
-    Args:
-        value: A number without a fraction.
-        lower: Smallest legal value.
-        upper: Largest legal value.
-        field: Attribute that an error names.
-
-    Raises:
-        EncodeError: The value is out of range, has a fraction or is no number.
-    """
+    """Returns the integer that a real number stands for."""
     try:
         number = int(value)
     except (TypeError, ValueError, OverflowError):
@@ -84,31 +55,12 @@ def whole(value: float, lower: int, upper: int, field: str) -> int:
 
 
 def whole_of(value: float, ranges: Sequence[tuple[int, int]], field: str) -> int:
-    """Returns the integer of a value set that a real number stands for.
-
-    Args:
-        value: A number without a fraction.
-        ranges: Smallest and largest value of each legal range.
-        field: Attribute that an error names.
-
-    Raises:
-        EncodeError: No range holds the value, it has a fraction or is no number.
-    """
+    """Returns the integer of a value set that a real number stands for."""
     return one_of(whole(value, ranges[0][0], ranges[-1][1], field), ranges, field)
 
 
 def real(value: float, lower: float, upper: float, field: str) -> float:
-    """Returns a real number that lies in its range.
-
-    Args:
-        value: The value.
-        lower: Smallest legal value.
-        upper: Largest legal value.
-        field: Attribute that an error names.
-
-    Raises:
-        EncodeError: The value is out of range, infinite or no number.
-    """
+    """Returns a real number that lies in its range."""
     try:
         if lower <= value <= upper:
             return value
@@ -121,14 +73,9 @@ def scaled(value: float, lower: float, step: float, maximum: int, field: str) ->
     """Returns the integer nearest to a scaled value (AS5684 scale_range, function round).
 
     Args:
-        value: The value in its unit.
         lower: Value of the integer 0.
         step: Difference between the values of neighbouring integers.
         maximum: Largest integer.
-        field: Attribute that an error names.
-
-    Raises:
-        EncodeError: The value is out of range or no number.
     """
     try:
         position = (value - lower) / step
@@ -140,35 +87,13 @@ def scaled(value: float, lower: float, step: float, maximum: int, field: str) ->
 
 
 def scaled_down(value: float, lower: float, step: float, maximum: int, field: str) -> int:
-    """Returns the integer below a scaled value (AS5684 scale_range, function floor).
-
-    Args:
-        value: The value in its unit.
-        lower: Value of the integer 0.
-        step: Difference between the values of neighbouring integers.
-        maximum: Largest integer.
-        field: Attribute that an error names.
-
-    Raises:
-        EncodeError: The value is out of range or no number.
-    """
+    """Returns the integer below a scaled value (AS5684 scale_range, function floor)."""
     scaled(value, lower, step, maximum, field)
     return min(math.floor((value - lower) / step + _SLACK), maximum)
 
 
 def scaled_up(value: float, lower: float, step: float, maximum: int, field: str) -> int:
-    """Returns the integer above a scaled value (AS5684 scale_range, function ceiling).
-
-    Args:
-        value: The value in its unit.
-        lower: Value of the integer 0.
-        step: Difference between the values of neighbouring integers.
-        maximum: Largest integer.
-        field: Attribute that an error names.
-
-    Raises:
-        EncodeError: The value is out of range or no number.
-    """
+    """Returns the integer above a scaled value (AS5684 scale_range, function ceiling)."""
     scaled(value, lower, step, maximum, field)
     return min(max(math.ceil((value - lower) / step - _SLACK), 0), maximum)
 
@@ -185,17 +110,7 @@ def _end(value: float, lower: float, step: float, maximum: int, field: str) -> i
 
 
 def sized(value: Sized, lower: int, upper: int, field: str) -> int:
-    """Returns the length of a list, string or byte string that is neither too short nor too long.
-
-    Args:
-        value: The list or string.
-        lower: Smallest legal length.
-        upper: Largest legal length.
-        field: Attribute that an error names.
-
-    Raises:
-        EncodeError: The length is not legal.
-    """
+    """Returns the length of a list or string that is neither too short nor too long."""
     length = len(value)
     if lower <= length <= upper:
         return length
@@ -203,30 +118,13 @@ def sized(value: Sized, lower: int, upper: int, field: str) -> int:
 
 
 def exactly(values: Sequence[T], count: int, field: str) -> Sequence[T]:
-    """Returns the elements of an array, which has a fixed number of them.
-
-    Args:
-        values: The elements.
-        count: How many there must be.
-        field: Attribute that an error names.
-
-    Raises:
-        EncodeError: There are more or fewer.
-    """
+    """Returns the elements of an array, which has a fixed number of them."""
     sized(values, count, count, field)
     return values
 
 
 def latin1(value: str, field: str) -> bytes:
-    """Returns a string as bytes, one for each character.
-
-    Args:
-        value: The string.
-        field: Attribute that an error names.
-
-    Raises:
-        EncodeError: The string has characters beyond Latin-1.
-    """
+    """Returns a string as bytes, one for each character."""
     try:
         return value.encode("latin-1")
     except UnicodeEncodeError:
@@ -235,11 +133,6 @@ def latin1(value: str, field: str) -> bytes:
 
 def padded(value: str, length: int, field: str) -> bytes:
     """Returns a string of fixed length as bytes, padded with zeros.
-
-    Args:
-        value: The string.
-        length: Number of bytes.
-        field: Attribute that an error names.
 
     Raises:
         EncodeError: The string is too long, has characters beyond Latin-1 or a NUL, which ends it.
@@ -252,27 +145,12 @@ def padded(value: str, length: int, field: str) -> bytes:
 
 
 def unpadded(text: bytes) -> str:
-    """Returns the string that fixed bytes hold: what stands before the first NUL.
-
-    Args:
-        text: The bytes.
-    """
+    """Returns the string that fixed bytes hold: what stands before the first NUL."""
     return text.split(b"\0", 1)[0].decode("latin-1")
 
 
 def take(buffer: bytes, offset: int, size: int, upper: int, field: str) -> bytes:
-    """Returns a counted part of the payload.
-
-    Args:
-        buffer: The whole payload.
-        offset: Where the part begins.
-        size: The count on the wire.
-        upper: Largest legal count.
-        field: Attribute that an error names.
-
-    Raises:
-        DecodeError: The count is too large or the payload ends before it.
-    """
+    """Returns a counted part of the payload."""
     if size > upper:
         raise DecodeError(field, f"length {size} is more than {upper}")
     part = buffer[offset : offset + size]
@@ -282,32 +160,12 @@ def take(buffer: bytes, offset: int, size: int, upper: int, field: str) -> bytes
 
 
 def take_text(buffer: bytes, offset: int, size: int, upper: int, field: str) -> str:
-    """Returns a counted string of the payload.
-
-    Args:
-        buffer: The whole payload.
-        offset: Where the string begins.
-        size: The count on the wire.
-        upper: Largest legal count.
-        field: Attribute that an error names.
-
-    Raises:
-        DecodeError: The count is too large or the payload ends before it.
-    """
+    """Returns a counted string of the payload."""
     return take(buffer, offset, size, upper, field).decode("latin-1")
 
 
 def check_presence(presence: int, known: int, part: str) -> None:
-    """Refuses a presence vector with bits of unknown fields, whose size nobody knows.
-
-    Args:
-        presence: The presence vector on the wire.
-        known: The bits that fields use, from bit 0 upwards.
-        part: Message or container that an error names.
-
-    Raises:
-        DecodeError: Another bit is set.
-    """
+    """Refuses a presence vector with bits of unknown fields, whose size nobody knows."""
     if presence > known:
         raise DecodeError(part, f"unknown bits in presence vector 0x{presence:X}")
 
@@ -316,14 +174,7 @@ def check_count(size: int, upper: int, room: int, element: int, field: str) -> N
     """Checks the count of a list before memory is taken for its elements.
 
     Args:
-        size: The count on the wire.
-        upper: Largest legal count.
-        room: Bytes that follow the count.
         element: Fewest bytes of an element.
-        field: Attribute that an error names.
-
-    Raises:
-        DecodeError: The count is too large or the payload is too short for it.
     """
     if size > upper:
         raise DecodeError(field, f"count {size} is more than {upper}")

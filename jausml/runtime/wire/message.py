@@ -19,12 +19,7 @@ MessageT = TypeVar("MessageT", bound="Message")
 
 
 class DecodeError(JausError):
-    """Bytes that are not the message they claim to be.
-
-    Attributes:
-        where: Message or field that is wrong.
-        reason: What is wrong with it.
-    """
+    """Bytes that are not the message they claim to be."""
 
     def __init__(self, where: str, reason: str) -> None:
         super().__init__(f"{where}: {reason}")
@@ -33,12 +28,7 @@ class DecodeError(JausError):
 
 
 class EncodeError(JausError):
-    """A value that has no place on the wire, for example one outside the range of its field.
-
-    Attributes:
-        field: Attribute that is wrong.
-        reason: What is wrong with it.
-    """
+    """A value that has no place on the wire, for example one outside the range of its field."""
 
     def __init__(self, field: str, reason: str) -> None:
         super().__init__(f"{field}: {reason}")
@@ -48,9 +38,6 @@ class EncodeError(JausError):
 
 def read_code(payload: bytes) -> int:
     """Returns the message code that a payload begins with.
-
-    Args:
-        payload: Payload of a datagram or of an embedded message.
 
     Raises:
         DecodeError: The payload is too short for a code.
@@ -67,10 +54,6 @@ class Message:
 
     An optional field that is None is left out by the presence vector. Two messages are equal when
     their fields are.
-
-    Attributes:
-        CODE: Message code.
-        NAME: Name in the standard.
     """
 
     __slots__ = ()
@@ -98,9 +81,6 @@ class Message:
         Bytes after the body are refused: a body that is longer than its definition is of another
         definition, and what was read of it cannot be trusted.
 
-        Args:
-            payload: Message code and body.
-
         Raises:
             DecodeError: The bytes are no such message.
         """
@@ -126,19 +106,11 @@ class Message:
             raise DecodeError(cls.NAME, f"message code 0x{code:04X} is another message's")
 
     def write_to(self, out: bytearray) -> None:
-        """Appends the body; there is none unless a subclass says otherwise.
-
-        Args:
-            out: Bytes written so far.
-        """
+        """Appends the body; there is none unless a subclass says otherwise."""
 
     @classmethod
     def read_from(cls: type[MessageT], buffer: bytes, offset: int) -> tuple[MessageT, int]:
         """Reads the body; there is none unless a subclass says otherwise.
-
-        Args:
-            buffer: The whole payload.
-            offset: Where the body begins.
 
         Returns:
             The message, and the offset after it.

@@ -17,7 +17,6 @@ def asked_for(query: Message, report: MessageT) -> MessageT:
     report's own presence vector (AS5710, AS6009, queries). A query without that field asks for all.
 
     Args:
-        query: The query.
         report: What the component has to report; it is not changed.
     """
     wanted = _wanted(query)
@@ -39,8 +38,6 @@ def asked_for_in(query: Message, report_class: type[Message], report: bytes) -> 
     """Returns an encoded report without the optional fields that its query does not ask for.
 
     Args:
-        query: The query.
-        report_class: Generated codec of the report.
         report: Message code and body. It is read only where the query may leave something out.
 
     Raises:
@@ -56,12 +53,7 @@ def asked_for_in(query: Message, report_class: type[Message], report: bytes) -> 
 
 
 def asks_for_all(query: Message, report_class: type[Message]) -> bool:
-    """Returns whether a query asks for every field that its report can have.
-
-    Args:
-        query: The query.
-        report_class: Generated codec of the report.
-    """
+    """Returns whether a query asks for every field that its report can have."""
     wanted = _wanted(query)
     message_class: type = report_class
     every = (1 << len(optional_fields(message_class))) - 1

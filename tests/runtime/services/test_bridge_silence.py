@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from jausml.runtime import Guard, Shape
-from jausml.runtime.bridge.connections.to_reports import TopicsToReport
+from jausml.runtime.bridge.connections.to_jaus import TopicsToReport
 from jausml.runtime.bridge.ends.topics import Topic
-from jausml.runtime.bridge.reports.stops import StopReason
+from jausml.runtime.bridge.reports.states import StopReason
 from jausml.runtime.messages import (
     CreateEvent,
     Event,

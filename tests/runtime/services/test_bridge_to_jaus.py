@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from jausml.runtime import Guard
-from jausml.runtime.bridge.connections.to_reports import TopicsToReport
+from jausml.runtime.bridge.connections.to_jaus import TopicsToReport
 from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.messages import QueryTime, ReportTime, Resume, SetTime
 from jausml.runtime.transports.packets.packet import Priority

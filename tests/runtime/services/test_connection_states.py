@@ -12,13 +12,20 @@ from hypothesis import strategies as st
 from jausml.runtime import ComponentSettings, Guard
 from jausml.runtime.base.counters import LOGGER
 from jausml.runtime.bridge.bridge import Bridge
-from jausml.runtime.bridge.connections.to_reports import TopicsToReport
+from jausml.runtime.bridge.connections.to_jaus import TopicsToReport
 from jausml.runtime.bridge.connections.to_ros import EventToTopics, QueryToTopics
 from jausml.runtime.bridge.ends.settings import BridgeSettings
 from jausml.runtime.bridge.ends.topics import Topic
-from jausml.runtime.bridge.reports.state_log import INTERVAL, StateLog
-from jausml.runtime.bridge.reports.states import LEVELS, ConnectionPhase, Facts, Judgement, judge
-from jausml.runtime.bridge.reports.stops import StopReason
+from jausml.runtime.bridge.reports.states import (
+    INTERVAL,
+    LEVELS,
+    ConnectionPhase,
+    Facts,
+    Judgement,
+    StateLog,
+    StopReason,
+    judge,
+)
 from jausml.runtime.messages import (
     QueryEventTimeout,
     QueryTime,

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.runtime.bridge.connections import rate_cap
-from jausml.runtime.bridge.connections.rate_cap import OVER_RATE, RateCap
+from jausml.runtime.bridge.connections import shaping
+from jausml.runtime.bridge.connections.shaping import OVER_RATE, RateCap
 
 from .bridge_support import OWN, PEER, message_connection, minutes
 
@@ -76,7 +76,7 @@ def test_each_source_has_its_own_allowance() -> None:
 
 
 def test_many_names_are_worth_no_more_than_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rate_cap, "_MOST_SOURCES", 3)
+    monkeypatch.setattr(shaping, "_MOST_SOURCES", 3)
     gate = Gate(10.0)
     for name in "abc":
         gate.send(1, name)

@@ -5,9 +5,8 @@ from __future__ import annotations
 import pytest
 
 from jausml.runtime.base.loop import Loop
-from jausml.runtime.bridge.ends.parameter import Parameter
 from jausml.runtime.bridge.ends.parameters import ParameterError
-from jausml.runtime.bridge.ends.topics import Qos, Topic
+from jausml.runtime.bridge.ends.topics import Parameter, Qos, Topic
 from jausml.runtime.bridge.messages.errors import RosTypeError
 from jausml.runtime.virtual import Link
 

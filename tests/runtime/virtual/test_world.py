@@ -10,7 +10,7 @@ from datetime import datetime, timedelta, timezone
 import pytest
 
 from jausml.runtime import JausAddress, JausComponent, ServiceIdentity
-from jausml.runtime.base.host_clock import HostClock
+from jausml.runtime.base.clocks import HostClock
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.virtual import VirtualWorld
 

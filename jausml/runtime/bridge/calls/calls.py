@@ -6,17 +6,15 @@ or with its lock.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from ...wire.message import EncodeError
-from ..connections.connection import NOT_READY
-from ..connections.transcoding import Form
+from ..connections.connection import FILTERED, NOT_READY
+from ..connections.transcoding import Form, ros_decoder, ros_encoder, transcoder, uses_ros_classes
 from ..ends import parameters
 from ..reports.diagnostics import ConnectionStatus, Statistics
-from ..reports.state_log import StateLog
-from ..reports.states import Facts, judge
-from ..reports.stops import StopReason
-from .call_translation import CallFailedError, CallTranslation
+from ..reports.limiting import Limiting
+from ..reports.states import Facts, StateLog, StopReason, judge
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -25,9 +23,91 @@ if TYPE_CHECKING:
     from ...base.counters import Counters
     from ...transports.packets.packet import Priority
     from ...wire.message import Message
+    from ..connections.transcoding import Transcode
     from ..ends.ends import Ends
-    from ..ends.service_client import RosService
-    from ..reports.stops import Standing
+    from ..ends.topics import RosService
+    from ..light_message import LightMessage
+    from ..reports.states import Standing
+
+CallT = TypeVar("CallT", bound="Call")
+AskingT = TypeVar("AskingT")
+
+
+class CallFailedError(Exception):
+    """A half of a call that could not be translated, which is counted already."""
+
+
+class CallTranslation(Limiting):
+    """Translates requests, or responses."""
+
+    def __init__(
+        self,
+        name: str,
+        translate: Callable[[Any], Any],
+        *,
+        message: type[Message],
+        type: type[LightMessage],  # noqa: A002 - the word of the model
+        to_ros: bool,
+    ) -> None:
+        """Prepares the translation.
+
+        Args:
+            translate: Makes the target message, or None to let the call fail.
+        """
+        super().__init__()
+        self.name = name
+        self.statistics = Statistics()
+        self.message = message
+        self.type = type
+        self.to_ros = to_ros
+        self._translate = translate
+        self._transcode: Transcode
+
+    def open(self, ends: Ends) -> None:
+        """Finds out how both messages are read and written."""
+        self.counters = ends.component.counters
+        self._is_open = True
+        real = uses_ros_classes(self._translate)
+        decode = self.message.decode if self.to_ros else ros_decoder(ends.ros, self.type, real=real)
+        encode = ros_encoder(ends.ros, self.type) if self.to_ros else _encode
+        self._transcode = transcoder(
+            self._translate, decode, encode, self.note_blocking, ends.loop.stopwatch
+        )
+
+    def made(self, data: bytes) -> bytes:
+        """Returns the translation of an encoded message.
+
+        Raises:
+            CallFailedError: There is none; it says why.
+        """
+        try:
+            target = self._transcode(data)
+        except Exception as error:
+            self.fail(error)
+            raise CallFailedError(str(error) or repr(error)) from error
+        self.statistics.arrivals += 1
+        if target is None:
+            self.drop(FILTERED)
+            raise CallFailedError("the message is filtered out")
+        self.statistics.passed += 1
+        return target
+
+    def describe(self) -> list[tuple[str, str]]:
+        """Names and values of its counts, for diagnostics."""
+        counts = self.statistics
+        half = self.name.rpartition("_")[2]
+        return [
+            *(
+                (f"{half} out of range: {policy} {field}", str(n))
+                for (policy, field), n in sorted(counts.out_of_range.items())
+            ),
+            *((f"{half} dropped: {reason}", str(n)) for reason, n in sorted(counts.drops.items())),
+        ]
+
+
+def _encode(message: Message) -> bytes:
+    return message.encode()
+
 
 MOST_CALLS = 64
 """Calls of one connection that are under way at most; further ones are refused."""
@@ -41,19 +121,11 @@ FAILED = "answer_not_delivered"
 NOT_TRANSLATED = "not_translated"
 UNANSWERED = "unanswered"
 
-CallT = TypeVar("CallT", bound="Call")
-AskingT = TypeVar("AskingT")
-
 
 class Call:
-    """A call that is under way.
-
-    Attributes:
-        forget: What ends it on the side that was asked.
-    """
+    """A call that is under way."""
 
     def __init__(self) -> None:
-        """Has asked nobody yet."""
         self.forget: Callable[[], None] = lambda: None
 
 
@@ -61,13 +133,8 @@ class Calls(Generic[CallT, AskingT]):
     """The part of a connection that keeps its calls, counts them and tells of them.
 
     Attributes:
-        name: Name of the connection in the model.
-        service: The service of ROS.
         timeout: Seconds after which a call without an answer has failed, once it was sent.
         statistics: What happened so far: calls as arrivals, those that were answered as passed.
-        is_command: Whether the calls set something in motion.
-        form: Form in which the translations run.
-        counters: Counters of the process, while the bridge is open.
     """
 
     counters: Counters
@@ -86,14 +153,8 @@ class Calls(Generic[CallT, AskingT]):
         """Prepares the connection; nothing is exchanged before `open`.
 
         Args:
-            name: Name of the connection in the model.
-            service: The service of ROS.
-            request: The translation of requests, or what asks without one.
             response: The translation of responses, or the JAUS message that answers without one;
                 None where nothing answers.
-            timeout: Seconds after which a call without an answer has failed, once it was sent.
-            is_command: Whether the calls set something in motion.
-            priority: Priority of JAUS messages (AS5669A).
         """
         self.name = name
         self.service = service
@@ -113,11 +174,7 @@ class Calls(Generic[CallT, AskingT]):
     # ------------------------------------------------------------------ for the kinds
 
     def open(self, ends: Ends) -> None:
-        """Opens the ends of the connection.
-
-        Args:
-            ends: The bridge, whose two sides are there.
-        """
+        """Opens the ends of the connection."""
         self._ends = ends
         self.counters = ends.component.counters
         for each in self._translations():
@@ -128,13 +185,7 @@ class Calls(Generic[CallT, AskingT]):
         )
 
     def abandon(self, call: CallT, reason: str, text: str) -> None:
-        """Tells whoever asked that a call came to nothing.
-
-        Args:
-            call: The call, which is not under way any more.
-            reason: Why, as it is counted.
-            text: Why, in words.
-        """
+        """Tells whoever asked that a call came to nothing."""
         raise NotImplementedError
 
     def describe_peers(self) -> list[tuple[str, str]]:

@@ -6,14 +6,23 @@ from functools import partial
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
-from ...clients.peer_binding import PeerBinding
+from ...clients.peer_search import PeerBinding
 from ...services.definitions import Guard
 from ...transports.packets.packet import Priority
 from ..connections.to_ros import UNEXPECTED
 from ..ends import parameters
 from ..ends.by_sender import Taker
-from .call_translation import CallFailedError, CallTranslation
-from .calls import FAILED, NOT_TRANSLATED, REJECTED, TIMED_OUT, UNANSWERED, Call, Calls
+from .calls import (
+    FAILED,
+    NOT_TRANSLATED,
+    REJECTED,
+    TIMED_OUT,
+    UNANSWERED,
+    Call,
+    CallFailedError,
+    Calls,
+    CallTranslation,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -22,20 +31,15 @@ if TYPE_CHECKING:
     from ...clients.peer_search import PeerSearch
     from ...wire.message import Message
     from ..ends.ends import Ends
-    from ..ends.service_client import RosService, ServiceClient
+    from ..ends.topics import RosService, ServiceClient
 
 NO_SERVICE = "no_service"
 
 
 class AskedCall(Call):
-    """A message of a JAUS component that asks.
-
-    Attributes:
-        sender: The component.
-    """
+    """A message of a JAUS component that asks."""
 
     def __init__(self, sender: JausAddress) -> None:
-        """Has called nobody yet."""
         super().__init__()
         self.sender = sender
 
@@ -63,17 +67,12 @@ class JausToRosService(Calls[AskedCall, "CallTranslation | type[Message]"]):
         """Prepares the connection.
 
         Args:
-            name: Name of the connection in the model.
-            service: The service.
             request: The translation of messages that ask, or such a message: the request has its
                 defaults then.
             response: The translation of responses, or the message that answers with its defaults;
                 None where nothing answers.
             peers: JAUS components that may ask, or how they are found; none means anybody.
             rejections: The first of these messages answers when a call came to nothing.
-            when: Whom to obey.
-            is_command: Whether a command asks, and no query.
-            priority: Priority of the answer (AS5669A).
             timeout: Seconds after which a call without a response has failed.
         """
         super().__init__(

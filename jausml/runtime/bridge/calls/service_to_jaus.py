@@ -10,7 +10,6 @@ from ...services.definitions import Guard
 from ...transports.packets.packet import Priority
 from ..connections.connection import NO_PEER, NOT_READY
 from ..connections.controlled_peers import ControlledPeers
-from .call_translation import CallFailedError, CallTranslation
 from .calls import (
     FAILED,
     NOT_ASKED,
@@ -19,7 +18,9 @@ from .calls import (
     TIMED_OUT,
     UNANSWERED,
     Call,
+    CallFailedError,
     Calls,
+    CallTranslation,
     codes_of,
 )
 
@@ -30,20 +31,15 @@ if TYPE_CHECKING:
     from ...clients.peer_search import PeerSearch
     from ...wire.message import Message
     from ..ends.ends import Ends
-    from ..ends.service_client import RosService
+    from ..ends.topics import RosService
 
 _RESPONSE_CODES = ("response_code", "responsecode", "rejection_code")
 
 
 class ServedCall(Call):
-    """A request of a ROS client.
-
-    Attributes:
-        reply: Sends the response.
-    """
+    """A request of a ROS client."""
 
     def __init__(self, reply: Callable[[bytes], None]) -> None:
-        """Has asked no peer yet."""
         super().__init__()
         self.reply = reply
 
@@ -73,17 +69,9 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
         """Prepares the connection.
 
         Args:
-            name: Name of the connection in the model.
-            service: The service.
-            request: The translation of requests, or the message that asks without one, as it is.
             response: The translation of answers, or the message that answers without one; None
                 for a command that nobody answers: it is done when it is sent.
             peers: JAUS components that are asked, or how they are found.
-            rejections: Messages that answer too, and refuse.
-            control: What the peers demand of a sender that they obey.
-            is_command: Whether a command is sent, and no query.
-            is_success_mapped: Whether the translation of answers says whether all went well.
-            priority: Priority of the message (AS5669A).
             timeout: Seconds after which a call without an answer has failed.
         """
         super().__init__(

@@ -36,8 +36,6 @@ def ros_age(ros_type: type[Any], ros: RosSide, wall: Callable[[], int]) -> Age:
     publication, which the publisher tells by the clock of its computer.
 
     Args:
-        ros_type: A light class, or a message class of ROS.
-        ros: Has the ROS clock.
         wall: Tells the time of day in nanoseconds since 1970, as publishers do.
     """
     is_stamped = _begins_with_stamp(ros_type)
@@ -52,12 +50,7 @@ def ros_age(ros_type: type[Any], ros: RosSide, wall: Callable[[], int]) -> Age:
 
 
 def jaus_age(message_type: type[Message], ros: RosSide) -> Age:
-    """Returns what tells the age of a JAUS message by its TimeStamp and the ROS clock.
-
-    Args:
-        message_type: Its class.
-        ros: Has the ROS clock.
-    """
+    """Returns what tells the age of a JAUS message by its TimeStamp and the ROS clock."""
 
     def age(data: bytes, _origin: object) -> float | None:
         try:

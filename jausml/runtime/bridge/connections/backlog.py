@@ -38,8 +38,6 @@ class Backlog:
         """Refuses nothing before `open`.
 
         Args:
-            counts: Counts of the connection.
-            drop: Counts a message that is not passed on, with a reason and details.
             waited: Returns the seconds since a message with an origin was sent; None when nobody
                 knows.
         """
@@ -61,7 +59,6 @@ class Backlog:
         """Begins to look for standstills.
 
         Args:
-            ends: The bridge, whose two sides are there.
             limit: Seconds that a command may have waited; 0 for any time.
             changed: Called when there is a backlog, before any of it is taken, and when there is
                 none any more.
@@ -82,11 +79,7 @@ class Backlog:
             self._watch.change(limit)
 
     def before(self, way: Take) -> Take:
-        """Returns what takes messages instead of a way, and gives it those that are young enough.
-
-        Args:
-            way: What takes them from now on.
-        """
+        """Returns what takes messages instead, and gives a way those that are young enough."""
         self._way = way
         return self._take
 

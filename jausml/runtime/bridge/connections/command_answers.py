@@ -21,8 +21,6 @@ class CommandAnswer:
     """How a command is told.
 
     Attributes:
-        query: Asks for it.
-        report: Tells it; laid out as the command is.
         same: Attributes of the query that say which command is meant.
         has_empty: Whether a report without any field can say that nothing is commanded.
     """
@@ -37,12 +35,6 @@ class CommandMemory:
     """Remembers the last command that was passed on, and tells it while it stands."""
 
     def __init__(self, answer: CommandAnswer, stands: Callable[[], bool]) -> None:
-        """Remembers nothing yet.
-
-        Args:
-            answer: How it is told.
-            stands: Tells whether what was commanded still stands.
-        """
         self._answer = answer
         self._stands = stands
         self._payload: bytes | None = None

@@ -1,9 +1,9 @@
 """Connection of a bridge: takes a message, translates it, hands it over.
 
-Messages are bytes on both sides. Each kind of connection has two ways for them, which pass the same
-on and count alike. `take` is the long one, for every case. The short one is a closure for the usual
-case: one function with all that it needs at hand, since what a message touches costs more than what
-is done with it. It hands a message over to `take` whenever the case is another.
+Messages are bytes on both sides. Each kind of connection makes one function that takes them, with
+all that it needs at hand, since what a message touches costs more than what is done with it. Where
+the case is not the usual one, a switch sends messages to `take` first: it keeps or refuses what
+must not pass, and has the source counted as heard where that ends a stop.
 
 All of it happens on the thread of the loop, or with its lock. What is lost is counted under a
 reason; nothing that a message contains, and nothing that an overridden method does, ends the
@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from ..ends import parameters
 from ..reports.latency import Latency
 from ..reports.limiting import Limiting
-from ..reports.stops import StopReason
+from ..reports.states import StopReason
 from .backlog import Backlog
 from .joins import with_joins
 from .reporting import Reporter
@@ -71,10 +71,7 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         """Prepares a connection; nothing is exchanged before `open`.
 
         Args:
-            name: Name of the connection in the model.
-            translate: Makes the target message, or None to pass nothing on.
             shape: Which messages pass, by number, pace and age.
-            when_lost: What happens when the source is lost: the parameters of `Stopping`.
         """
         Stopping.__init__(self, name, **when_lost)
         Limiting.__init__(self)
@@ -89,20 +86,17 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         self._latency: Latency | None = None
         self._measured: Take | None = None
         self._plain: Take | None = None
+        self._reviving: Take | None = None
 
     # ------------------------------------------------------------------ for the kinds
 
     def open(self, ends: Ends) -> None:
-        """Makes the publishers and subscriptions of the connection.
-
-        Args:
-            ends: The bridge, whose two sides are there.
-        """
+        """Makes the publishers and subscriptions of the connection."""
         super().open(ends)
         self.counters = ends.component.counters
         self._is_open = True
         self._transcode = self._made_transcode()
-        self._plain = None
+        self._plain = self._reviving = None
         age = self.make_age()
         if age is not None:
             self._shaping.open(self.name, ends, age, self.choose_way, self.judge_silence)
@@ -122,8 +116,8 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         """Returns which classes the translation works on."""
         raise NotImplementedError
 
-    def make_take(self, switch: Switch) -> Take:
-        """Returns the short way of messages.
+    def make_take(self, switch: Switch, transcode: Transcode) -> Take:
+        """Returns what takes messages, translates them, hands them over and counts.
 
         Args:
             switch: Says when messages go another way.
@@ -208,31 +202,27 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
     # ------------------------------------------------------------------ messages
 
     def take(self, data: bytes, origin: Any = None) -> None:
-        """Takes one message from the source and passes its translation on.
+        """Takes one message from the source, whatever the case.
 
         Args:
-            data: The encoded message.
             origin: Sender of a JAUS message; stamp of a ROS message in nanoseconds.
         """
         if self._halt is StopReason.INACTIVE and self.is_latched:
             self._latest = data, origin
             return
-        counts = self.statistics
         if self._halt is not None:
-            counts.arrivals += self._halt is not StopReason.END
+            self.statistics.arrivals += self._halt is not StopReason.END
             self.refuse_halted(self._halt)
             return
-        counts.arrivals += 1
-        counts.last_arrival = self._ends.clock.now()
-        try:
-            target = self._transcode(data)
-            self.note_usable()
-            if target is None:
-                self.drop(FILTERED)
-            elif self.deliver(target):
-                counts.passed += 1
-        except Exception as error:
-            self.fail(error)
+        if self._reviving is None:
+            self._reviving = self.make_take(Switch(), self._transcoded_usable)
+        self._reviving(data, origin)
+
+    def _transcoded_usable(self, data: bytes) -> bytes | None:
+        """Translates a message, by which the source is heard when that succeeds."""
+        target = self._transcode(data)
+        self.note_usable()
+        return target
 
     def watch(self) -> None:
         """Starts to mind the source, and to measure if that is wanted."""
@@ -266,16 +256,13 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         return super().end()
 
     def _short_way(self) -> Take:
-        """Returns the short way once more, which nobody switches to another one."""
+        """Returns what takes messages in the usual case, which nobody switches to another one."""
         if self._plain is None:
-            self._plain = self.make_take(Switch())
+            self._plain = self.make_take(Switch(), self._transcode)
         return self._plain
 
     def stop(self, reason: StopReason) -> bool:
         """Sends the safe value, once; what waits for its time gives way to it.
-
-        Args:
-            reason: Why the source counts no more.
 
         Returns:
             Whether messages of the source stood until now.
@@ -341,7 +328,7 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
             self.choose_way()
 
     def observing(self) -> Take | None:
-        """Returns what measures messages on their short way."""
+        """Returns what takes and measures messages in the usual case."""
         return self._measured
 
     def describe_latency(self) -> list[tuple[str, str]]:

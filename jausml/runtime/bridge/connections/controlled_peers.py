@@ -6,7 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from ...clients.control_state import ControlState
-from ...clients.peer_binding import PeerBinding
+from ...clients.peer_search import PeerBinding
 from ...services.definitions import Guard
 from ..ends import parameters
 
@@ -26,7 +26,6 @@ class ControlledPeers:
         """Meets nobody before `open`.
 
         Args:
-            peers: JAUS components, or how they are found.
             control: What they demand of a sender that they obey. Unless that is ANY, control of
                 them is acquired and kept, and they are resumed for READY.
         """
@@ -50,15 +49,7 @@ class ControlledPeers:
         leave: Callable[[JausAddress], None],
         changed: Callable[[JausAddress], None],
     ) -> None:
-        """Meets the peers and starts to acquire control.
-
-        Args:
-            ends: The bridge.
-            connection: The connection, whose parameter may name others.
-            join: Told of each peer.
-            leave: Told of each peer that is gone.
-            changed: Told of each peer whose control has changed.
-        """
+        """Meets the peers and starts to acquire control."""
         self._ends, self._changed = ends, changed
         self._binding = parameters.peers(ends.ros, connection, self._binding)
 

@@ -9,7 +9,7 @@ from ..light_message import is_light
 from ..reports.diagnostics import LOST_IN_QUEUE, MISSED, TOO_OLD
 from ..reports.latency import age_of_time
 from .ages import ros_age
-from .connection import Connection
+from .connection import FILTERED, Connection
 from .joins import JoinedTopic
 from .transcoding import Form, ros_decoder, uses_ros_classes
 
@@ -22,10 +22,29 @@ if TYPE_CHECKING:
     from ..ends.quality import TopicFault
     from ..ends.topics import Topic
     from .ages import Age
+    from .connection import Take
     from .joins import Join
+    from .stopping import Switch
+    from .transcoding import Transcode
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")
+
+
+class Sink:
+    """How messages are handed over now, and the latest one that was.
+
+    Attributes:
+        deliver: Hands a message over; False when it was dropped and counted.
+        latest: When the last message was published, in nanoseconds by the clock of its publisher,
+            and when it was taken, by the clock of the bridge.
+    """
+
+    __slots__ = ("deliver", "latest")
+
+    def __init__(self, deliver: Callable[[bytes], bool | None]) -> None:
+        self.deliver = deliver
+        self.latest = 0, 0.0
 
 
 class FromTopics(Connection[SourceT, TargetT]):
@@ -45,14 +64,8 @@ class FromTopics(Connection[SourceT, TargetT]):
         """Prepares the connection.
 
         Args:
-            name: Name of the connection in the model.
             translate: Makes the JAUS message, or None to pass nothing on. Joined topics give it
                 their messages as keyword arguments.
-            type: ROS type of the topics.
-            topics: Topics that are subscribed to.
-            message: JAUS message that is made.
-            joins: Further topics whose latest message the translation needs.
-            when_lost: What happens when the topics are lost: the parameters of `Connection`.
         """
         super().__init__(name, translate, **when_lost)
         self._topic_joins = tuple(map(JoinedTopic, joins))
@@ -60,6 +73,7 @@ class FromTopics(Connection[SourceT, TargetT]):
         self._topics = tuple(topics)
         self._message = message
         self._feeds: list[Feed] = []
+        self._sink = Sink(self.deliver)
 
     def open(self, ends: Ends) -> None:
         """Makes the subscriptions; no message is taken before the bridge runs."""
@@ -68,8 +82,35 @@ class FromTopics(Connection[SourceT, TargetT]):
         for joined in self._topic_joins:
             joined.open(ends, self.name, real=uses_ros_classes(self._translate))
         self.join(self._topic_joins)
-        take = self.make_take(self._switch)
+        take = self.make_take(self._switch, self._transcode)
         self._feeds = [ends.subscribe(self._type, topic, take) for topic in self._topics]
+
+    def make_take(self, switch: Switch, transcode: Transcode) -> Take:
+        """Returns what takes messages."""
+        counts, now, sink = self.statistics, self._ends.clock.now, self._sink
+        drop, fail = self.drop, self.fail
+
+        def take(data: bytes, stamp: int = 0) -> None:
+            if switch.unusual is not None:
+                switch.unusual(data, stamp)
+                return
+            counts.arrivals += 1
+            try:
+                target = transcode(data)
+                counts.heard = counts.last_arrival = at = now()
+                sink.latest = stamp, at
+                if target is None:
+                    drop(FILTERED)
+                    return
+                if sink.deliver(target) is False:
+                    return
+            except Exception as error:
+                counts.last_arrival = now()
+                fail(error)
+                return
+            counts.passed += 1
+
+        return take
 
     @property
     def is_latched(self) -> bool:

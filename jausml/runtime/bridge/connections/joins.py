@@ -26,8 +26,6 @@ class Join:
     """What the model says about a joined topic.
 
     Attributes:
-        name: Name, which is that of the parameter of the translation.
-        type: ROS type of the topics.
         topics: Topics that are subscribed to; the latest message of any of them counts.
         freshness: Seconds after which the latest message is stale.
         drop: Whether a message of the main topic is dropped when there is nothing fresh. Otherwise
@@ -48,8 +46,6 @@ class Joined:
         """Keeps nothing yet.
 
         Args:
-            name: Name of the join.
-            freshness: Seconds after which the latest message is stale.
             drop: Whether the main message is dropped when there is nothing fresh.
         """
         self.name = name
@@ -65,9 +61,7 @@ class Joined:
         """Makes the parameter of the freshness.
 
         Args:
-            ends: The bridge.
             owner: Connection and join, with which names of parameters begin.
-            decode: Makes objects of messages.
         """
         self._ends = ends
         self._decode = decode
@@ -116,23 +110,12 @@ class JoinedTopic(Joined):
     """The latest message of a joined topic."""
 
     def __init__(self, join: Join) -> None:
-        """Keeps nothing yet.
-
-        Args:
-            join: What the model says.
-        """
         super().__init__(join.name, freshness=join.freshness, drop=join.drop)
         self.join = join
         self.topics: tuple[Topic, ...] = ()
 
     def open(self, ends: Ends, connection: str, *, real: bool) -> None:
-        """Makes the subscriptions.
-
-        Args:
-            ends: The bridge.
-            connection: Name of the connection, with which those of parameters begin.
-            real: Whether objects of the message class of ROS are wanted.
-        """
+        """Makes the subscriptions."""
         owner = f"{connection}.{self.name}"
         self.begin(ends, owner, ros_decoder(ends.ros, self.join.type, real=real))
         self.topics = parameters.topics(ends.ros, owner, self.join.topics)
@@ -141,12 +124,7 @@ class JoinedTopic(Joined):
 
 
 def with_joins(transcode: Transcode, joined: Sequence[Joined]) -> Transcode:
-    """Returns a translation that is given the latest messages of joins.
-
-    Args:
-        transcode: The translation.
-        joined: The joins.
-    """
+    """Returns a translation that is given the latest messages of joins."""
 
     def transcode_joined(data: bytes) -> bytes | None:
         return transcode(data, **{each.name: each.fresh() for each in joined})

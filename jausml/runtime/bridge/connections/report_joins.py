@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ...clients.peer_binding import PeerBinding
+from ...clients.peer_search import PeerBinding
 from ...services.definitions import Guard
 from ..ends import parameters
 from ..ends.by_sender import Taker
-from .asking import AskedEvents, AskedQueries
 from .joins import Joined
+from .requests import EventRequests, QueryRequests
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -25,8 +25,6 @@ class ReportJoin:
     """What the model says about a joined report.
 
     Attributes:
-        name: Name, which is that of the parameter of the translation.
-        message: The report.
         query: The query whose answer is the report; None takes reports that are sent unasked.
         rate: Reports each second that are asked for; None means one on every change.
         is_asked: Whether a query asks for each report, instead of an event.
@@ -50,11 +48,6 @@ class JoinedReport(Joined):
     """The latest of the reports of whoever sends it."""
 
     def __init__(self, join: ReportJoin) -> None:
-        """Keeps nothing yet.
-
-        Args:
-            join: What the model says.
-        """
         super().__init__(join.name, freshness=join.freshness, drop=join.drop)
         self.join = join
         self._peers = PeerBinding(join.peers)
@@ -66,14 +59,7 @@ class JoinedReport(Joined):
         peers: PeerBinding,
         refuse: Callable[[bytes, Any], None],
     ) -> None:
-        """Asks for the reports, or listens.
-
-        Args:
-            ends: The bridge.
-            connection: Name of the connection, with which those of parameters begin.
-            peers: Its peers.
-            refuse: Counts a report of somebody else.
-        """
+        """Asks for the reports, or listens."""
         join, owner = self.join, f"{connection}.{self.name}"
         self.begin(ends, owner, join.message.decode)
         if join.peers:
@@ -85,12 +71,12 @@ class JoinedReport(Joined):
             ends.accept(join.message, Taker(self.keep, senders, refuse), Guard.ANY)
             self._peers.follow(ends.component.find_peers, _nothing, _nothing)
         elif join.is_asked and join.rate is not None:
-            asked = AskedQueries(ends, join.query, join.message, self.keep, join.rate)
+            asked = QueryRequests(ends, join.query, join.message, self.keep, join.rate)
             asked.rate = ends.ros.parameter(parameters.rate(owner, join.rate), asked.set_rate)
             self._peers.follow(ends.component.find_peers, _nothing, _nothing)
             asked.start(self._peers)
         else:
-            events = AskedEvents(ends, join.query, join.message, self.keep, join.rate)
+            events = EventRequests(ends, join.query, join.message, self.keep, join.rate)
             if join.rate is not None:
                 rate = parameters.rate(owner, join.rate)
                 events.rate = ends.ros.parameter(rate, events.set_rate)

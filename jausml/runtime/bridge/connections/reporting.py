@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
+from collections import deque
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from ..reports.diagnostics import NOT_LOST, THINNED, ConnectionStatus
 from ..reports.limiting import FAILURES
-from ..reports.rate import Rate
-from ..reports.state_log import StateLog
-from ..reports.states import Facts, judge
-from ..reports.stops import StopReason
+from ..reports.states import Facts, StateLog, StopReason, judge
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -19,6 +17,38 @@ if TYPE_CHECKING:
     from ..ends.quality import TopicFault
     from ..reports.diagnostics import Statistics
     from .transcoding import Form
+
+
+PERIODS = 3
+"""Periods of a source over which its rate is taken, if they are longer than one of diagnostics."""
+
+_MOST = 1000
+
+
+class Rate:
+    """The rate of a connection, from one status to the next."""
+
+    def __init__(self) -> None:
+        self._noted: deque[tuple[float, int]] = deque(maxlen=_MOST)
+        self.hertz = 0.0
+        self.is_slow = False
+
+    def note(self, now: float, arrivals: int, declared: float) -> None:
+        """Takes the rate since the last call, or over more of them for a slow source.
+
+        Args:
+            now: Time in seconds.
+            declared: Messages each second that the source promises; 0 when it promises none.
+        """
+        span = PERIODS / declared if declared > 0 else 0.0
+        noted = self._noted
+        while len(noted) > 1 and noted[1][0] <= now - span:
+            noted.popleft()
+        since, before = noted[0] if noted else (now, arrivals)
+        noted.append((now, arrivals))
+        elapsed = now - since
+        self.hertz = (arrivals - before) / elapsed if elapsed > 0 else 0.0
+        self.is_slow = 0 < span <= elapsed and self.hertz < declared / 2
 
 
 FEWEST_FAILURES = 3
@@ -98,11 +128,6 @@ class Reporter:
     """Makes the statuses of a connection. All of it runs on the loop, or with its lock."""
 
     def __init__(self, connection: Reported) -> None:
-        """Has reported nothing yet.
-
-        Args:
-            connection: The connection.
-        """
         self._connection = connection
         self._reported: _Totals | None = None
         self._faults: list[TopicFault] = []
@@ -130,12 +155,7 @@ class Reporter:
         return total
 
     def status(self, now: float, hardware_id: str) -> ConnectionStatus:
-        """Returns the state since the last call.
-
-        Args:
-            now: Time of the loop.
-            hardware_id: JAUS address of the bridge.
-        """
+        """Returns the state since the last call."""
         connection, counts = self._connection, self._connection.statistics
         present = _Totals(
             now,

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from ...base.address import JausAddress
-    from ...clients.peer_binding import PeerBinding
+    from ...clients.peer_search import PeerBinding
     from ...component.component import JausComponent
     from ...wire.message import Message
     from ..ends.ends import RosPublisher, RosSide
@@ -32,11 +32,6 @@ class SharedTopics:
     """The topics of a bridge."""
 
     def __init__(self, ros: RosSide) -> None:
-        """Begins without topics.
-
-        Args:
-            ros: The ROS side.
-        """
         self._ros = ros
         self._publishers: dict[tuple[type[Any], Topic, bool], RosPublisher] = {}
         self._greeters: dict[tuple[type[Any], Topic, bool], list[Callable[[], None]]] = {}
@@ -45,13 +40,7 @@ class SharedTopics:
     def publisher(
         self, message_type: type[Any], topic: Topic, greet: Callable[[], None] | None
     ) -> RosPublisher:
-        """Returns the publisher of a topic.
-
-        Args:
-            message_type: Type of the messages.
-            topic: The topic.
-            greet: Called for each subscriber that is found.
-        """
+        """Returns the publisher of a topic."""
         # Whoever does not ask for subscribers does not pay for them.
         key = (message_type, topic, greet is not None)
         greeters = self._greeters.setdefault(key, [])
@@ -63,13 +52,7 @@ class SharedTopics:
         return self._publishers[key]
 
     def feed(self, message_type: type[Any], topic: Topic, take: Take) -> SharedFeed:
-        """Returns the subscription of a topic, which `subscribe` makes.
-
-        Args:
-            message_type: Type of the messages.
-            topic: The topic.
-            take: Takes each message.
-        """
+        """Returns the subscription of a topic, which `subscribe` makes."""
         feed = self._feeds.setdefault((message_type, topic), SharedFeed())
         feed.takers.append(take)
         return feed
@@ -81,15 +64,9 @@ class SharedTopics:
 
 
 class SharedFeed:
-    """The subscription of a topic.
-
-    Attributes:
-        takers: What takes its messages.
-        counts: What became of them.
-    """
+    """The subscription of a topic."""
 
     def __init__(self) -> None:
-        """Has no takers yet."""
         self.takers: list[Take] = []
         self.counts = TopicCounts()
 
@@ -98,11 +75,6 @@ class SharedMessages:
     """The messages of other components that a bridge takes, and the reports that it offers."""
 
     def __init__(self, component: JausComponent) -> None:
-        """Begins without messages.
-
-        Args:
-            component: The JAUS side.
-        """
         self._component = component
         self._listeners: dict[type[Message], BySender] = {}
         self._commands: dict[type[Message], tuple[When, BySender]] = {}
@@ -110,13 +82,7 @@ class SharedMessages:
         self._unasked: dict[type[Message], BySender] = {}
 
     def note_unasked(self, message: type[Message], note: Take, peers: PeerBinding) -> None:
-        """Tells of reports of peers that nobody takes, since they are asked for in another way.
-
-        Args:
-            message: The report.
-            note: Is told of each report and its sender.
-            peers: Whose reports are meant.
-        """
+        """Tells of reports of peers that nobody takes, since they are asked for in another way."""
         noting = self._unasked.setdefault(message, BySender())
         noting.add(Taker(note, peers, self._count_unknown))
 
@@ -127,8 +93,6 @@ class SharedMessages:
         """Takes messages that others send, of whom `handle` says more.
 
         Args:
-            message: The message.
-            taker: Takes each message and its sender.
             when: Whom to obey, or a function that tells it from the message; a command has one
                 handler, which its connections share.
         """
@@ -152,12 +116,7 @@ class SharedMessages:
             self._component.handle_payload(message, takers.taking(), when=when, is_robust=True)
 
     def report(self, query: type[Message], report: type[Message]) -> ReportHolder:
-        """Offers a report; connections that feed one report share its value.
-
-        Args:
-            query: The query that asks for it.
-            report: The report.
-        """
+        """Offers a report; connections that feed one report share its value."""
         if query not in self._reports:
             holder = self._reports[query] = ReportHolder()
             self._component.provide(query, report, lambda _query, _sender: holder.present())

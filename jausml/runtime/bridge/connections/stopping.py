@@ -9,7 +9,7 @@ from ...guardian.ward import stops
 from ..ends import parameters
 from ..ends.guarding import MARK
 from ..reports.diagnostics import Statistics
-from ..reports.stops import StopReason
+from ..reports.states import StopReason
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ...base.loop import Timer
     from ...guardian.ward import Content, Guarded
     from ..ends.ends import Ends
-    from ..reports.stops import Standing
+    from ..reports.states import Standing
 
 _LOG_INTERVAL = 5.0
 """Seconds between two lines of the log about the silence of one connection."""
@@ -27,14 +27,13 @@ class Switch:
     """Which way messages go.
 
     Attributes:
-        unusual: Takes them in place of the short way, which is for messages of which nothing is
-            to be known but what they say; None in the usual case.
+        unusual: Takes them instead; None in the usual case, in which nothing is to be known of
+            them but what they say.
     """
 
     __slots__ = ("unusual",)
 
     def __init__(self) -> None:
-        """Begins with the short way."""
         self.unusual: Callable[[bytes, Any], None] | None = None
 
 
@@ -44,8 +43,6 @@ class Stopping:
     All of it runs on the loop, or with its lock.
 
     Attributes:
-        name: Name of the connection in the model.
-        statistics: What happened so far.
         silence_timeout: Seconds without a message after which the safe value is sent; 0: never.
         is_command: Whether its messages set something in motion, which must not outlive its source.
         stopped: Why the safe value stands on the target side; None while messages of the source do.
@@ -63,11 +60,6 @@ class Stopping:
         """Minds nothing before `watch`.
 
         Args:
-            name: Name of the connection in the model.
-            is_command: Whether its messages set something in motion.
-            silence_timeout: Seconds without a message that count as silence; 0 means never.
-            safe_value: Makes the message that is sent once when the source is lost: the stop of a
-                command.
             hold_reason: Why the last command may stand then, for one that has no safe value.
         """
         self.name = name
@@ -85,21 +77,13 @@ class Stopping:
         self._ends: Ends
 
     def open(self, ends: Ends) -> None:
-        """Begins a life, in which nothing was stopped yet.
-
-        Args:
-            ends: The bridge, whose two sides are there.
-        """
+        """Begins a life, in which nothing was stopped yet."""
         self._ends = ends
         self._halt = self.stopped = self._guarded = None  # of an earlier life
         self.declare(ends)
 
     def declare(self, ends: Ends) -> None:
-        """Declares the parameters of the connection, and reads what they say.
-
-        Args:
-            ends: The bridge.
-        """
+        """Declares the parameters of the connection, and reads what they say."""
         self.silence_timeout = ends.ros.parameter(
             parameters.silence_timeout(self.name, self.silence_timeout), self._set_silence_timeout
         )
@@ -214,9 +198,6 @@ class Stopping:
     def stop(self, reason: StopReason) -> bool:
         """Sends the safe value, once: the next message from the source ends what it stands for.
 
-        Args:
-            reason: Why the source counts no more.
-
         Returns:
             Whether messages of the source stood until now.
         """
@@ -253,11 +234,7 @@ class Stopping:
         return stops(self.silence_timeout, topics, datagrams)
 
     def send_safe_value(self, deliver: Callable[[bytes], bool]) -> None:
-        """Hands the modelled safe value to the target side; nothing when there is none.
-
-        Args:
-            deliver: Hands it over, to all of the target side or to a part.
-        """
+        """Hands the modelled safe value to the target side; nothing when there is none."""
         if self._safe_value is None:
             return
         try:
@@ -270,7 +247,6 @@ class Stopping:
         """Stops what must not go on as the bridge stands; here, whatever passes while inactive.
 
         Args:
-            standing: State and controller of the bridge.
             lost: Why what the former controller commanded must not stand.
 
         Returns:
@@ -281,9 +257,6 @@ class Stopping:
     def lose(self, reason: StopReason) -> bool:
         """Stops what is watched for silence: its time does not pass any more.
 
-        Args:
-            reason: Why.
-
         Returns:
             Whether messages of the source stood until now.
         """
@@ -292,9 +265,6 @@ class Stopping:
 
     def halt(self, reason: StopReason | None) -> bool:
         """Passes nothing on from now on, after the stop; or again, for None.
-
-        Args:
-            reason: Why nothing is passed on.
 
         Returns:
             Whether something was stopped.

@@ -1,4 +1,4 @@
-"""Connections that carry ROS topics to JAUS components, as messages that the bridge sends."""
+"""Connections that carry ROS topics to JAUS: as messages that are sent, or as offered reports."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from ...services.definitions import Guard
 from ...transports.packets.packet import Priority
-from .connection import FILTERED, NO_PEER, NOT_READY
+from .connection import NO_PEER, NOT_READY
 from .controlled_peers import ControlledPeers
 from .from_topics import FromTopics
 
@@ -19,10 +19,8 @@ if TYPE_CHECKING:
     from ...clients.peer_search import PeerSearch
     from ...guardian.ward import Content
     from ...wire.message import Message
-    from ..ends.ends import Ends
-    from ..reports.stops import Standing, StopReason
-    from .connection import Take
-    from .stopping import Switch
+    from ..ends.ends import Ends, ReportHolder
+    from ..reports.states import Standing, StopReason
 
     Send = Callable[[bytes], None]
 
@@ -32,26 +30,6 @@ TargetT = TypeVar("TargetT", bound="Message")
 
 _BUSY = 3.0
 """Seconds after a message in which its receivers should be heard, if nothing was before."""
-
-
-class _Route:
-    """Who gets the messages now.
-
-    Attributes:
-        senders: What sends to each peer that obeys.
-        refusing: The peers that do not obey.
-        is_whole: Whether there are peers, all obey and nothing halts the connection.
-        latest: When the last message was published, in nanoseconds by the clock of its publisher,
-            and when it was taken, by the clock of the bridge.
-    """
-
-    __slots__ = ("is_whole", "latest", "refusing", "senders")
-
-    def __init__(self) -> None:
-        self.senders: tuple[Send, ...] = ()
-        self.refusing: tuple[JausAddress, ...] = ()
-        self.is_whole = False
-        self.latest = 0, 0.0
 
 
 class TopicsToMessage(FromTopics[SourceT, TargetT]):
@@ -71,23 +49,19 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         """Prepares the connection.
 
         Args:
-            name: Name of the connection in the model.
             translate: Makes the JAUS message, or None to pass nothing on.
-            peers: JAUS components that receive it, or how they are found.
             control: What the peers demand of a sender that they obey. Unless that is ANY, control
                 of them is acquired and kept, they are resumed for READY, and the message is sent
                 to a peer only while it obeys.
-            priority: Priority of the message (AS5669A).
-            acknowledge: Whether each peer shall acknowledge it.
-            options: The other parameters of `FromTopics`.
         """
         super().__init__(name, translate, **options)
         self._peers = ControlledPeers(peers, control)
         self._priority = priority
         self._acknowledge = acknowledge
         self._prepared: dict[JausAddress, Send] = {}
-        self._route = _Route()
-        self._before = self._route.latest
+        self._senders: tuple[Send, ...] = ()  # to the peers that obey
+        self._refusing: tuple[JausAddress, ...] = ()
+        self._before = self._sink.latest
         self._doubted: dict[JausAddress, float] = {}
         self._slots: dict[JausAddress, int] = {}
 
@@ -105,36 +79,6 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         )
         self.guard()
 
-    def make_take(self, switch: Switch) -> Take:
-        """Returns the short way of messages, for which all peers obey."""
-        counts, transcode, now = self.statistics, self._transcode, self._ends.clock.now
-        drop, fail, deliver, route = self.drop, self.fail, self.deliver, self._route
-
-        def take(data: bytes, stamp: int = 0) -> None:
-            if switch.unusual is not None:
-                switch.unusual(data, stamp)
-                return
-            counts.arrivals += 1
-            try:
-                target = transcode(data)
-                counts.heard = counts.last_arrival = at = now()
-                route.latest = stamp, at
-                if target is None:
-                    drop(FILTERED)
-                    return
-                if route.is_whole:
-                    for send in route.senders:
-                        send(target)
-                elif not deliver(target):
-                    return
-            except Exception as error:
-                counts.last_arrival = now()
-                fail(error)
-                return
-            counts.passed += 1
-
-        return take
-
     def waited(self, origin: Any) -> float | None:
         """Returns the seconds since a message was published, by the last one before a standstill.
 
@@ -146,7 +90,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         return self._ends.clock.now() - at - float(origin - stamp) * 1e-9
 
     def _backlog_changed(self) -> None:
-        self._before = self._route.latest
+        self._before = self._sink.latest
         super()._backlog_changed()
 
     def _join(self, peer: JausAddress) -> None:
@@ -167,11 +111,12 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
 
     def _find_route(self) -> None:
         """Finds out who gets the messages, now that peers, their control or a halt changed."""
-        route, prepared = self._route, self._prepared
+        prepared = self._prepared
         obeying = [peer for peer in prepared if self._peers.obeys(peer)]
-        route.senders = tuple(prepared[peer] for peer in obeying)
-        route.refusing = tuple(peer for peer in prepared if peer not in obeying)
-        route.is_whole = bool(obeying) and not route.refusing and self._halt is None
+        self._senders = tuple(prepared[peer] for peer in obeying)
+        self._refusing = tuple(peer for peer in prepared if peer not in obeying)
+        is_simple = len(obeying) == 1 and not self._refusing and self._halt is None
+        self._sink.deliver = self._senders[0] if is_simple else self.deliver
 
     def choose_way(self) -> None:
         """Sends messages the way that fits the case."""
@@ -184,16 +129,15 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
 
     def refusal(self) -> str:
         """Why no peer obeys."""
-        refusing = self._route.refusing
-        if not refusing or self._route.senders:
+        if not self._refusing or self._senders:
             return ""
-        return f"no peer obeys: {self._peers.reason(refusing[0])}"
+        return f"no peer obeys: {self._peers.reason(self._refusing[0])}"
 
     def unwilling(self) -> str:
         """Which of several peers do not obey."""
-        if not self._route.senders or not self._route.refusing:
+        if not self._senders or not self._refusing:
             return ""
-        return f"does not obey: {', '.join(map(str, self._route.refusing))}"
+        return f"does not obey: {', '.join(map(str, self._refusing))}"
 
     def follow(self, standing: Standing, lost: StopReason | None) -> bool:
         """Stops what the bridge commands while it may not command."""
@@ -201,20 +145,19 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
 
     def deliver(self, payload: bytes) -> bool:
         """Sends to each peer that obeys; False when none does."""
-        route = self._route
         if self._halt is not None:  # since the message was taken; the stop is the last word
             self.refuse_halted(self._halt)
             return False
         if not self._prepared:
             self.drop(NO_PEER)
             return False
-        for send in route.senders:
+        for send in self._senders:
             send(payload)
-        if not route.senders:
-            self.drop(NOT_READY, ", ".join(map(str, route.refusing)))
+        if not self._senders:
+            self.drop(NOT_READY, ", ".join(map(str, self._refusing)))
             return False
         withheld = self.statistics.withheld
-        for peer in route.refusing:
+        for peer in self._refusing:
             withheld[peer] = withheld.get(peer, 0) + 1
         return True
 
@@ -277,3 +220,68 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         # A peer that was away when the topics fell silent has missed the safe value.
         if self._peers.obeys(peer) and self.is_silent:
             self.send_safe_value(partial(self._send_stop, [peer]))
+
+
+class TopicsToReport(FromTopics[SourceT, TargetT]):
+    """Serves the newest ROS message as a JAUS report, to queries and events alike."""
+
+    def __init__(
+        self,
+        name: str,
+        translate: Callable[Concatenate[SourceT, ...], TargetT | None],
+        *,
+        query: type[Message],
+        freshness: float = 0.0,
+        empty: Callable[[], TargetT] | None = None,
+        silence_timeout: float = 0.0,
+        **options: Any,
+    ) -> None:
+        """Prepares the connection.
+
+        Args:
+            translate: Makes the JAUS report, or None to keep the one before.
+            freshness: Seconds after which a message is too old to be reported; 0 means never.
+            empty: Makes the report that says that there is no data, when its fields are optional.
+        """
+        super().__init__(name, translate, silence_timeout=silence_timeout or freshness, **options)
+        self._query = query
+        self._empty = empty
+        self._report: ReportHolder
+        self._put: Callable[[bytes | None], None]
+
+    def open(self, ends: Ends) -> None:
+        """Offers the report, then makes the subscriptions."""
+        self._report = ends.report(self._query, self._message)
+        self._sink.deliver = self._put = self._putting(ends)
+        super().open(ends)
+
+    def deliver(self, payload: bytes) -> bool:
+        """Makes the message the present report."""
+        self._put(payload)
+        return True
+
+    def stop(self, reason: StopReason) -> bool:
+        """Reports the safe value; without one, that there is no data.
+
+        A number that is old is no report. Where the standard lets every field be absent, queries
+        and events say so; else queries stay without an answer, and events pause.
+        """
+        stood = super().stop(reason)
+        # Of several connections to one report, the one that spoke last has the word.
+        if self._safe_value is None and self._report.feeder in (None, self):
+            self._put(self.encode(self._empty()) if self._empty is not None else None)
+        return stood
+
+    def _putting(self, ends: Ends) -> Callable[[bytes | None], None]:
+        """Returns what makes a message the present report and tells subscribers of changes."""
+        holder, message, changed = self._report, self._message, ends.component.report_changed
+
+        def put(report: bytes | None) -> None:
+            holder.value, holder.feeder = report, self
+            changed(message)
+
+        return put
+
+    def describe_peers(self) -> list[tuple[str, str]]:
+        """Reports go to whoever asks."""
+        return [("peer", "any")]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from ...clients.peer_binding import PeerBinding
+from ...clients.peer_search import PeerBinding
 from ...services.definitions import Guard, Status
 from ..ends import parameters
 from ..ends.by_sender import Taker
@@ -14,13 +14,13 @@ from ..ends.quality import TopicFault
 from ..light_message import is_light
 from ..reports.diagnostics import LOST_ON_THE_WAY, OUT_OF_ORDER, UNHEARD
 from ..reports.latency import age_of_stamp
-from ..reports.stops import StopReason
+from ..reports.states import StopReason
 from .ages import jaus_age
-from .asking import AskedEvents, AskedQueries
 from .command_answers import CommandMemory
 from .connection import FILTERED, Connection
-from .rate_cap import RateCap
 from .report_joins import JoinedReport
+from .requests import EventRequests, QueryRequests
+from .shaping import RateCap
 from .transcoding import Form, ros_encoder, uses_ros_classes
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from ...wire.message import Message
     from ..ends.ends import Ends, RosPublisher
     from ..ends.topics import Topic
-    from ..reports.stops import Standing
+    from ..reports.states import Standing
     from .ages import Age
     from .command_answers import CommandAnswer
     from .connection import Take
@@ -70,15 +70,8 @@ class ToTopics(Connection[SourceT, TargetT]):
         """Prepares the connection.
 
         Args:
-            name: Name of the connection in the model.
             translate: Makes the ROS message, or None to pass nothing on. Joined reports give it
                 their messages as keyword arguments.
-            message: JAUS message that is taken.
-            type: ROS type that is published.
-            topics: Where it is published.
-            peers: JAUS components at the other end, or how they are found.
-            joins: Further reports whose latest one the translation needs.
-            when_lost: What happens when the source is lost: the parameters of `Connection`.
         """
         super().__init__(name, translate, **when_lost)
         self._peers = PeerBinding(peers)
@@ -87,6 +80,7 @@ class ToTopics(Connection[SourceT, TargetT]):
         self._type = type
         self._topics = tuple(topics)
         self._publishers: list[RosPublisher] = []
+        self._publisher: RosPublisher | _Publishers
         self._encode: Callable[[Any], bytes]
         self._opened = 0.0
 
@@ -104,11 +98,13 @@ class ToTopics(Connection[SourceT, TargetT]):
         self._opened = ends.loop.now()
         greet = self._greet if self.is_command and self._safe_value is not None else None
         self._publishers = [ends.publisher(self._type, topic, greet) for topic in self._topics]
+        only = self._publishers[0] if len(self._publishers) == 1 else None
+        self._publisher = only or _Publishers(self._publishers)
         self.guard()
         for each in self._report_joins:
             each.open(ends, self.name, self._peers, self._refuse_sender)
         self.join(self._report_joins)
-        self._take = self.make_take(self._switch)
+        self._take = self.make_take(self._switch, self._transcode)
         self.begin(ends)
         self._peers.follow(ends.component.find_peers, self._join, self._leave)
 
@@ -128,12 +124,11 @@ class ToTopics(Connection[SourceT, TargetT]):
         is_real = uses_ros_classes(self._translate) or not is_light(self._type)
         return Form.ROS_CLASSES if is_real else Form.LIGHT
 
-    def make_take(self, switch: Switch) -> Take:
-        """Returns the short way of messages."""
-        counts, transcode, now = self.statistics, self._transcode, self._ends.clock.now
-        drop, fail, publishers = self.drop, self.fail, self._publishers
-        refused = self._note_refused
-        publisher = publishers[0] if len(publishers) == 1 else _Publishers(publishers)
+    def make_take(self, switch: Switch, transcode: Transcode) -> Take:
+        """Returns what takes messages."""
+        counts, now = self.statistics, self._ends.clock.now
+        drop, fail, refused = self.drop, self.fail, self._note_refused
+        publisher = self._publisher
         publish = publisher.publish
 
         def take(data: bytes, sender: JausAddress | None = None) -> None:
@@ -207,13 +202,12 @@ class ToTopics(Connection[SourceT, TargetT]):
     def deliver(self, payload: bytes) -> bool:
         """Publishes on every topic; False when ROS refuses."""
         try:
-            for publisher in self._publishers:
-                publisher.publish(payload)
-                if not publisher.matched:
-                    publisher.unmatched += 1
+            self._publisher.publish(payload)
         except Exception as error:
             self._note_refused(error)
             return False
+        if not self._publisher.matched:
+            self._publisher.unmatched += 1
         return True
 
     def _note_refused(self, error: Exception) -> None:
@@ -259,16 +253,12 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
         """Prepares the connection.
 
         Args:
-            name: Name of the connection in the model.
-            translate: Makes the ROS message, or None to pass nothing on.
             query: The query whose answer is the report; it selects the fields.
-            rate: Reports each second; None means one on every change.
-            options: The other parameters of `ToTopics`.
         """
         super().__init__(name, translate, **options)
         self.rate = rate
         self._query = query
-        self._events: AskedEvents
+        self._events: EventRequests
         self._unasked_of: JausAddress | None = None
 
     @property
@@ -284,7 +274,7 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
 
     def begin(self, ends: Ends) -> None:
         """Prepares to ask for the event."""
-        self._events = AskedEvents(ends, self._query, self._message, self._take, self.rate)
+        self._events = EventRequests(ends, self._query, self._message, self._take, self.rate)
         ends.note_unasked(self._message, self._note_unasked, self._peers)
 
     def _note_unasked(self, _data: bytes, sender: JausAddress) -> None:
@@ -334,11 +324,7 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
 
 
 class QueryToTopics(ToTopics[SourceT, TargetT]):
-    """Asks for a report once each period and publishes the answer.
-
-    Attributes:
-        rate: Queries each second.
-    """
+    """Asks for a report once each period and publishes the answer."""
 
     def __init__(
         self,
@@ -349,19 +335,10 @@ class QueryToTopics(ToTopics[SourceT, TargetT]):
         rate: float,
         **options: Any,
     ) -> None:
-        """Prepares the connection.
-
-        Args:
-            name: Name of the connection in the model.
-            translate: Makes the ROS message, or None to pass nothing on.
-            query: The query whose answer is the report; it selects the fields.
-            rate: Queries each second.
-            options: The other parameters of `ToTopics`.
-        """
         super().__init__(name, translate, **options)
         self.rate = rate
         self._query = query
-        self._queries: AskedQueries
+        self._queries: QueryRequests
 
     @property
     def declared_rate(self) -> float:
@@ -371,7 +348,7 @@ class QueryToTopics(ToTopics[SourceT, TargetT]):
     def open(self, ends: Ends) -> None:
         """Makes the publishers, then starts to ask."""
         super().open(ends)
-        self._queries = AskedQueries(ends, self._query, self._message, self._take, self.rate)
+        self._queries = QueryRequests(ends, self._query, self._message, self._take, self.rate)
         rate = ends.ros.parameter(parameters.rate(self.name, self.rate), self._set_rate)
         self.rate = self._queries.rate = rate
         self._queries.start(self._peers)
@@ -407,13 +384,10 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         """Prepares the connection.
 
         Args:
-            name: Name of the connection in the model.
-            translate: Makes the ROS message, or None to pass nothing on.
             when: Whom to obey: commands pass only from the controller of the bridge. A function
                 tells it from the message.
             rate_cap: Messages each second that are taken of one source; 0 means all.
             answer: How the last command that was passed on is told when somebody asks for it.
-            options: The other parameters of `ToTopics`.
         """
         super().__init__(name, translate, **options)
         self._when = when

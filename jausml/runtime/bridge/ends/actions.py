@@ -25,12 +25,7 @@ class Progress(Enum):
     """How many elements remain, with the one that is under way."""
 
     def index(self, number: int, count: int) -> int:
-        """Returns which of some elements is under way, from 0; the nearest for a number beyond.
-
-        Args:
-            number: What the feedback says.
-            count: How many elements there are.
-        """
+        """Returns which of some elements is under way, from 0; the nearest for a number beyond."""
         found = number if self is Progress.INDEX else count - number
         return min(max(found, 0), count - 1)
 
@@ -39,7 +34,6 @@ class Progress(Enum):
 
         Args:
             index: The element, from 0.
-            count: How many elements there are.
         """
         return index if self is Progress.INDEX else count - index
 
@@ -60,8 +54,6 @@ class ListAction:
 
     Attributes:
         type_name: Its type, e.g. `nav2_msgs/action/FollowWaypoints`.
-        name: Its name.
-        element: ROS type of an element: a class of rclpy, or a light class.
         goal: Path of the array of the goal that has the elements.
         progress: Path of the integer of the feedback that says how far the list is done; empty for
             none.
@@ -117,10 +109,8 @@ class ActionClient(Protocol):
         """Sends a goal.
 
         Args:
-            elements: Its elements, serialized.
             fill: Sets what else the goal has; called with the goal of rclpy and the lock of the
                 loop.
-            watcher: Told what becomes of it.
         """
 
     def faults(self) -> Sequence[TopicFault]:
@@ -128,11 +118,7 @@ class ActionClient(Protocol):
 
 
 class ServedGoal(Protocol):
-    """A goal that a ROS client has sent to the bridge.
-
-    Attributes:
-        request: The goal of rclpy.
-    """
+    """A goal that a ROS client has sent to the bridge."""
 
     request: Any
 
@@ -151,7 +137,6 @@ class GoalTaker(Protocol):
 
         Args:
             elements: Its elements, serialized; one more than `LONGEST_GOAL` of a longer goal.
-            request: The goal of rclpy.
         """
 
     def begin(self, goal: ServedGoal) -> None:

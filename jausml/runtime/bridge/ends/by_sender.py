@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ...base.address import JausAddress
-    from ...clients.peer_binding import PeerBinding
+    from ...clients.peer_search import PeerBinding
 
     Take = Callable[[bytes, Any], None]
 
@@ -21,10 +21,7 @@ class Taker:
     """A connection that takes messages.
 
     Attributes:
-        take: Takes a message and its sender.
         senders: Whose messages it takes; None for those of anybody.
-        refuse: Takes a message that no connection wants, to count it.
-        is_command: Whether a message takes the place of the one before.
     """
 
     take: Take
@@ -40,7 +37,6 @@ class BySender:
     """
 
     def __init__(self) -> None:
-        """Begins without connections."""
         self._takers: list[Taker] = []
         self._known: dict[JausAddress, tuple[Take, ...]] = {}
 

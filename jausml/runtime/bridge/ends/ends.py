@@ -10,10 +10,10 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
     from ...base.address import JausAddress
+    from ...base.clocks import Timing
     from ...base.loop import Loop
-    from ...base.simulated_clock import Timing
     from ...clients.exchanges import Exchanges
-    from ...clients.peer_binding import PeerBinding
+    from ...clients.peer_search import PeerBinding
     from ...component.component import JausComponent
     from ...conversions import Time
     from ...guardian.ward import Ward
@@ -22,12 +22,10 @@ if TYPE_CHECKING:
     from .actions import ActionClient, GoalTaker, ListAction
     from .by_sender import Taker
     from .list_driver import ListDriver, ListMessages
-    from .parameter import Parameter
     from .quality import TopicFault
-    from .service_client import RosService, ServiceClient
     from .settings import BridgeSettings
     from .simulation import Simulation
-    from .topics import Published, Topic, TopicCounts
+    from .topics import Parameter, Published, RosService, ServiceClient, Topic, TopicCounts
 
 
 class RosPublisher(Protocol):
@@ -35,7 +33,6 @@ class RosPublisher(Protocol):
 
     Attributes:
         publish: Publishes a serialized message, from any thread.
-        matched: Subscriptions that are there now.
         unmatched: Messages that found none of them; whoever publishes counts.
     """
 
@@ -97,8 +94,6 @@ class RosSide(Protocol):
         """Makes a publisher.
 
         Args:
-            ros_type: Type of the messages.
-            topic: The topic.
             greet: Called for each subscriber that is found, on the loop or with its lock.
         """
 
@@ -108,8 +103,6 @@ class RosSide(Protocol):
         """Makes a subscription.
 
         Args:
-            ros_type: Type of the messages.
-            topic: The topic.
             take: Is given each serialized message, and the time at which it was published, in
                 nanoseconds by the clock of its publisher; on the loop or with its lock.
 
@@ -130,7 +123,6 @@ class RosSide(Protocol):
         """Serves a service.
 
         Args:
-            service: The service.
             take: Is given each serialized request and what replies to it, on the loop.
 
         Raises:
@@ -189,11 +181,7 @@ class ReportHolder:
 
 
 class Feed(Protocol):
-    """A subscription of the bridge.
-
-    Attributes:
-        counts: What became of the messages of the topic.
-    """
+    """A subscription of the bridge."""
 
     counts: TopicCounts
 
@@ -202,12 +190,7 @@ class Ends(Protocol):
     """A bridge as its connections see it; `Bridge` is the one.
 
     Attributes:
-        settings: What the model says.
-        component: The JAUS side.
-        ros: The ROS side.
-        exchanges: What asks other components.
         clock: The time by which messages are late: that of the loop, or of a simulation.
-        simulation: What is followed when the clock of ROS is simulated.
         ward: What tells the guardian; None where there is none.
     """
 

@@ -26,7 +26,6 @@ def topic_stops(publishers: Iterable[RosPublisher], data: bytes) -> list[dict[st
     """Returns a stop for each topic, as the guardian is told.
 
     Args:
-        publishers: What publishes on the topics.
         data: The serialized stop, made for the moment `MARK`.
     """
     return [
@@ -46,9 +45,6 @@ def topic_stops(publishers: Iterable[RosPublisher], data: bytes) -> list[dict[st
 def type_library(package: str) -> str:
     """Returns the path of the library that has the type support of a package.
 
-    Args:
-        package: A package of messages, one of whose types is in use.
-
     Raises:
         KeyError: Nothing of it is in use.
     """
@@ -56,11 +52,7 @@ def type_library(package: str) -> str:
 
 
 def ros_of(arguments: Sequence[str]) -> dict[str, Any]:
-    """Returns what the guardian needs to speak ROS.
-
-    Args:
-        arguments: Command line of the bridge.
-    """
+    """Returns what the guardian needs to speak ROS."""
     found = loaded_libraries()
     given = list(arguments)
     options = ("-e", "--enclave")

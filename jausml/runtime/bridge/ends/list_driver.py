@@ -32,8 +32,6 @@ class ListMessages:
 
     Attributes:
         execute: ExecuteList; that of manipulators has no speed.
-        query: QueryActiveElement.
-        report: ReportActiveElement.
     """
 
     execute: type[Message]
@@ -75,7 +73,6 @@ class ListExecutor(Protocol):
         """Executes the list from an element on, in the place of what is executed.
 
         Args:
-            uid: The element.
             speed: Metres per second; None for a driver that knows none.
         """
 
@@ -98,12 +95,7 @@ class ListDriver:
     """
 
     def __init__(self, component: JausComponent, messages: ListMessages) -> None:
-        """Takes ExecuteList and answers QueryActiveElement.
-
-        Args:
-            component: The JAUS side of the bridge.
-            messages: The messages of the driver.
-        """
+        """Takes ExecuteList and answers QueryActiveElement."""
         self.active = NO_UID
         self.speed = 0.0
         self._component = component
@@ -163,22 +155,12 @@ class ListDriver:
         return elements.first.uid if elements.circular and elements.first else NO_UID
 
     def reached(self, executor: ListExecutor, uid: int) -> None:
-        """Notes which element is executed.
-
-        Args:
-            executor: Who executes it.
-            uid: The element.
-        """
+        """Notes which element is executed."""
         if self._running is executor:
             self._set_active(uid)
 
     def finished(self, executor: ListExecutor, *, succeeded: bool) -> None:
-        """Notes that the list is not executed any more.
-
-        Args:
-            executor: Who has executed it.
-            succeeded: Whether the last element was reached.
-        """
+        """Notes that the list is not executed any more."""
         if self._running is not executor:
             return
         self._running = None

@@ -13,18 +13,17 @@ from typing import TYPE_CHECKING, Any
 from ...base.address import JausAddress
 from ...base.errors import JausError
 from ...base.settings import MAX_FRAGMENT_SIZE, TransportKind
-from ...clients.peer_binding import PeerBinding
+from ...clients.peer_search import PeerBinding
 from ...services.definitions import MAX_EVENT_RATE
-from .parameter import Parameter
+from .topics import Parameter
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from .actions import ListAction
     from .ends import RosSide
-    from .service_client import RosService
     from .settings import BridgeSettings
-    from .topics import Topic
+    from .topics import RosService, Topic
 
 LEAST = 1e-9
 """Least value of a number that is above 0."""
@@ -61,9 +60,6 @@ class AttributeParameter:
     """A parameter that sets an attribute of the bridge, also while the bridge runs.
 
     Attributes:
-        name: Name of the parameter.
-        attribute: Name of the attribute, which has the modelled value.
-        description: What it is, with its unit.
         is_positive: Whether a number is above 0.
     """
 
@@ -80,11 +76,7 @@ class AttributeParameter:
 
 
 def network(model: BridgeSettings) -> tuple[Parameter, ...]:
-    """Returns what says how the process takes part in JAUS, named as its options are.
-
-    Args:
-        model: The settings of the model.
-    """
+    """Returns what says how the process takes part in JAUS, named as its options are."""
     known, kinds = model.transport, [kind.value for kind in TransportKind]
 
     def check(kind: str) -> None:
@@ -236,11 +228,7 @@ def latency(connection: str = "") -> Parameter:
 
 
 def lift_emergency(check: Callable[[str], None]) -> Parameter:
-    """Returns whose emergencies are to be lifted, by somebody at the robot.
-
-    Args:
-        check: Raises ValueError where that cannot be.
-    """
+    """Returns whose emergencies are to be lifted, by somebody at the robot."""
     text = "JAUS address of clients that set an emergency and are gone; setting it lifts theirs."
     return Parameter("lift_emergency", "", text, check=check)
 
@@ -250,7 +238,6 @@ def freshness(join: str, seconds: float) -> Parameter:
 
     Args:
         join: Connection and join, e.g. `pose.imu`.
-        seconds: The modelled time.
     """
     text = f"Seconds after which the latest message of {join} is stale."
     return Parameter(f"{join}.freshness", seconds, text, (0.001, LONGEST_TIME))
@@ -260,9 +247,7 @@ def topics(ros: RosSide, owner: str, modelled: Sequence[Topic]) -> tuple[Topic, 
     """Returns the topics of a connection or join under the names that parameters give them.
 
     Args:
-        ros: The ROS side.
         owner: Connection, or connection and join.
-        modelled: The topics that the model names.
     """
     if not modelled:
         return ()
@@ -281,13 +266,7 @@ def topics(ros: RosSide, owner: str, modelled: Sequence[Topic]) -> tuple[Topic, 
 
 
 def action(ros: RosSide, connection: str, modelled: ListAction) -> ListAction:
-    """Returns the action of a connection under the name that a parameter gives it.
-
-    Args:
-        ros: The ROS side.
-        connection: The connection.
-        modelled: The action that the model names.
-    """
+    """Returns the action of a connection under the name that a parameter gives it."""
     text = f"Action of {connection}."
     return replace(
         modelled, name=ros.parameter(Parameter(f"{connection}.action", modelled.name, text))
@@ -301,13 +280,7 @@ def speed(connection: str, value: float) -> Parameter:
 
 
 def service(ros: RosSide, connection: str, modelled: RosService) -> RosService:
-    """Returns the service of a connection under the name that a parameter gives it.
-
-    Args:
-        ros: The ROS side.
-        connection: The connection.
-        modelled: The service that the model names.
-    """
+    """Returns the service of a connection under the name that a parameter gives it."""
     text = f"ROS service of {connection}."
     name = ros.parameter(Parameter(f"{connection}.service", modelled.name, text))
     return replace(modelled, name=name)
@@ -323,8 +296,6 @@ def peers(ros: RosSide, connection: str, modelled: PeerBinding) -> PeerBinding:
     """Returns the JAUS components at the other end of a connection.
 
     Args:
-        ros: The ROS side.
-        connection: The connection.
         modelled: Those that the model names, which a parameter may change; or how they are found.
     """
     if not modelled.present:

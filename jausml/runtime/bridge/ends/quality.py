@@ -25,12 +25,7 @@ LIVELINESS = "liveliness_lost"
 
 @dataclass(frozen=True)
 class TopicFault:
-    """Why a topic of a connection does not work as it should.
-
-    Attributes:
-        kind: Name of the kind, for counters.
-        text: What happens, with whom, and what cures it.
-    """
+    """Why a topic of a connection does not work as it should."""
 
     kind: str
     text: str
@@ -38,13 +33,7 @@ class TopicFault:
 
 @dataclass(frozen=True)
 class Conflict:
-    """A policy of which one end offers less than the other requests.
-
-    Attributes:
-        policy: Name of the policy, as models and parameters spell it.
-        offered: Value of the publisher.
-        requested: Value of the subscription.
-    """
+    """A policy of which one end offers less than the other requests."""
 
     policy: str
     offered: str | float
@@ -52,12 +41,7 @@ class Conflict:
 
 
 def conflicts(offered: Qos, requested: Qos) -> list[Conflict]:
-    """Returns what keeps a publisher and a subscription apart; nothing when they connect.
-
-    Args:
-        offered: Quality of service of the publisher.
-        requested: Quality of service of the subscription.
-    """
+    """Returns what keeps a publisher and a subscription apart; nothing when they connect."""
     found = []
     if offered.reliability == "best_effort" and requested.reliability == "reliable":
         found.append(Conflict("reliability", "best_effort", "reliable"))
@@ -86,12 +70,6 @@ class EndpointHealth:
     until nobody is any more.
 
     Attributes:
-        publishes: Whether it publishes.
-        topic: Full name of the topic.
-        qos: Quality of service, parameters included.
-        entity: Its name in `qos_overrides` parameters, e.g. `subscription`.
-        others: Returns names and quality of service of the nodes at the other end.
-        clock: Monotonic time in seconds.
         strangers: Returns names and types of the nodes at the other end that have another type,
             while there are no others: ROS connects neither, and tells nobody.
     """
@@ -113,11 +91,7 @@ class EndpointHealth:
         return f"qos_overrides.{self.topic}.{self.entity}.{policy}"
 
     def note_incompatible(self, policy: str) -> None:
-        """Notes that an end appeared that does not fit.
-
-        Args:
-            policy: The policy that keeps it apart, as ROS calls it.
-        """
+        """Notes that an end appeared that does not fit."""
         self._suspected, self._was_seen = policy, False
 
     def note_missed_deadline(self) -> None:

@@ -18,17 +18,10 @@ class BridgeSettings:
     """What the model says about a bridge, apart from its connections.
 
     Attributes:
-        name: Name of the bridge, of its node and of its JAUS identification.
-        address: Address of the JAUS component.
-        description: What the bridge is for.
-        namespace: ROS namespace of the node; empty means the root.
         frequency: Messages each second where the model states no rate. Diagnostics come at this
             rate too, but not more often than once a second.
         services: Services that the bridge provides, inherited ones included.
-        component_type: Type that Discovery reports (AS5710, ReportIdentification).
         authority: Authority code that control is requested with, 0 to 255.
-        component: Behaviour of the JAUS component.
-        transport: Network settings of the host.
         guardian: Whether a small process beside the bridge says its stops when the bridge cannot.
     """
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ...base.clocks import SimulatedClock
 from ...base.counters import LOGGER
-from ...base.simulated_clock import SimulatedClock
 from ..reports.diagnostics import ConnectionStatus
-from ..reports.stops import StopReason
+from ..reports.states import StopReason
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -25,20 +25,10 @@ _LEAST_RATE, _GREATEST_RATE = 0.1, 1092.0
 
 
 class Simulation:
-    """The clock of a bridge that follows `/clock`, and the watch over it.
-
-    Attributes:
-        clock: Time for whatever belongs to the simulation.
-        is_silent: Whether nobody says the time any more.
-    """
+    """The clock of a bridge that follows `/clock`, and the watch over it."""
 
     def __init__(self, loop: Loop, stop: Callable[[StopReason], None]) -> None:
-        """Waits for the first time; before it, nothing ends by time.
-
-        Args:
-            loop: The loop of the bridge.
-            stop: Stops what is commanded, once the clock is silent.
-        """
+        """Waits for the first time; before it, nothing ends by time."""
         self.clock = SimulatedClock(loop)
         self.is_silent = False
         self._loop = loop

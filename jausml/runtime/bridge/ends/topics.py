@@ -1,8 +1,14 @@
-"""ROS topics as a bridge names them, without a dependency on rclpy."""
+"""Topics, services and parameters of ROS as a bridge names them, without rclpy."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ..light_message import LightMessage
 
 
 @dataclass(frozen=True)
@@ -33,13 +39,7 @@ class Qos:
 
 @dataclass(frozen=True)
 class Published:
-    """What a publisher was made for.
-
-    Attributes:
-        topic: Full name of the topic.
-        type: Type of its messages, e.g. `nav_msgs/msg/Odometry`.
-        qos: Quality of service, with what parameters say of it.
-    """
+    """What a publisher was made for."""
 
     topic: str
     type: str
@@ -76,3 +76,54 @@ class Topic:
 
     name: str
     qos: Qos = Qos()
+
+
+@dataclass(frozen=True)
+class RosService:
+    """A service of ROS.
+
+    Attributes:
+        type_name: Its type, e.g. `std_srvs/srv/SetBool`.
+        success: Path of the bool of the response that tells whether all went well; may be empty.
+        reason: Path of the text of the response that tells why not; may be empty.
+    """
+
+    name: str
+    type_name: str
+    request: type[LightMessage]
+    response: type[LightMessage]
+    success: str = ""
+    reason: str = ""
+
+
+class ServiceClient(Protocol):
+    """Calls one service of ROS."""
+
+    def is_ready(self) -> bool:
+        """Whether somebody serves."""
+
+    def call(self, request: bytes, answered: Callable[[bytes], None]) -> Callable[[], None]:
+        """Calls the service.
+
+        Args:
+            answered: Is given the serialized response on the loop.
+
+        Returns:
+            What forgets the call.
+        """
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of the node.
+
+    Attributes:
+        limits: Least and greatest value of a number.
+        check: Raises ValueError for a value that does not do; None takes all.
+    """
+
+    name: str
+    default: Any
+    description: str
+    limits: tuple[float, float] | None = None
+    check: Callable[[Any], object] | None = None

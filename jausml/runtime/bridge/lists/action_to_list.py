@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ..ends.actions import ListAction, ServedGoal
     from ..ends.ends import Ends
     from ..ends.list_driver import ListMessages
-    from ..reports.stops import Standing, StopReason
+    from ..reports.states import Standing, StopReason
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")
@@ -63,14 +63,8 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         """Prepares the connection.
 
         Args:
-            name: Name of the connection in the model.
             translate: Makes the message that an element of the list holds of an element of a goal.
-            action: The action.
-            driver: The messages of the peer's list driver.
-            peers: JAUS components that may execute lists, or how they are found.
-            speed: Metres per second that ExecuteList asks for.
             speed_of: Returns the speed for a goal of rclpy, if it is another one for each.
-            control: Whether control of the peers is acquired and kept, and they are resumed.
             timeout: Seconds in which the peer must answer.
         """
         super().__init__(name, translate, action=action)

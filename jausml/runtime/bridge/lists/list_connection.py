@@ -11,11 +11,9 @@ from ..light_message import is_light
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from ..connections.connection import Take
-    from ..connections.stopping import Switch
     from ..ends.actions import ListAction
     from ..ends.ends import Ends
-    from ..reports.stops import StopReason
+    from ..reports.states import StopReason
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT")
@@ -31,13 +29,6 @@ class ListConnection(Connection[SourceT, TargetT]):
         *,
         action: ListAction,
     ) -> None:
-        """Prepares the connection.
-
-        Args:
-            name: Name of the connection in the model.
-            translate: Translates an element.
-            action: The action of ROS.
-        """
         super().__init__(name, translate, is_command=True)
         self._action = action
 
@@ -49,10 +40,6 @@ class ListConnection(Connection[SourceT, TargetT]):
 
     def watch(self) -> None:
         """Nothing is to be stopped before there is a list."""
-
-    def make_take(self, switch: Switch) -> Take:  # noqa: ARG002 - lists have one way
-        """Returns what takes an element by itself; lists come another way."""
-        return self.take
 
     def deliver(self, payload: bytes) -> bool:  # noqa: ARG002
         """Elements alone go nowhere."""

@@ -60,10 +60,6 @@ class ListRun:
         """Sends nothing before `start`.
 
         Args:
-            component: The JAUS side of the bridge.
-            peer: The component that executes the list.
-            messages: The messages of its list driver.
-            watcher: Told how it goes on.
             timeout: Seconds in which the peer must answer.
         """
         self.peer = peer
@@ -86,7 +82,6 @@ class ListRun:
         """Sets the list of the peer, and then has it executed.
 
         Args:
-            payloads: What the elements hold, encoded.
             first: UID of the first one; the others follow it. UIDs that the former list had not
                 keep late words about that one apart.
             speed: Metres per second.
@@ -108,12 +103,7 @@ class ListRun:
         self._end(outcome, reason)
 
     def stop(self, outcome: Outcome, reason: str) -> None:
-        """Has the peer stop, and ends when that is confirmed.
-
-        Args:
-            outcome: How it ends then.
-            reason: Why.
-        """
+        """Has the peer stop, and ends when that is confirmed."""
         if self._is_stopping or self._has_ended:
             return
         self._is_stopping = True

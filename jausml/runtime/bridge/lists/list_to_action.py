@@ -9,7 +9,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from ...clients.peer_binding import PeerBinding
+from ...clients.peer_search import PeerBinding
 from ..connections.connection import NOT_READY
 from ..connections.transcoding import ros_encoder
 from ..ends import parameters
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from ..ends.ends import Ends
     from ..ends.list_driver import ListDriver, ListMessages
     from ..ends.quality import TopicFault
-    from ..reports.stops import Standing, StopReason
+    from ..reports.states import Standing, StopReason
 
 SourceT = TypeVar("SourceT", bound="Message")
 TargetT = TypeVar("TargetT")
@@ -50,11 +50,7 @@ SHORTEST_ROUND = 1.0
 
 
 class ListToAction(ListConnection[SourceT, TargetT]):
-    """Has the list of the bridge's controller executed by a ROS action.
-
-    Attributes:
-        timeout: Seconds in which a goal must be accepted.
-    """
+    """Has the list of the bridge's controller executed by a ROS action."""
 
     def __init__(
         self,
@@ -72,12 +68,7 @@ class ListToAction(ListConnection[SourceT, TargetT]):
         """Prepares the connection.
 
         Args:
-            name: Name of the connection in the model.
             translate: Makes an element of the goal of what an element of the list holds.
-            message: What that is.
-            action: The action.
-            driver: The messages of the list driver.
-            answers: What it tells besides the active element.
             fill: Sets what a goal has besides its elements; it is given the speed in m/s.
             peers: JAUS components whose lists are executed, or how they are found; none means that
                 of whoever controls the bridge.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from ...clients.greeter import PATIENCE
+from ...clients.presence import PATIENCE
 from ...services.definitions import Status
 
 if TYPE_CHECKING:
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from ...base.address import JausAddress
     from ...transports.delivery import Double
-    from .stops import Standing, StopReason
+    from .states import Standing, StopReason
 
 LOST_IN_QUEUE = "lost_in_queue"
 """Messages of a topic that the queue of its subscription had no room for."""
@@ -51,15 +51,9 @@ class Statistics:
     """Counts of one connection. Times are those of a steady clock.
 
     Attributes:
-        arrivals: Messages taken from the source.
-        passed: Messages given to the target side.
         thinned: Messages that gave way to others, as the model or parameters want it.
         safe_values: Safe values sent because the source was lost.
-        stops: How often messages of the source ceased to stand, by reason.
-        limited: Values that were moved into the range of their target field.
         out_of_range: Values that their target field could not carry, by policy and field.
-        errors: Messages not passed on because of a value whose policy is `error`.
-        drops: Messages not passed on, by reason.
         withheld: Messages that were passed on to other peers, but not to one that did not obey.
         last_arrival: Seconds, None before the first message.
         heard: When the source last said something usable, or silence was last looked for.
@@ -84,10 +78,7 @@ class ConnectionStatus:
     """State of a connection for `/diagnostics`.
 
     Attributes:
-        name: Name of the connection.
         level: `ok`, `warning`, `error` or `stale`.
-        message: The state in a few words.
-        hardware_id: JAUS address of the bridge.
         values: Names and values in the order in which they are shown.
     """
 
@@ -102,8 +93,6 @@ def state_status(hardware_id: str, standing: Standing, controller: str) -> Conne
     """Returns the status of the bridge itself.
 
     Args:
-        hardware_id: JAUS address of the bridge.
-        standing: State of the node and of the JAUS component.
         controller: JAUS address of the controller; empty without one.
     """
     node, jaus = ("active" if standing.is_active else "inactive"), standing.status.name.lower()
@@ -113,12 +102,7 @@ def state_status(hardware_id: str, standing: Standing, controller: str) -> Conne
 
 
 def double_status(double: Double, now: float) -> ConnectionStatus:
-    """Returns the status of a bridge whose address somebody else was heard with.
-
-    Args:
-        double: The other one.
-        now: Time of the loop.
-    """
+    """Returns the status of a bridge whose address somebody else was heard with."""
     age = now - double.last_heard
     values = (("place", double.place), ("age (s)", f"{age:.3f}"))
     level = "error" if age < DOUBLE_LIFETIME else "warning"
@@ -126,12 +110,7 @@ def double_status(double: Double, now: float) -> ConnectionStatus:
 
 
 def greeting_status(unanswered: Mapping[JausAddress, int], hardware_id: str) -> ConnectionStatus:
-    """Returns the status of a bridge that greets peers.
-
-    Args:
-        unanswered: How often each of them was greeted since it spoke last.
-        hardware_id: JAUS address of the bridge.
-    """
+    """Returns the status of a bridge that greets peers."""
     silent = [str(peer) for peer, tries in unanswered.items() if tries >= PATIENCE]
     message = f"no answer of {', '.join(silent)}" if silent else "running"
     values = tuple((f"greetings to {peer}", str(tries)) for peer, tries in unanswered.items())
@@ -140,13 +119,7 @@ def greeting_status(unanswered: Mapping[JausAddress, int], hardware_id: str) -> 
 
 
 def guardian_status(told: str, failure: str, hardware_id: str) -> ConnectionStatus:
-    """Returns the status of the guardian of a bridge.
-
-    Args:
-        told: What it watches.
-        failure: Why there is none any more; empty while there is.
-        hardware_id: JAUS address of the bridge.
-    """
+    """Returns the status of the guardian of a bridge."""
     level = "error" if failure else "ok"
     message = f"it {failure}: nothing stops the robot if this bridge dies" if failure else told
     return ConnectionStatus("guardian", level, message, hardware_id, ())
@@ -155,13 +128,7 @@ def guardian_status(told: str, failure: str, hardware_id: str) -> ConnectionStat
 def traffic_status(
     counts: Mapping[str, int], former: Mapping[str, int], hardware_id: str
 ) -> ConnectionStatus:
-    """Returns the status of what was dropped on the JAUS side, before any connection.
-
-    Args:
-        counts: Drops by name.
-        former: Those of the last status.
-        hardware_id: JAUS address of the bridge.
-    """
+    """Returns the status of what was dropped on the JAUS side, before any connection."""
     new = [name for name, count in counts.items() if count > former.get(name, 0)]
     level, message = ("warning", ", ".join(new)) if new else ("ok", "running")
     values = tuple((f"dropped: {name}", str(count)) for name, count in counts.items())
@@ -169,13 +136,7 @@ def traffic_status(
 
 
 def socket_status(drops: int, hardware_id: str, *, is_new: bool) -> ConnectionStatus:
-    """Returns the status of a bridge for whose sockets the kernel had no room.
-
-    Args:
-        drops: Datagrams that were dropped so far.
-        hardware_id: JAUS address of the bridge.
-        is_new: Whether some of them were dropped since the last status.
-    """
+    """Returns the status of a bridge for whose sockets the kernel had no room."""
     level, message = ("warning", "datagrams are lost") if is_new else ("ok", "running")
     values = (("dropped by the kernel", str(drops)),)
     return ConnectionStatus("jaus socket", level, message, hardware_id, values)

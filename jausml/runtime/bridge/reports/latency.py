@@ -33,7 +33,6 @@ class Latency:
         Args:
             age: Returns the age in nanoseconds of a message that arrives now, of its bytes and
                 its origin; None when its source states no time.
-            clock: Tells the seconds that something takes.
         """
         self._clock = clock
         self._age = age
@@ -41,12 +40,7 @@ class Latency:
         self._handling: deque[int] = deque(maxlen=WINDOW)
 
     def measuring(self, take: Take, counts: Statistics) -> Take:
-        """Returns what takes messages as `take` does, and measures those that are passed on.
-
-        Args:
-            take: Takes a message.
-            counts: What it counts.
-        """
+        """Returns what takes messages as `take` does, and measures those that are passed on."""
         clock = self._clock
         note_age, note_handling, age_of = self._ages.append, self._handling.append, self._age
 
@@ -83,7 +77,6 @@ def age_of_stamp(message: Message, now: int) -> int | None:
     """Returns the age of a JAUS message in nanoseconds; None if it has no TimeStamp.
 
     Args:
-        message: The message, which arrives now.
         now: Time of day in nanoseconds since 1970.
     """
     stamp = getattr(message, "time_stamp", None)

@@ -42,10 +42,6 @@ class Limiting:
     """What translations call for values that may not fit, and what counts those that do not.
 
     Attributes:
-        name: Name under which is counted.
-        statistics: What happened so far.
-        counters: Counters of the process, while the bridge is open.
-        clamp: Moves values into the range of their target field.
         drop_field: Leaves fields out whose value is out of range.
         drop_message: Drops messages with a value out of range.
         error: Does the same, as an error.

@@ -1,12 +1,89 @@
-"""State of a connection in one word, from what is known of it."""
+"""States of a bridge and of its connections: why nothing stands, and how it goes in one word."""
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 from enum import Enum
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from .stops import StopReason
+from ...base.counters import LOGGER
+from ...services.definitions import Status
+
+if TYPE_CHECKING:
+    from ...base.address import JausAddress
+
+
+class StopReason(Enum):
+    """Why the stop stands on the other side; the value is what logs and diagnostics say."""
+
+    START = "no message yet"
+    SILENCE = "the source is silent"
+    CONTROL_RELEASED = "control was released"
+    CONTROL_LAPSED = "control lapsed: its client did not request it again in time"
+    TAKEN_OVER = "another component took control"
+    INACTIVE = "the bridge is inactive"
+    CLOCK = "nobody says the time on /clock"
+    STANDBY = "the bridge stands by"
+    RESET = "the bridge is reset"
+    EMERGENCY = "emergency"
+    FAILURE = "the bridge has failed"
+    STOOD_STILL = "the bridge stood still, and its guardian has stopped what it commands"
+    END = "the bridge ends"
+
+
+_HALTS = {
+    Status.INITIALIZE: StopReason.RESET,
+    Status.EMERGENCY: StopReason.EMERGENCY,
+    Status.FAILURE: StopReason.FAILURE,
+    Status.SHUTDOWN: StopReason.END,
+}
+"""States in which nothing is commanded, whoever wants to."""
+
+
+@dataclass(frozen=True)
+class Standing:
+    """What the JAUS side of a bridge may do.
+
+    Attributes:
+        has_lapsed: Whether nobody controls the bridge since its controller let control lapse.
+    """
+
+    status: Status
+    controller: JausAddress | None
+    is_active: bool = True
+    has_lapsed: bool = False
+
+    @property
+    def halt(self) -> StopReason | None:
+        """Why the bridge commands nothing of its own now; None when it does.
+
+        A bridge that somebody controls commands in Ready alone. One that nobody controls works by
+        itself: the Standby of a bridge that nobody ever resumes forbids nothing.
+        """
+        if not self.is_active:
+            return _HALTS.get(self.status, StopReason.INACTIVE)
+        if self.status is Status.STANDBY and self.controller is not None:
+            return StopReason.STANDBY
+        return _HALTS.get(self.status)
+
+    @property
+    def without_controller(self) -> StopReason:
+        """Why the former controller has control no more, where nobody took it over."""
+        return StopReason.CONTROL_LAPSED if self.has_lapsed else StopReason.CONTROL_RELEASED
+
+    def lost_since(self, former: Standing) -> StopReason | None:
+        """Returns why what the former controller commanded must not stand; None when it may."""
+        if former.is_active and not self.is_active:
+            return StopReason.INACTIVE
+        if self.status is not former.status and self.status in _HALTS:
+            return _HALTS[self.status]
+        if former.status in _HALTS:
+            return None  # what stood then ended with that state
+        if former.controller not in (None, self.controller):
+            return StopReason.TAKEN_OVER if self.controller else self.without_controller
+        left_ready = former.status is Status.READY and self.status is not Status.READY
+        return StopReason.STANDBY if left_ready else None
 
 
 class ConnectionPhase(Enum):
@@ -66,12 +143,7 @@ class Facts:
 
 
 class Judgement(NamedTuple):
-    """State of a connection.
-
-    Attributes:
-        phase: The state.
-        reason: Why, in words.
-    """
+    """State of a connection."""
 
     phase: ConnectionPhase
     reason: str
@@ -83,11 +155,7 @@ class Judgement(NamedTuple):
 
 
 def judge(facts: Facts) -> Judgement:
-    """Returns the state of a connection; of several facts the one that explains the others.
-
-    Args:
-        facts: What is known.
-    """
+    """Returns the state of a connection; of several facts the one that explains the others."""
     if facts.error:
         return Judgement(ConnectionPhase.FAILED, facts.error)
     if facts.fault:
@@ -118,3 +186,29 @@ def _stopped(facts: Facts, reason: StopReason) -> Judgement:
     if facts.forbidden:
         return Judgement(ConnectionPhase.REFUSED, facts.forbidden)
     return Judgement(ConnectionPhase.WAITING, f"no message since the stop: {reason.value}")
+
+
+INTERVAL = 10.0
+"""Least seconds between two lines about one connection: its state may come and go."""
+
+_WARNED = (ConnectionPhase.SILENT, ConnectionPhase.FAILED)
+"""States that are warned of; of what degrades a connection its counts warn already."""
+
+
+class StateLog:
+    """Remembers what the log was told of a connection."""
+
+    def __init__(self, name: str) -> None:
+        """Begins with a connection that waits, of which nothing is told."""
+        self._name = name
+        self._told = ConnectionPhase.WAITING
+        self._next = 0.0
+
+    def note(self, judgement: Judgement, now: float) -> None:
+        """Tells the log of a change, unless it was told something a moment ago."""
+        phase = judgement.phase
+        if phase is self._told or now < self._next:
+            return
+        self._told, self._next = phase, now + INTERVAL
+        level = logging.WARNING if phase in _WARNED else logging.INFO
+        LOGGER.log(level, "%s is %s: %s", self._name, phase.value, judgement.reason)

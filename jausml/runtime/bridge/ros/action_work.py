@@ -1,38 +1,35 @@
-"""Work of actions on the executor of rclpy, and the goals that are under way."""
+"""What clients and servers of ROS actions share: messages, work on the executor, and goals."""
+
+# ROS is typed in parts; whoever checks generated code reads this module too.
+# mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
 
 from __future__ import annotations
 
+import importlib
 import threading
 import time
 from collections import deque
 from functools import partial
+from itertools import islice
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
+from ..ends.actions import LONGEST_GOAL
+from ..messages.errors import RosTypeError
+from .codec import Codec
+
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from ...base.loop import Loop
     from ...guardian.ward import Ward
+    from ..ends.actions import ListAction
 
 
 class ActionWork:
-    """What the actions of one node have done, in order, and the goals that are under way.
-
-    Attributes:
-        node: The node of rclpy.
-        loop: What the bridge is told on, or with its lock.
-        ward: What tells the guardian of goals; None where there is none.
-    """
+    """What the actions of one node have done, in order, and the goals that are under way."""
 
     def __init__(self, node: Any, executor: Any, loop: Loop, ward: Ward | None) -> None:
-        """Has nothing to do yet.
-
-        Args:
-            node: The node of rclpy.
-            executor: What runs it.
-            loop: What the bridge is told on, or with its lock.
-            ward: What tells the guardian of goals; None where there is none.
-        """
         self.loop = loop
         self.ward = ward
         self.node = node
@@ -75,3 +72,85 @@ class ActionWork:
         with self._changed:
             while self._open and (left := deadline - time.monotonic()) > 0:
                 self._changed.wait(left)
+
+
+class ActionMessages:
+    """The classes of rclpy of an action, and their members that the bridge knows."""
+
+    def __init__(self, action: ListAction) -> None:
+        """Finds them.
+
+        Raises:
+            RosTypeError: The type is not installed as the model has it.
+        """
+        self.type = _installed(action.type_name)
+        self._codec = Codec(action.element)
+        self._action = action
+        kind = self._codec.message_class
+        element = f"{kind.__module__.split('.')[0]}/{kind.__name__}"
+        _require(self.type.Goal, action.goal, f"sequence<{element}", action.type_name)
+        _require(self.type.Feedback, action.progress, ("int", "uint"), action.type_name)
+        _require(self.type.Result, action.reason, "string", action.type_name)
+
+    def goal(self, elements: Sequence[bytes]) -> Any:
+        """Returns a goal with these serialized elements."""
+        goal = self.type.Goal()
+        _set(goal, self._action.goal, [self._codec.decode(each) for each in elements])
+        return goal
+
+    def elements(self, goal: Any) -> list[bytes]:
+        """Returns the elements of a goal, serialized: one more than it may have at most."""
+        found = attrgetter(self._action.goal)(goal)
+        return [self._codec.encode(each) for each in islice(found, LONGEST_GOAL + 1)]
+
+    def feedback(self, number: int) -> Any:
+        """Returns a feedback that says how far the list is; None when there is no such number."""
+        if not self._action.progress:
+            return None
+        feedback = self.type.Feedback()
+        _set(feedback, self._action.progress, number)
+        return feedback
+
+    def progress(self, feedback: Any) -> int | None:
+        """Returns how far a feedback says that the list is; None when it does not."""
+        path = self._action.progress
+        return int(attrgetter(path)(feedback)) if path else None
+
+    def result(self, reason: str) -> Any:
+        """Returns a result that gives a reason, if results have a place for one."""
+        result = self.type.Result()
+        if self._action.reason:
+            _set(result, self._action.reason, reason)
+        return result
+
+    def reason(self, result: Any) -> str:
+        """Returns the reason that a result gives; empty when there is none."""
+        return str(attrgetter(self._action.reason)(result)) if self._action.reason else ""
+
+
+def _installed(name: str) -> Any:
+    package, kind, own = name.split("/")
+    try:
+        return getattr(importlib.import_module(f"{package}.{kind}"), own)
+    except (ImportError, AttributeError) as error:
+        raise RosTypeError(f"{name} is not installed ({error})") from error
+
+
+def _require(kind: Any, path: str, types: str | tuple[str, ...], name: str) -> None:
+    """Refuses a type that has not what the bridge reads and writes there."""
+    if not path:
+        return
+    parent, _, member = path.rpartition(".")
+    try:
+        owner = attrgetter(parent)(kind()) if parent else kind
+        found = owner.get_fields_and_field_types()[member]
+    except (AttributeError, KeyError):
+        found = "nothing"
+    if not found.startswith(types):
+        wanted = types if isinstance(types, str) else " or ".join(types)
+        raise RosTypeError(f"{name}: {path} is {found} there, not {wanted}")
+
+
+def _set(message: Any, path: str, value: object) -> None:
+    parent, _, member = path.rpartition(".")
+    setattr(attrgetter(parent)(message) if parent else message, member, value)

@@ -39,14 +39,6 @@ class Codec:
     """Messages of one class of rclpy, as objects and serialized."""
 
     def __init__(self, ros_type: type[Any]) -> None:
-        """Finds the class.
-
-        Args:
-            ros_type: A class of rclpy, or a light class.
-
-        Raises:
-            ImportError: ROS has no such type here.
-        """
         self.message_class = message_class(ros_type)
 
     def decode(self, data: bytes) -> Any:

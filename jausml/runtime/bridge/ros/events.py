@@ -35,13 +35,7 @@ def matched_event(subscription: Any) -> Any:
 def publisher_events(
     handle: Any, health: EndpointHealth, matched: Told
 ) -> Iterator[tuple[Any, Callable[[], None]]]:
-    """Yields the events of a publisher, and what takes each.
-
-    Args:
-        handle: The publisher.
-        health: Is told what the events say.
-        matched: Is told of subscriptions that come and go.
-    """
+    """Yields the events of a publisher, and what takes each."""
     kinds = QoSPublisherEventType
     yield from _event(handle, kinds.RCL_PUBLISHER_MATCHED, matched)
     yield from _event(handle, kinds.RCL_PUBLISHER_OFFERED_INCOMPATIBLE_QOS, _incompatible(health))
@@ -57,12 +51,7 @@ def publisher_events(
 def subscription_events(
     handle: Any, health: EndpointHealth
 ) -> Iterator[tuple[Any, Callable[[], None]]]:
-    """Yields the events of a subscription, and what takes each.
-
-    Args:
-        handle: The subscription.
-        health: Is told what the events say.
-    """
+    """Yields the events of a subscription, and what takes each."""
 
     def liveliness(state: Any) -> None:
         if not (state.alive_count_change or state.not_alive_count_change):

@@ -42,9 +42,6 @@ NEEDED: dict[str, tuple[str, ...]] = {
 def require_internals(node: Any) -> None:
     """Refuses a rclpy that has not all that the bridge uses.
 
-    Args:
-        node: A node.
-
     Raises:
         RosLostError: Something is missing.
     """

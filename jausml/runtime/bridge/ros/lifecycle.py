@@ -38,12 +38,6 @@ class ManagedNode(LifecycleNode):
     """A node whose transitions bring something up and down."""
 
     def __init__(self, name: str, **options: Any) -> None:
-        """Joins ROS, unconfigured.
-
-        Args:
-            name: Name of the node.
-            options: Those of `rclpy.node.Node`.
-        """
         super().__init__(name, **options)
         self._managed: Managed | None = None
         self._error: BaseException | None = None

@@ -43,9 +43,6 @@ class Listener:
     def __init__(self, loop: Loop) -> None:
         """Finds the functions.
 
-        Args:
-            loop: The loop that waits.
-
         Raises:
             NoListenerError: One of them is missing, or another machine calls them otherwise.
         """
@@ -59,10 +56,6 @@ class Listener:
 
     def try_out(self, subscription: Any, event: Any) -> None:
         """Tells whether the middleware takes the callbacks.
-
-        Args:
-            subscription: Handle of any subscription.
-            event: Handle of any event.
 
         Raises:
             NoListenerError: It does not, or rclpy gives no pointers.

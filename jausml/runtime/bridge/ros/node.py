@@ -9,6 +9,7 @@ of rclpy has a thread of its own for parameters, services and `/clock`.
 
 from __future__ import annotations
 
+import logging
 import threading
 import time
 from typing import TYPE_CHECKING, Any
@@ -26,12 +27,11 @@ from ..ends import parameters
 from ..ends.topics import Qos, Topic, TopicCounts
 from ..messages.errors import RosLostError
 from .codec import Codec
-from .executor import GuardedExecutor
 from .internals import require_internals
 from .lifecycle import ManagedNode
-from .log import RosLogHandler
 from .parameters import NodeParameters, as_parameter_error
 from .services import NodeServices
+from .spin import GuardedExecutor
 from .topics import NodeTopics
 
 if TYPE_CHECKING:
@@ -40,25 +40,40 @@ if TYPE_CHECKING:
     from ...base.loop import Loop
     from ...guardian.ward import Ward
     from ..ends.actions import ActionClient, GoalTaker, ListAction
-    from ..ends.parameter import Parameter
     from ..ends.quality import TopicFault
-    from ..ends.service_client import RosService
+    from ..ends.topics import Parameter, RosService
     from .actions import NodeActions
     from .lifecycle import Managed
-    from .publisher import NodePublisher
     from .services import NodeClient, TakeRequest
-    from .topics import WaitingName
+    from .topics import NodePublisher, WaitingName
+
+
+class RosLogHandler(logging.Handler):
+    """Hands the records of the runtime to the logger of the node, and so to /rosout."""
+
+    def __init__(self, node: Any) -> None:
+        super().__init__()
+        self._logger = node.get_logger()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Logs one record; rclpy tells severities by the place of the call, hence the branches."""
+        text = self.format(record)
+        if record.levelno >= logging.ERROR:
+            self._logger.error(text)
+        elif record.levelno >= logging.WARNING:
+            self._logger.warning(text)
+        elif record.levelno >= logging.INFO:
+            self._logger.info(text)
+        else:
+            self._logger.debug(text)
+
 
 LAST_WORDS = 1.0
 """Longest time in seconds that a node which ends waits for slow subscribers."""
 
 
 class RosNode:
-    """One rclpy node, whose topics a loop waits for.
-
-    Attributes:
-        ward: What tells the guardian of goals; None where there is none.
-    """
+    """One rclpy node, whose topics a loop waits for."""
 
     def __init__(
         self,
@@ -71,9 +86,7 @@ class RosNode:
 
         Args:
             name: Node name, which `-r __node:=` changes.
-            namespace: Namespace; empty means the root.
             arguments: Command line with `--ros-args`; None means none.
-            waiting: How to wait for topics.
         """
         self._context = Context()
         # Signals are left to the process: ROS must outlive the release of JAUS control.
@@ -137,7 +150,6 @@ class RosNode:
         """Declares a parameter and returns its value.
 
         Args:
-            parameter: The parameter.
             changed: Takes each later value, on the thread of the executor; without it the parameter
                 cannot change.
 
@@ -150,9 +162,6 @@ class RosNode:
     def codec(self, ros_type: type[Any]) -> Codec:
         """Returns what makes objects of serialized messages, and the reverse.
 
-        Args:
-            ros_type: A class of rclpy, or a light class, whose `TYPE` names the type.
-
         Raises:
             ImportError: ROS has no such type here.
         """
@@ -162,9 +171,6 @@ class RosNode:
 
     def attach(self, loop: Loop) -> None:
         """Chooses how to wait; to be called before there are publishers and subscriptions.
-
-        Args:
-            loop: The loop on which, or with whose lock, messages are taken.
 
         Raises:
             ParameterError: Only a listener would do, and there is none.
@@ -182,21 +188,13 @@ class RosNode:
         topic: Topic,
         greet: Callable[[], None] | None = None,
     ) -> NodePublisher:
-        """Makes a publisher; see `RosSide`.
-
-        Raises:
-            ParameterError: A parameter gives it a name or a policy that ROS refuses.
-        """
+        """Makes a publisher; see `RosSide`."""
         return self._present_topics.publisher(ros_type, topic, greet)
 
     def subscribe(
         self, ros_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
     ) -> TopicCounts:
-        """Makes a subscription; see `RosSide`. Messages are taken after `start`.
-
-        Raises:
-            ParameterError: A parameter gives it a name or a policy that ROS refuses.
-        """
+        """Makes a subscription; see `RosSide`. Messages are taken after `start`."""
         return self._present_topics.subscribe(ros_type, topic, take)
 
     def faults(self, topic: Topic, *, publishes: bool) -> list[TopicFault]:
@@ -210,21 +208,11 @@ class RosNode:
         return self._topics
 
     def action_client(self, action: ListAction) -> ActionClient:
-        """Makes what sends goals of an action.
-
-        Raises:
-            RosTypeError: Its type is not installed as the model has it.
-            ParameterError: A parameter gives it a name that ROS refuses.
-        """
+        """Makes what sends goals of an action."""
         return self._node_actions().client(action)
 
     def serve_action(self, action: ListAction, taker: GoalTaker) -> None:
-        """Takes the goals of an action.
-
-        Raises:
-            RosTypeError: Its type is not installed as the model has it.
-            ParameterError: A parameter gives it a name that ROS refuses.
-        """
+        """Takes the goals of an action."""
         self._node_actions().serve(action, taker)
 
     def _node_actions(self) -> NodeActions:

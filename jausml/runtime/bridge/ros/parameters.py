@@ -22,7 +22,7 @@ from ..ends.parameters import ParameterError, nearest
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
-    from ..ends.parameter import Parameter
+    from ..ends.topics import Parameter
 
 
 class NodeParameters:
@@ -33,11 +33,7 @@ class NodeParameters:
     """
 
     def __init__(self, node: Any) -> None:
-        """Follows changes from now on.
-
-        Args:
-            node: The node of rclpy.
-        """
+        """Follows changes from now on."""
         self.given = frozenset(_given(node))
         self._node = node
         self._checks: dict[str, Callable[[Any], object]] = {}
@@ -51,7 +47,6 @@ class NodeParameters:
         """Declares a parameter and returns its value.
 
         Args:
-            parameter: The parameter.
             changed: Takes each later value, on the thread of the executor; without it the parameter
                 cannot change.
 
@@ -106,7 +101,6 @@ def tell_unknown(node: Any, possible: Iterable[str] = ()) -> None:
     """Warns of parameters that nobody declared: they are misspelt, or of something else.
 
     Args:
-        node: The node of rclpy.
         possible: Names of parameters that it would have declared, had they been given.
     """
     unknown = [name for name in _given(node) if not node.has_parameter(name)]

@@ -17,8 +17,7 @@ from rclpy.qos import (
     ReliabilityPolicy,
 )
 
-from ..ends.parameter import Parameter
-from ..ends.topics import Qos
+from ..ends.topics import Parameter, Qos
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Container
@@ -50,11 +49,6 @@ def overridden(
 
     A parameter exists only where command line or file give it: with four for each endpoint, those
     that matter would be hard to find among them, and the start would take longer.
-
-    Args:
-        health: The endpoint, with its modelled quality of service.
-        given: Names of the parameters that command line and files give.
-        parameter: Declares a parameter and returns its value.
     """
     qos = health.qos
     for policy in OVERRIDABLE:

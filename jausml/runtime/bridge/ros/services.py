@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ...base.loop import Loop
-    from ..ends.service_client import RosService
+    from ..ends.topics import RosService
 
     Reply = Callable[[bytes], None]
     TakeRequest = Callable[[bytes, Reply], None]
@@ -41,28 +41,13 @@ class NodeServices:
     """The services of one node."""
 
     def __init__(self, node: Any, loop: Loop) -> None:
-        """Has none yet.
-
-        Args:
-            node: The node of rclpy.
-            loop: Where requests and responses are taken.
-        """
         self._node = node
         self._loop = loop
         self._served: list[_Served] = []
         self._clients: list[Any] = []
 
     def serve(self, service: RosService, take: TakeRequest) -> None:
-        """Serves a service.
-
-        Args:
-            service: The service.
-            take: Is given each request and what replies to it, on the loop.
-
-        Raises:
-            RosTypeError: Its type is not installed as the model has it.
-            ParameterError: ROS refuses its name.
-        """
+        """Serves a service."""
         kind = _installed(service)
         with as_parameter_error(f"service {service.name!a}: "), self._node.handle:
             profile = _PROFILE.get_c_qos_profile()
@@ -72,12 +57,7 @@ class NodeServices:
         self._node.add_waitable(served)
 
     def client(self, service: RosService) -> NodeClient:
-        """Returns what calls a service.
-
-        Raises:
-            RosTypeError: Its type is not installed as the model has it.
-            ParameterError: ROS refuses its name.
-        """
+        """Returns what calls a service."""
         kind = _installed(service)
         with as_parameter_error(f"service {service.name!a}: "):
             client = self._node.create_client(kind, service.name, qos_profile=_PROFILE)

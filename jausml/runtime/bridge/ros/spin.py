@@ -1,28 +1,110 @@
-"""Runs a node that users write on rclpy, and reads command lines of ROS."""
+"""Runs nodes on rclpy, and reads command lines of ROS."""
 
 # ROS is typed in parts; whoever checks generated code reads this module too.
-# mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
+# mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call, misc"
 
 from __future__ import annotations
 
 import atexit
 import signal
 from contextlib import suppress
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import rclpy
+from rcl_interfaces.msg import SetParametersResult
+from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.exceptions import ParameterException
-from rclpy.executors import ExternalShutdownException
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor, await_or_execute
 from rclpy.utilities import ok, remove_ros_args, try_shutdown
 
+from ...base.counters import Counters
 from ...component.process import ignore_signals
 from ..ends.parameters import ParameterError
 from .parameters import as_parameter_error, tell_unknown
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Awaitable, Callable, Sequence
+
+    from rclpy.context import Context
+
+
+FAILED = "ros.callback_failed"
+REFUSED = "ros.request_refused"
+
+
+class GuardedExecutor(SingleThreadedExecutor):
+    """Runs the callbacks of a node, and counts what they raise: no request may end a bridge.
+
+    rclpy raises out of `spin` what a callback raises, be it of its own services: for a transition
+    that is not possible now, or a parameter of an unknown type.
+    What ROS itself raises while it waits, and what is meant to end a process, still ends `spin`.
+    """
+
+    def __init__(self, context: Context) -> None:
+        super().__init__(context=context)
+        self.counters = Counters()
+
+    def add_node(self, node: Any) -> bool:
+        """Serves a node; each of its services answers whatever it is asked."""
+        for service in node.services:
+            service.callback = partial(self._answer, service.callback)
+        return bool(super().add_node(node))
+
+    def create_task(self, callback: Any, *arguments: Any, **named: Any) -> Any:
+        """Runs a callback in a later turn."""
+        return super().create_task(self._guarded(callback), *arguments, **named)
+
+    def _make_handler(self, entity: Any, node: Any, take: Callable[[Any], Any]) -> Any:
+        # Taking fails too, and rclpy would serve the entity never again.
+        return super()._make_handler(entity, node, partial(self._taken, take))
+
+    def _taken(self, take: Callable[[Any], Any], entity: Any) -> Any:
+        try:
+            work = take(entity)
+        except Exception as error:
+            self._count(error)
+            return None
+        return None if work is None else self._guarded(work)
+
+    def _guarded(self, callback: Callable[..., Any]) -> Callable[..., Awaitable[Any]]:
+        async def guarded(*arguments: Any, **named: Any) -> Any:
+            try:
+                return await await_or_execute(partial(callback, **named), *arguments)
+            except Exception as error:
+                self._count(error)
+
+        return guarded
+
+    def _answer(self, serve: Callable[[Any, Any], Any], request: Any, response: Any) -> Any:
+        """Answers a request; what cannot be done is refused."""
+        try:
+            return serve(request, response)
+        except Exception as error:
+            text = " ".join(str(error).split())
+            self.counters.count(REFUSED, f"{type(request).__qualname__}: {text}")
+            return _refused(request, response, text)
+
+    def _count(self, error: Exception) -> None:
+        self.counters.count(FAILED, repr(error), error=error)
+
+
+def _refused(request: Any, response: Any, reason: str) -> Any:
+    """Returns a response that says that a request was refused, as far as its type can.
+
+    Others are those of a transition, which fails unless it says that it succeeded, and of
+    questions.
+    """
+    refused = SetParametersResult(successful=False, reason=reason)
+    if isinstance(response, SetParameters.Response):
+        lacking = len(request.parameters) - len(response.results)
+        response.results.extend([refused] * lacking)
+    elif isinstance(response, SetParametersAtomically.Response):
+        response.result = refused
+    return response
+
 
 WAKE_UP_PERIOD = 1.0
 """Longest time in seconds until a node that spins notices a shutdown."""
@@ -32,7 +114,6 @@ def spin(factory: Callable[[], Any], arguments: Sequence[str] | None) -> None:
     """Spins a node until SIGINT or SIGTERM.
 
     Args:
-        factory: Makes the node, after ROS has begun.
         arguments: Command line without the program's name; that of the process when None.
 
     Raises:

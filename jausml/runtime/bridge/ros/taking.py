@@ -27,14 +27,10 @@ class Subscription:
     """A subscription and what takes its messages.
 
     Attributes:
-        handle: That of rclpy.
-        matched: Handle of the event that tells of publishers that come and go.
-        message_class: Class of its messages in rclpy.
         depth: Messages that it keeps; 0 means all.
         take: Is given each serialized message, and the time in nanoseconds at which it was
             published, by the clock of its publisher.
         age_limit: Nanoseconds after which a message that waits is too old; 0 means never.
-        counts: What happened so far.
     """
 
     handle: Any
@@ -58,9 +54,7 @@ def reader(
     would show in the latency.
 
     Args:
-        subscription: The subscription.
         announced: Returns how many messages to take.
-        standstill: That of the loop.
         rearm: Asks for another call for so many messages. None means that `announced` is no more
             than a guess: the middleware tells by itself when more is there, and not how much.
     """

@@ -27,7 +27,6 @@ from .internals import internals
 from .listener import Listener, NoListenerError
 from .parameters import as_parameter_error, tell_unknown
 from .profiles import OVERRIDABLE, deep_enough, never_waiting, overridden, profile_of, qos_of
-from .publisher import NodePublisher
 from .taking import Subscription
 from .wait_set import WaitSets
 
@@ -37,6 +36,31 @@ if TYPE_CHECKING:
     from ...base.loop import Loop
     from ..ends.quality import TopicFault
     from .parameters import NodeParameters
+
+
+class NodePublisher:
+    """A publisher for serialized messages.
+
+    Attributes:
+        publish: Publishes a serialized message, from any thread: the function of rclpy itself.
+    """
+
+    __slots__ = ("_class", "handle", "matched", "publish", "published", "unmatched")
+
+    def __init__(self, handle: Any, ros_class: type[Any], published: Published) -> None:
+        self.handle = handle
+        self.published = published
+        self.publish: Callable[[bytes], None] = handle.publish_raw
+        self.matched = 0
+        self.unmatched = 0
+        self._class = ros_class
+
+    def publish_message(self, message: Any) -> None:
+        """Publishes an object of the class of rclpy, from any thread."""
+        if not isinstance(message, self._class):
+            raise TypeError(f"{self._class.__name__} expected, not {type(message).__name__}")
+        self.handle.publish(message)
+
 
 WaitingName = Literal["automatic", "listener", "wait-set"]
 """How the bridge waits for ROS; `automatic` takes the listener where there is one."""
@@ -73,11 +97,6 @@ class NodeTopics:
         """Has none yet.
 
         Args:
-            node: The node of rclpy.
-            context: Its context.
-            loop: The loop on which, or with whose lock, messages are taken.
-            waiting: How to wait for topics.
-            parameters: The parameters of the node.
             age_limit: Nanoseconds that a message may wait in the queue of a topic; 0 means forever.
 
         Raises:
@@ -103,11 +122,6 @@ class NodeTopics:
 
         Args:
             ros_type: A class of rclpy, or a light class, whose `TYPE` names the type.
-            topic: The topic.
-            greet: Called for each subscriber that is found, on the loop or with its lock.
-
-        Raises:
-            ParameterError: A parameter gives it a name or a policy that ROS refuses.
         """
         found = message_class(ros_type)
         health = self._watched(topic, topic.qos, publishes=True)
@@ -131,17 +145,8 @@ class NodeTopics:
     ) -> TopicCounts:
         """Makes a subscription; messages are taken after `start`.
 
-        Args:
-            ros_type: A class of rclpy, or a light class, whose `TYPE` names the type.
-            topic: The topic.
-            take: Is given each serialized message, and the time at which it was published, in
-                nanoseconds by the clock of its publisher; on the loop or with its lock.
-
         Returns:
             The counts, which go on.
-
-        Raises:
-            ParameterError: A parameter gives it a name or a policy that ROS refuses.
         """
         found, counts = message_class(ros_type), TopicCounts()
         health = self._watched(topic, deep_enough(topic.qos), publishes=False)
@@ -161,12 +166,7 @@ class NodeTopics:
         return counts
 
     def faults(self, topic: Topic, *, publishes: bool) -> list[TopicFault]:
-        """Returns why a topic does not work as it should; nothing while it does.
-
-        Args:
-            topic: A topic that was subscribed to, or has a publisher.
-            publishes: Whether its publisher is meant.
-        """
+        """Returns why a topic does not work as it should; nothing while it does."""
         return self._health[topic, publishes].faults()
 
     def _watched(self, topic: Topic, qos: Qos, *, publishes: bool) -> EndpointHealth:
@@ -223,11 +223,7 @@ class NodeTopics:
     # ------------------------------------------------------------------ life
 
     def listen(self, fail: Callable[[BaseException], None]) -> None:
-        """Begins to take the messages of what was subscribed to.
-
-        Args:
-            fail: Told why nobody waits any more.
-        """
+        """Begins to take the messages of what was subscribed to."""
         possible = (
             each.parameter(policy) for each in self._health.values() for policy in OVERRIDABLE
         )

@@ -26,12 +26,6 @@ class WaitSets:
     """Serves topics and events on threads, with the lock of the loop."""
 
     def __init__(self, loop: Loop, context: Any) -> None:
-        """Waits for nothing yet.
-
-        Args:
-            loop: The loop whose lock is held while something is served.
-            context: The context of rclpy.
-        """
         self._standstill = loop.standstill
         self._topics = _TopicSet(loop, context)
         self._events = _EventSet(loop, context)

@@ -37,10 +37,8 @@ class Account:
     then.
 
     Attributes:
-        came: Packets that arrived, each counted once.
         late: Those of them that came after newer ones.
         repeated: Packets that came again, too late to be known as duplicates.
-        restarts: How often the sender began anew.
         is_exact: Whether the sender surely does not number for all that it talks to: its numbers
             of packets to wildcards, which a single count would have taken among these, are others.
             Where this is not known, what was lost is an upper bound.
@@ -62,7 +60,6 @@ class Account:
     )
 
     def __init__(self) -> None:
-        """Begin without packets."""
         self.came = 0
         self.late = 0
         self.repeated = 0
@@ -104,7 +101,6 @@ class Account:
 
         Args:
             numbers: Those that are remembered, with their times, in the order of arrival.
-            others: Those of the packets of the same sender to wildcards.
         """
         number = next(reversed(others), None)
         if number is None or others[number][0] <= self._compared:

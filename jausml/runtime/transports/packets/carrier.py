@@ -34,7 +34,6 @@ class Carrier(ABC, Generic[Origin]):
         """Learn that a destination fails to acknowledge, before the last repetition.
 
         Args:
-            destination: The destination.
             since: When the packet was sent first.
         """
 

@@ -43,7 +43,6 @@ class DuplicateWindow:
     They are replaced by their hash when there is time, and the oldest when they exceed 4 MiB.
 
     Attributes:
-        seconds: How long a number is remembered.
         history: How many are remembered of each pair at least.
         capacity: How many are remembered at most; the oldest go together then, by ``make_room``.
         seen: By pair, the one silent longest first: its numbers, the oldest first, with time and
@@ -52,7 +51,6 @@ class DuplicateWindow:
     """
 
     def __init__(self, seconds: float = 1.5, history: int = 512, sources: int = 256) -> None:
-        """Start with no packets seen."""
         self.seconds = seconds
         self.history = history
         self.capacity = history + max(1, history // 2)
@@ -71,7 +69,6 @@ class DuplicateWindow:
 
         Args:
             packet: The packet; its flags may differ in a repetition.
-            now: Time in seconds.
         """
         source, destination = packet.source, packet.destination
         # A sender may number what goes to a wildcard by a count of its own.

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import logging
+from collections import OrderedDict
 from typing import TYPE_CHECKING, Any, Generic
 
+from ...base.clocks import HostClock
 from ...base.counters import LOGGER
-from ...base.host_clock import HostClock
 from ...base.quirks import Quirk
+from ...base.settings import MAX_FRAGMENT_SIZE
 from ..delivery import MESSAGE_CODE_SIZE, Arrival, Double, ReceivedMessage
 from .carrier import Origin
 from .duplicates import DuplicateWindow
-from .flagless import FlaglessMessages
-from .packet import AckNak, DataFlags, Packet
+from .packet import AckNak, Broadcast, DataFlags, Packet, Priority
 from .reassembly import Reassembly
 
 if TYPE_CHECKING:
@@ -26,6 +27,56 @@ if TYPE_CHECKING:
     from .carrier import Carrier
 
     Receivers = list[tuple[JausAddress, Receive]]
+
+
+_MAX_SOURCES = 256
+
+
+# JAUS-DEVIATION: by AS5669A a packet with these flags is an acknowledgement. Junior sets all eight
+# bits when its API is called with priority 0; what it means is a message of low priority.
+class FlaglessMessages:
+    """Tells whole messages from fragments among packets whose flags are all set.
+
+    A message longer than Junior's packets comes as full packets and a shorter tail, and nothing
+    marks them. A short packet is taken for a whole message, unless its source sent a full one
+    lately: it may then be the tail. A tail is taken for a message when all that came before it
+    was lost on the way; its body will hardly be one that its first two bytes call for.
+    """
+
+    def __init__(self, seconds: float) -> None:
+        """Start with no sources in doubt.
+
+        Args:
+            seconds: How long a full packet casts doubt on the short ones of its source.
+        """
+        self._seconds = seconds
+        self._fragmenting: OrderedDict[JausAddress, float] = OrderedDict()
+
+    def whole(self, packet: Packet, now: float) -> Packet | None:
+        """Return the message that a packet with a payload is, or None if it may be a fragment."""
+        if (packet.priority, packet.broadcast, packet.acknowledge, packet.data_flags) != (
+            Priority.SAFETY_CRITICAL,
+            Broadcast.RESERVED,
+            AckNak.ACK,
+            DataFlags.LAST,
+        ):
+            return None
+        source = packet.source
+        if len(packet.payload) >= MAX_FRAGMENT_SIZE:
+            self._fragmenting[source] = now
+            self._fragmenting.move_to_end(source)
+            if len(self._fragmenting) > _MAX_SOURCES:
+                self._fragmenting.popitem(last=False)
+            return None
+        doubted = self._fragmenting.get(source)
+        if doubted is not None and now - doubted < self._seconds:
+            return None
+        return packet._replace(
+            priority=Priority.LOW,
+            broadcast=Broadcast.NONE,
+            acknowledge=AckNak.NONE,
+            data_flags=DataFlags.SINGLE,
+        )
 
 
 class Inbox(Generic[Origin]):
@@ -46,12 +97,8 @@ class Inbox(Generic[Origin]):
         """Start with no components.
 
         Args:
-            settings: Limits of duplicate detection and reassembly.
-            loop: Its lock, clock and counters are used.
             acknowledged: Told of an acknowledgement to whom and for which sequence number it is,
                 and who sent it; returns whether a packet waited for it.
-            carrier: Sends answers back.
-            quirks: What was learnt of each peer.
         """
         self._loop = loop
         self._counters = loop.counters
@@ -149,13 +196,7 @@ class Inbox(Generic[Origin]):
         self._counters.count("transport.own_source", place, level=logging.DEBUG)
 
     def take(self, packet: Packet, origin: Origin, now: float) -> bool:
-        """Take a packet of another process; return False when it is for nobody here.
-
-        Args:
-            packet: A packet whose source is not refused.
-            origin: Where acknowledgements go.
-            now: Time in seconds.
-        """
+        """Take a packet of another process; return False when it is for nobody here."""
         receivers = self.receivers_of(packet)
         if not receivers:
             return False
@@ -239,13 +280,7 @@ class Inbox(Generic[Origin]):
             self.take_acknowledgement(packet.destination, packet.sequence, packet.source)
 
     def take_acknowledgement(self, component: int, sequence: int, by: int) -> None:
-        """Take an acknowledgement.
-
-        Args:
-            component: Component of this process that it is for.
-            sequence: Number of the packet that is acknowledged.
-            by: Who acknowledges.
-        """
+        """Take an acknowledgement."""
         if self._acknowledged(component, sequence, by):
             self._matched.count += 1
         elif not self.proves(by, sequence):

@@ -19,14 +19,9 @@ class Message:
     """A message whose packets are sent, each until it is acknowledged.
 
     Attributes:
-        packets: Its fragments in order, or its only packet.
         on_result: Told once whether all packets were acknowledged.
-        window: How many of its packets may be under way at once.
         latest: Time until which it is worth to begin with it.
-        size: Bytes of its payload.
-        is_large: Whether it has several packets.
         is_urgent: Whether it is sent at once, however much is under way.
-        sent: How many of its packets were sent at least once.
         under_way: How many of these are not acknowledged yet.
     """
 
@@ -67,9 +62,6 @@ class Lane:
     packets of several messages by turns would push each other out. Messages of one packet pass
     between them; of these only so many are under way as a small receive buffer holds, and those of
     high priority besides.
-
-    Attributes:
-        heard: Time of the latest acknowledgement.
     """
 
     __slots__ = ("_large", "_singles", "_singles_under_way", "heard")

@@ -10,7 +10,6 @@ from ...base.counters import LOGGER
 from ...base.quirks import Quirk
 from ...base.settings import MAX_FRAGMENT_SIZE
 from ..delivery import MESSAGE_CODE_SIZE, PeerTraffic, report
-from .bursts import Bursts
 from .carrier import Carrier, Origin, ReliableCarrier
 from .inbox import Inbox
 from .outbox import Outbox
@@ -25,6 +24,38 @@ if TYPE_CHECKING:
     from ...base.quirks import Quirks
     from ...base.settings import TransportSettings
     from ..delivery import OnResult
+
+
+AT_ONCE = 10
+"""Packets that a receiver takes in one go."""
+
+PER_SECOND = 8000
+"""Packets that it takes in a second."""
+
+_MAX_DESTINATIONS = 256
+
+
+class Bursts:
+    """Tells whether packets of a large message can go out in one go, without acknowledgement.
+
+    A node manager of Junior takes 10 datagrams each millisecond, and its receive buffer holds about
+    20 of full size; what comes on top is lost in silence.
+    """
+
+    def __init__(self) -> None:
+        self._levels: dict[JausAddress, tuple[float, float]] = {}
+
+    def fits(self, destination: JausAddress, count: int, now: float) -> bool:
+        """Return whether a destination can take packets now, and assume that it gets them if so."""
+        level, since = self._levels.get(destination, (0.0, now))
+        level = max(0.0, level - (now - since) * PER_SECOND) + count
+        if level > AT_ONCE:
+            return False
+        if len(self._levels) >= _MAX_DESTINATIONS:
+            self._levels.clear()
+        self._levels[destination] = level, now
+        return True
+
 
 HELD_BY_PEERS = 50
 """Packets of an unfinished message that Junior and the JAUS Tool Set hold."""
@@ -55,11 +86,8 @@ class Messenger(Generic[Origin]):
         """Start with no components and nothing to wait for.
 
         Args:
-            settings: Sizes, time-outs and limits.
-            loop: Loop on which messages are received; its counters are used.
             carrier: Puts packets on the network. Messages are repeated until acknowledged unless
                 it is reliable by itself.
-            quirks: What was learnt of each peer.
             draw: Returns a random number from 0 to below its argument, for sequence numbers;
                 by default that of the process.
         """
@@ -179,11 +207,6 @@ class Messenger(Generic[Origin]):
         self, source: JausAddress, destination: JausAddress, payload: bytes
     ) -> list[tuple[bytes, int, int]]:
         """Cut a message of several packets that goes out in one go, without acknowledgement.
-
-        Args:
-            source: Component that sends.
-            destination: Component of another process.
-            payload: Longer than one packet.
 
         Returns:
             Each part with the bits of its place (AS5669A, data flags) and its sequence number;

@@ -101,11 +101,8 @@ class Outbox:
         """Start with nothing to wait for.
 
         Args:
-            settings: Time-out and number of repetitions.
-            loop: Runs the time-outs.
             carrier: Puts packets on the network; told the destination before the last repetition,
                 which may thus search for it.
-            quirks: What was learnt of each peer.
         """
         self._timeout = settings.acknowledge_timeout
         self._retries = settings.acknowledge_retries
@@ -138,7 +135,6 @@ class Outbox:
         """Send the packets of one message, which ask for acknowledgement, when it is their turn.
 
         Args:
-            packets: Fragments in order, or the only packet.
             on_result: Told once whether all packets were acknowledged.
             best_effort: Whether it must be quick or not at all: eight packets are under way at
                 once instead of one, and it waits a second for its turn at most.
@@ -157,13 +153,7 @@ class Outbox:
         self._transmit(ready)
 
     def acknowledged(self, component: int, sequence: int, by: int) -> bool:
-        """Take an acknowledgement; return whether a packet waited for it.
-
-        Args:
-            component: Who sent the packet.
-            sequence: Number of the packet.
-            by: Who acknowledges it.
-        """
+        """Take an acknowledgement; return whether a packet waited for it."""
         with self._lock:
             flights = self._flights
             flight = flights.get((component, by, sequence)) or flights.get((component, 0, sequence))
@@ -191,8 +181,6 @@ class Outbox:
         """Learn that a message was answered; no effect when it does not wait.
 
         Args:
-            source: Who sent the message.
-            peer: Who answers.
             start: What its payload begins with.
         """
         with self._lock:

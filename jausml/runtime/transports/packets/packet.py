@@ -67,14 +67,8 @@ class Packet(NamedTuple):
     """One message of the transport: a whole JAUS message, a fragment, or an acknowledgement.
 
     Attributes:
-        destination: Component or wildcard it goes to.
-        source: Component that sends it.
         payload: Message code and body, a part of them, or nothing in an acknowledgement.
         sequence: Number of the packet among those of its source, modulo 65536.
-        priority: Priority of the message.
-        broadcast: Reach of the message.
-        acknowledge: Acknowledgement asked for or given.
-        data_flags: Place in a message of several packets.
         message_type: 0 for a JAUS message; others are reserved.
     """
 
@@ -194,10 +188,7 @@ def parse_message(data: bytes, offset: int, size: int, counters: Counters) -> Pa
     ``transport.compressed``; ``transport.bad_size``.
 
     Args:
-        data: Bytes with the message.
-        offset: Where it begins.
         size: Its size in bytes, at least 14, all of them there.
-        counters: Where a drop is counted.
     """
     kind, _, flags, destination, source = _HEADER.unpack_from(data, offset)
     start, end = offset + _HEADER_SIZE, offset + size

@@ -156,12 +156,7 @@ class Packetizer:
 
 
 class _Numbers(NamedTuple):
-    """The sequence numbers of a pair.
-
-    Attributes:
-        first: The first of them.
-        following: Those that are not taken yet.
-    """
+    """The sequence numbers of a pair."""
 
     first: int
     following: count[int]

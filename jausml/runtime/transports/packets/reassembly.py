@@ -137,7 +137,6 @@ class Reassembly:
         Args:
             timeout: Seconds without progress after which fragments are discarded.
             limit: Bytes kept for one way (with bookkeeping); four times as many in total.
-            counters: Where discarded fragments are counted.
         """
         self._timeout = timeout
         self._limit = limit

@@ -59,12 +59,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
     """
 
     def __init__(self, settings: TransportSettings, loop: Loop) -> None:
-        """Prepare a transport; ``open`` puts it on the network.
-
-        Args:
-            settings: Interface, port, address book and limits.
-            loop: Loop on which messages are received; its counters are used.
-        """
+        """Prepare a transport; ``open`` puts it on the network."""
         super().__init__(settings, loop)
         self._well_known: Endpoint = (settings.interface, settings.port)
         self._messenger: Messenger[TcpConnection] = Messenger(settings, loop, self, self.quirks)

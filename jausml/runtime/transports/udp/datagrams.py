@@ -48,15 +48,7 @@ class DatagramTransport(Transport):
         port: Port,
         draw: Callable[[int], int] | None = None,
     ) -> None:
-        """Prepare a transport; ``open`` puts it on the network.
-
-        Args:
-            settings: Peers, time-outs and limits.
-            loop: Loop on which messages are received; its counters are used.
-            port: Where datagrams leave.
-            draw: Returns a random number from 0 to below its argument, for sequence numbers;
-                by default that of the process.
-        """
+        """Prepare a transport; ``open`` puts it on the network."""
         super().__init__(settings, loop)
         self._book = AddressBook(
             settings.address_lifetime,

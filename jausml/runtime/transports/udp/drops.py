@@ -34,21 +34,11 @@ class KernelDrops:
     """
 
     def __init__(self, counters: Counters) -> None:
-        """Watch no socket.
-
-        Args:
-            counters: Where drops are counted.
-        """
         self._counters = counters
         self._known: dict[socket.socket, int] = {}
 
     def receiver(self, sock: socket.socket, option: int = SO_MEMINFO) -> Receiver:
-        """Return what receives from a socket, whose drops are counted from now on.
-
-        Args:
-            sock: A new socket.
-            option: What the kernel is asked.
-        """
+        """Return what receives from a socket, whose drops are counted from now on."""
         if sys.platform != "linux":
             return sock.recvfrom
         if len(_told(sock, option)) == _MEMINFO.size:

@@ -13,7 +13,7 @@ from ..packets.packet import EMPTY_MESSAGE_SIZE, JUDP_VERSION, AckNak, Packet, p
 from ..port_holder import manager_folder
 from .datagrams import DatagramTransport
 from .drops import KernelDrops
-from .reading import reader
+from .reading import Usual, reader
 from .shared_port import (
     FRAME,
     SharedPort,
@@ -42,16 +42,12 @@ class JudpTransport(DatagramTransport):
     """Components of this process on one JUDP port (AS5669A)."""
 
     def __init__(self, settings: TransportSettings, loop: Loop) -> None:
-        """Prepare a transport; ``open`` puts it on the network.
-
-        Args:
-            settings: Interface, port, peers and time-outs.
-            loop: Loop on which messages are received; its counters are used.
-        """
+        """Prepare a transport; ``open`` puts it on the network."""
         self._port = SharedPort(settings)
         super().__init__(settings, loop, self._port)
         self._allowed = AllowedHosts(settings, self.counters)
         self._drops = KernelDrops(self.counters)
+        self._usual = Usual(self._port, self._book, self._inbox)
         self._standstill: Watch | None = None
         self._takeover: Timer | None = None
         self._drops_watch: Timer | None = None
@@ -123,15 +119,7 @@ class JudpTransport(DatagramTransport):
     def _reader(self, sock: socket.socket, *, by_multicast: bool) -> Callable[[], None]:
         otherwise = partial(self.receive_datagram, by_multicast=by_multicast)
         receive = self._drops.receiver(sock)
-        return reader(
-            receive,
-            self.loop,
-            self._port,
-            self._book,
-            self._inbox,
-            self._sender.put,
-            otherwise,
-        )
+        return reader(receive, self.loop, self._usual, self._sender.put, otherwise)
 
     def receive_datagram(
         self, data: bytes, sender: Endpoint, *, by_multicast: bool = False
@@ -139,8 +127,6 @@ class JudpTransport(DatagramTransport):
         """Take a datagram as if a socket had read it, on the loop's thread; never raises.
 
         Args:
-            data: The datagram.
-            sender: Endpoint that it came from.
             by_multicast: Whether it came to the multicast group.
         """
         if sender in self._port.endpoints:

@@ -58,78 +58,136 @@ class _Way:
         self.answers = flags & _PRIORITY | _ACK if flags & _ASKS else 0
 
 
-def reader(  # noqa: C901 - a call costs more than what it does, see below
+class Usual:
+    """What is known of usual datagrams, and what is done about others.
+
+    A datagram is usual when it is one packet (JUDP version 2; a whole message, a fragment or an
+    acknowledgement) to one component of this process, from a known component that is where it
+    was, and new. What all datagrams between two components have in common is found out once, and
+    kept in ``inbox.usual``, by the bytes that say it, until anything of it changes.
+    """
+
+    def __init__(self, port: SharedPort, book: AddressBook, inbox: Inbox[Endpoint]) -> None:
+        self._port = port
+        self.book = book
+        self.inbox = inbox
+
+    def take_other(
+        self,
+        data: bytes,
+        origin: Endpoint,
+        now: float,
+        way: _Way | None,
+        otherwise: Callable[[bytes, Endpoint], None],
+    ) -> None:
+        """Take a datagram that is no usual message.
+
+        Args:
+            way: That of its flags, destination and source; it came from elsewhere or is damaged.
+            otherwise: Takes it packet by packet, unless it is a usual acknowledgement.
+        """
+        size = len(data) - 1
+        # What is refused in a flood must cost less than what is taken.
+        if (
+            way is not None
+            and way.entry.endpoint != origin
+            and data[2] | data[3] << 8 == size
+            and self.book.refuses(way.source, way.entry, origin, now)
+        ):
+            return
+        if size == EMPTY_MESSAGE_SIZE:
+            start, stated, flags, destination, source = _HEADER.unpack_from(data)
+            learnt, inbox = self.book.learnt, self.inbox
+            entry = learnt.get(source)
+            if (
+                start == JUDP_VERSION
+                and stated == EMPTY_MESSAGE_SIZE
+                and flags & _ACK == _ACK
+                and entry is not None
+                and entry.endpoint == origin
+                and entry.claim is None
+                and destination in inbox.receivers
+                and source not in inbox.receivers
+                and origin not in self._port.endpoints
+            ):
+                entry.heard = now
+                learnt.move_to_end(source)
+                inbox.take_acknowledgement(destination, data[-2] | data[-1] << 8, source)
+                return
+        otherwise(data, origin)
+        if size > EMPTY_MESSAGE_SIZE:
+            self._learn(data, origin)
+
+    def keep(self, way: _Way, sequence: int, payload: bytes, now: float) -> None:
+        """Write down a fragment of a message that is not whole yet."""
+        inbox = self.inbox
+        self.book.learnt.move_to_end(way.source)
+        inbox.duplicates.seen.move_to_end(way.pair)
+        inbox.duplicates.remember(way.pair, way.numbers, sequence, way.destination, payload, now)
+        if inbox.expiry is None:
+            inbox.plan_expiry()
+
+    def _learn(self, data: bytes, origin: Endpoint) -> None:
+        """Remember what the next datagram has in common with one that was taken as packets."""
+        start, stated, flags, destination, source = _HEADER.unpack_from(data)
+        inbox = self.inbox
+        entry = self.book.learnt.get(source)
+        numbers = inbox.duplicates.seen.get(pair_of(source, destination))
+        take = inbox.takers.get(destination)
+        if (
+            start == JUDP_VERSION  # of a message type other than 0 as well
+            and stated == len(data) - 1
+            and not flags & _ANSWERS
+            and entry is not None
+            and entry.endpoint == origin
+            and entry.claim is None
+            and numbers
+            and take is not None
+            and source not in inbox.receivers
+            and origin not in self._port.endpoints
+        ):
+            if len(inbox.usual) >= _MAX_WAYS:
+                inbox.usual.clear()
+            inbox.usual[data[_ENDS]] = _Way(destination, source, flags, entry, numbers, take)
+
+
+def reader(  # noqa: C901 - for `read`
     receive: Receiver,
     loop: Loop,
-    port: SharedPort,
-    book: AddressBook,
-    inbox: Inbox[Endpoint],
+    usual: Usual,
     answer: Callable[[bytes, Endpoint], bool],
     otherwise: Callable[[bytes, Endpoint], None],
 ) -> Callable[[], None]:
     """Return what reads the datagrams that have arrived at a socket, a few at a time.
 
-    A datagram is usual when it is one packet (JUDP version 2; a whole message, a fragment or an
-    acknowledgement) to one component of this process, from a known component that is where it
-    was, and new. It is taken here, in one function and on its bytes, with the effects that it has
-    as a packet: of the functions that a message meets after a pause each costs as much as all
-    that is done in it (docs/adr/0018). What all datagrams between two components have in
-    common is found out once, and kept in ``inbox.usual`` until anything of it changes; and what
-    only later datagrams ask for is written down when the message has been handed over.
+    A usual message is taken in one function and on its bytes, with the effects that it has as a
+    packet: of the functions that a message meets after a pause each costs as much as all that is
+    done in it (docs/adr/0018). What only later datagrams ask for is written down when the message
+    has been handed over.
 
     To find that nothing more has arrived costs more than a datagram, 30 us after a pause. So more
     than one are only looked for when one follows the other.
 
     Args:
         receive: Receives from the socket, which does not block.
-        loop: Its clock, counters and standstills are used.
-        port: Its own endpoints are those of this process.
-        book: Where components are.
-        inbox: Who receives, and what was received.
         answer: Sends an acknowledgement.
-        otherwise: Takes a datagram that is not usual, and where it came from.
+        otherwise: Takes a datagram packet by packet.
     """
-    clock, counters = loop.now, loop.counters
-    received = counters.tally("judp.received")
-    learnt, window, usual = book.learnt, inbox.duplicates, inbox.usual
-    seen, capacity = window.seen, window.capacity
-    pack_answer, put = _ANSWER.pack, inbox.reassembly.put
-    arrival = inbox.arrival
-    burst, latest, standstill = 1, clock(), loop.standstill
+    inbox, learnt, take_other = usual.inbox, usual.book.learnt, usual.take_other
+    ways, window, arrival = inbox.usual, inbox.duplicates, inbox.arrival
+    seen, capacity, put = window.seen, window.capacity, inbox.reassembly.put
+    clock, standstill, counters = loop.now, loop.standstill, loop.counters
+    received, pack_answer = counters.tally("judp.received"), _ANSWER.pack
+    burst, latest = 1, clock()
 
-    def prepare(data: bytes, origin: Endpoint) -> None:
-        """Remember what the next datagram has in common with one that was taken as packets."""
-        if len(data) <= EMPTY_MESSAGE_SIZE:
-            return
-        start, stated, flags, destination, source = _HEADER.unpack_from(data)
-        entry, numbers = learnt.get(source), seen.get(pair_of(source, destination))
-        take = inbox.takers.get(destination)
-        if (
-            start == JUDP_VERSION  # of a message type other than 0 as well
-            and stated == len(data) - 1
-            and stated != EMPTY_MESSAGE_SIZE
-            and entry is not None
-            and entry.endpoint == origin
-            and entry.claim is None
-            and numbers
-            and take is not None
-            and not flags & _ANSWERS
-            and source not in inbox.receivers
-            and origin not in port.endpoints
-        ):
-            if len(usual) >= _MAX_WAYS:
-                usual.clear()
-            usual[data[_ENDS]] = _Way(destination, source, flags, entry, numbers, take)
-
-    def read() -> None:  # noqa: C901
+    def read() -> None:  # noqa: C901 - a call costs more than what it does
         nonlocal burst, latest
         now = clock()
         if now - latest > _PAUSE_S:
             burst = 1
             if now > standstill.due:
                 standstill.end()
-        latest = now
-        enough = burst
+        latest, enough = now, burst
         for count in range(_DATAGRAMS_PER_TURN):
             if count == enough:
                 break
@@ -142,83 +200,44 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
                 counters.count("judp.receive_failed", str(error))
                 return
             received.count += 1
-            size = len(data) - 1
-            way = usual.get(data[_ENDS])
+            size, way = len(data) - 1, ways.get(data[_ENDS])
             if (
                 way is None
                 or size < _SHORTEST
                 or data[2] | data[3] << 8 != size
                 or data[0] | data[1] << 8 != JUDP_VERSION
                 or way.entry.endpoint != origin
+                or not (numbers := way.numbers)
+                or (sequence := data[-2] | data[-1] << 8) in numbers
             ):
-                # What is refused in a flood must cost less than what is taken.
-                if (
-                    way is not None
-                    and data[2] | data[3] << 8 == size
-                    and book.refuses(way.source, way.entry, origin, now)
-                ):
-                    continue
-                if size != EMPTY_MESSAGE_SIZE or not acknowledged(data, origin, now):
-                    otherwise(data, origin)
-                    prepare(data, origin)
+                take_other(data, origin, now, way, otherwise)
                 continue
-            sequence, numbers, pair = data[-2] | data[-1] << 8, way.numbers, way.pair
-            if sequence in numbers or not numbers:
-                otherwise(data, origin)
-                prepare(data, origin)
-                continue
-            entry, source = way.entry, way.source
-            entry.heard = now
+            way.entry.heard = now
+            source, destination = way.source, way.destination
             if way.answers:
-                ends = source, way.destination, sequence
+                ends = source, destination, sequence
                 answer(pack_answer(JUDP_VERSION, EMPTY_MESSAGE_SIZE, way.answers, *ends), origin)
-            payload = data[_PAYLOAD]
-            whole = payload
+            payload = message = data[_PAYLOAD]
             if way.place:
-                found = put(source, way.destination, data[4], sequence, payload, now)
-                if found is None:
-                    learnt.move_to_end(source)
-                    seen.move_to_end(pair)
-                    window.remember(pair, numbers, sequence, way.destination, payload, now)
-                    if inbox.expiry is None:
-                        inbox.plan_expiry()
+                joined = put(source, destination, data[4], sequence, payload, now)
+                if joined is None:
+                    usual.keep(way, sequence, payload, now)
                     enough = max(enough, count + 2)  # the next one is on its way
                     continue
-                whole = found[0]
+                message = joined[0]
             arrival.number, arrival.is_sure = sequence, way.answers != 0
             try:
-                way.take(whole, source)
+                way.take(message, source)
             except Exception as error:  # one component must not silence the others
-                inbox.count_failure(way.destination, error)
+                inbox.count_failure(destination, error)
             finally:
                 learnt.move_to_end(source)
-                seen.move_to_end(pair)
+                seen.move_to_end(way.pair)
                 if len(numbers) >= capacity:
-                    window.make_room(pair, numbers)
-                numbers[sequence] = now, hash(payload) ^ way.destination
+                    window.make_room(way.pair, numbers)
+                numbers[sequence] = now, hash(payload) ^ destination
                 if way.place:
                     window.settle()
         burst = min(2 * burst, _DATAGRAMS_PER_TURN)
-
-    def acknowledged(data: bytes, origin: Endpoint, now: float) -> bool:
-        """Take a usual acknowledgement; return whether it was one."""
-        start, stated, flags, destination, source = _HEADER.unpack_from(data)
-        entry = learnt.get(source)
-        if (
-            start != JUDP_VERSION
-            or stated != EMPTY_MESSAGE_SIZE
-            or flags & _ACK != _ACK
-            or entry is None
-            or entry.endpoint != origin
-            or entry.claim is not None
-            or destination not in inbox.receivers
-            or source in inbox.receivers
-            or origin in port.endpoints
-        ):
-            return False
-        entry.heard = now
-        learnt.move_to_end(source)
-        inbox.take_acknowledgement(destination, data[-2] | data[-1] << 8, source)
-        return True
 
     return read

@@ -55,14 +55,6 @@ class Sender(Carrier[Endpoint]):
     """Sends each packet where its destination is, from any thread."""
 
     def __init__(self, loop: Loop, port: Port, book: AddressBook, limit: int = 0) -> None:
-        """Prepare to send.
-
-        Args:
-            loop: Its clock and counters are used.
-            port: Sockets to send from.
-            book: Where components are.
-            limit: Bytes to an endpoint without proof for each byte from it.
-        """
         self._loop = loop
         self._port = port
         self._book = book
@@ -146,12 +138,7 @@ class Sender(Carrier[Endpoint]):
         that was heard lately where it is. Callable from any thread.
 
         Args:
-            source: Component that sends.
-            destination: Component, not a wildcard.
-            priority: Priority of the messages.
-            numbers: Sequence numbers from the one to the other.
             longest: Bytes of payload that one packet carries.
-            inbox: Components of this process, which are not sent to.
             cut: Yields the parts of a payload of several packets, each with its place and its
                 number; nothing where they cannot go out in one go.
             otherwise: Sends in any other case.

@@ -47,9 +47,6 @@ def neighbour_ports(port: int) -> range:
 
     They are known so that captures and firewalls can name them: 50,000 above, where no service
     can be registered (RFC 6335), 32 in number. For a port too high for that there are none.
-
-    Args:
-        port: The shared port.
     """
     first = port + _NEIGHBOURS_OFFSET
     return range(first, first + _NEIGHBOURS) if first + _NEIGHBOURS <= 0x10000 else range(0)
@@ -59,11 +56,7 @@ class SharedPort:
     """The sockets of one process on the JUDP port of its host."""
 
     def __init__(self, settings: TransportSettings) -> None:
-        """Remember the settings; ``open`` creates the sockets.
-
-        Args:
-            settings: Interface, port and multicast group.
-        """
+        """Remember the settings; ``open`` creates the sockets."""
         self._settings = settings
         self.well_known: Endpoint = (settings.interface, settings.port)
         self.group: Endpoint = (settings.multicast_group, settings.port)

@@ -10,14 +10,14 @@ from ..ends.simulation import real_rate
 if TYPE_CHECKING:
     from ...base.address import JausAddress
     from ...clients.event_subscription import EventSubscription
-    from ...clients.peer_binding import PeerBinding
+    from ...clients.peer_search import PeerBinding
     from ...component.component import JausComponent
     from ...wire.message import Message
     from ..ends.ends import Ends
     from .connection import Take
 
 
-class AskedEvents:
+class EventRequests:
     """The AS5710 events of a report, one of each peer.
 
     Attributes:
@@ -30,11 +30,7 @@ class AskedEvents:
         """Asks nobody yet.
 
         Args:
-            ends: The bridge.
-            query: The query whose answer is the report; it selects the fields.
             message: The report.
-            take: Takes each encoded report and its sender.
-            rate: Reports each second; None means one on every change.
         """
         self.rate = rate
         self._ends = ends
@@ -98,7 +94,7 @@ class AskedEvents:
         return real_rate(self.rate, simulation.clock.ratio)
 
 
-class AskedQueries:
+class QueryRequests:
     """Queries for a report, one in each period to each peer.
 
     Attributes:
@@ -108,15 +104,6 @@ class AskedQueries:
     def __init__(
         self, ends: Ends, query: Message, message: type[Message], take: Take, rate: float
     ) -> None:
-        """Asks nobody yet.
-
-        Args:
-            ends: The bridge.
-            query: The query whose answer is the report; it selects the fields.
-            message: The report.
-            take: Takes each encoded report and its sender.
-            rate: Queries each second.
-        """
         self.rate = rate
         self._ends = ends
         self._query = query
@@ -129,11 +116,7 @@ class AskedQueries:
         self._silent: set[JausAddress] = set()
 
     def start(self, peers: PeerBinding) -> None:
-        """Asks whoever is there, from the next turn of the loop on.
-
-        Args:
-            peers: Who is asked.
-        """
+        """Asks whoever is there, from the next turn of the loop on."""
         self._peers = peers
         self._component = self._ends.component
         self._next = self._ends.clock.now()

@@ -1,8 +1,12 @@
-"""Time of a simulation, for timers that shall run as fast as it does."""
+"""Clocks beside that of the loop: the time of day, and that of a simulation.
+
+Timers of the latter run as fast as the simulation does.
+"""
 
 from __future__ import annotations
 
 import heapq
+from datetime import datetime, timedelta, timezone
 from typing import TYPE_CHECKING, Protocol
 
 from .loop import Timer
@@ -11,6 +15,25 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from .loop import Loop
+
+
+_EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
+
+
+class HostClock:
+    """The clock of a component's host: that of this computer, or of a virtual world."""
+
+    def __init__(self, loop: Loop) -> None:
+        self._loop = loop
+
+    def now(self) -> float:
+        """Return seconds that never go back; only their differences mean anything."""
+        return self._loop.now()
+
+    def utc(self) -> datetime:
+        """Return the time of day in UTC."""
+        return _EPOCH + timedelta(microseconds=self._loop.wall() // 1000)
+
 
 SEEK = 10.0
 """Seconds of simulated time in one step that are no time that passed, but another place in it."""
@@ -58,11 +81,6 @@ class SimulatedClock:
     """
 
     def __init__(self, loop: Loop) -> None:
-        """Stand at 0.
-
-        Args:
-            loop: Its clock says what real time is; failures of callbacks are counted there.
-        """
         self.ratio = 1.0
         self.heard: float | None = None
         self.seeks = 0
@@ -97,11 +115,7 @@ class SimulatedClock:
         self._followers.append(changed)
 
     def advance_to(self, seconds: float) -> None:
-        """Take the time that the simulation says, and run what is due.
-
-        Args:
-            seconds: Time of the simulation.
-        """
+        """Take the time that the simulation says, and run what is due."""
         real, former = self._loop.now(), self.heard
         step = 0.0 if former is None else seconds - self._latest
         self.heard, self._latest = real, seconds
