@@ -93,11 +93,7 @@ class Verbs(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Returns the verb that is meant and what stands behind it.
-
-        Raises:
-            click.UsageError: There is none; a verb that may be meant is named.
-        """
+        """Returns the verb that is meant and what stands behind it."""
         if args[0] not in VERBS:
             from difflib import get_close_matches
 
@@ -164,11 +160,7 @@ class Verbs(click.Group):
 
 @contextmanager
 def _written_out() -> Iterator[None]:
-    """Sees to it that what is printed reaches its reader, and ends the program where it cannot.
-
-    Raises:
-        click.exceptions.Exit: The reader has gone, or there is no room.
-    """
+    """Sees to it that what is printed reaches its reader, and ends the program where it cannot."""
     try:
         try:
             yield

@@ -20,12 +20,7 @@ def can_ask() -> bool:
 
 
 def choose(question: str, options: Sequence[str]) -> list[int]:
-    """Asks for some of several options; returns their positions, none where none is wanted.
-
-    Args:
-        question: What is asked.
-        options: The options, the likeliest first.
-    """
+    """Asks for some of several options; returns their positions, none where none is wanted."""
     click.echo(question, err=True)
     for number, option in enumerate(options, start=1):
         click.echo(f"  {number}  {option}", err=True)

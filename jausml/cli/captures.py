@@ -40,12 +40,6 @@ def opened(path: str) -> Iterator[BinaryIO]:
     """Opens a file to be read from its beginning to its end.
 
     How far it is stands on a terminal, if no output runs there (see `manners.step`).
-
-    Args:
-        path: The file; `-` is stdin.
-
-    Raises:
-        EnvironmentFault: It cannot be opened.
     """
     if path == STDIN:
         yield sys.stdin.buffer
@@ -62,12 +56,7 @@ def opened(path: str) -> Iterator[BinaryIO]:
 
 
 def skipped_lines(reader: UdpReader, port: int) -> Iterator[str]:
-    """Yields what a reader of frames has left out.
-
-    Args:
-        reader: The reader, which has read all.
-        port: The UDP port that it looked for.
-    """
+    """Yields what a reader of frames has left out."""
     for reason, number in sorted(reader.skipped.items()):
         yield f"skipped {number} {reason}"
     if reader.elsewhere.unclaimed:

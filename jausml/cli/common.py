@@ -121,12 +121,8 @@ def notations_for(
     """Returns what reads a model file that is no XMI, with a bridge of its maps where one is asked.
 
     Args:
-        model: The file.
         bridge_address: JAUS id of the bridge, None for none.
         frequency: Messages each second of its events, None for the default.
-
-    Raises:
-        UsageError: There can be no such bridge.
     """
     # Most verbs take files by their endings alone, which needs no reader.
     from jausml.language.text.bridge_options import BridgeOfMaps
@@ -147,12 +143,6 @@ def find_models(paths: Iterable[str]) -> list[str]:
 
     Hidden folders are left out, and the shipped library with its copies in projects, unless a
     folder holds nothing else.
-
-    Args:
-        paths: Files and folders.
-
-    Raises:
-        EnvironmentFault: A path does not exist or cannot be read, or a folder holds no model.
     """
     return [file for path in paths for file in _own_models(_files_at(path, SUFFIXES))]
 
@@ -168,14 +158,7 @@ def _own_models(files: Sequence[str]) -> Sequence[str]:
 
 
 def one_model(path: str) -> list[str]:
-    """Returns the file of a verb that takes one model, in a list as readers take it.
-
-    Args:
-        path: The file.
-
-    Raises:
-        EnvironmentFault: It cannot be read, or is a folder.
-    """
+    """Returns the file of a verb that takes one model, in a list as readers take it."""
     if Path(path).is_dir():
         there = min(_walk(path, SUFFIXES), default=None)
         such = f", such as {click.format_filename(there)}" if there else ""
@@ -189,27 +172,12 @@ def find_files(paths: Iterable[str], suffixes: tuple[str, ...]) -> list[str]:
     """Returns files as they are, and the files with certain endings below folders.
 
     Hidden folders are left out.
-
-    Args:
-        paths: Files and folders.
-        suffixes: Endings of file names.
-
-    Raises:
-        EnvironmentFault: A path does not exist or cannot be read, or a folder holds no such file.
     """
     return [file for path in paths for file in _files_at(path, suffixes)]
 
 
 def write_report(rendered: str | bytes, output: str | None) -> None:
-    """Writes a report or picture to a file, or a report to stdout where none is named.
-
-    Args:
-        rendered: The report or picture.
-        output: The file.
-
-    Raises:
-        EnvironmentFault: The file cannot be written.
-    """
+    """Writes a report or picture to a file, or a report to stdout where none is named."""
     if output is None:
         click.echo(rendered, nl=False)
         return
@@ -245,11 +213,7 @@ def _files_at(path: str, suffixes: tuple[str, ...]) -> Sequence[str]:
 
 
 def _refuse_links(folder: str, found: Sequence[str]) -> None:
-    """Refuses files of a walk that are links out of the project: nobody has named them.
-
-    Raises:
-        EnvironmentFault: There is one.
-    """
+    """Refuses files of a walk that are links out of the project: nobody has named them."""
     from jausml.language.model.inputs import leads_out
     from jausml.language.model.uris import find_project_root
 

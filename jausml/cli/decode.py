@@ -163,11 +163,7 @@ def _refuse_capture(path: str) -> None:
 
 
 class _Output:
-    """Writes what is decoded.
-
-    Attributes:
-        has_failed: Whether something could not be decoded.
-    """
+    """Writes what is decoded."""
 
     def __init__(self, output_format: str) -> None:
         self.has_failed = False
@@ -188,7 +184,6 @@ class _Output:
         """Writes a message with its transport header, or a datagram that cannot be read.
 
         Args:
-            observation: What was seen.
             place: Where its line of hex stands, empty for captures and live traffic.
         """
         self.has_failed |= observation.is_problem

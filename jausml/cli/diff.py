@@ -175,11 +175,7 @@ def _drawn(
     found: Sequence[Change],
     output_format: str,
 ) -> str:
-    """Returns a view of both states as a picture or page.
-
-    Raises:
-        EnvironmentFault: Neither state has the view, or there is no layout engine.
-    """
+    """Returns a view of both states as a picture or page."""
     from jausml.authoring.differences.drawing import Drawn, compared
     from jausml.views.diagrams.graph import Graph
     from jausml.views.diagrams.layout.graphviz import Graphviz

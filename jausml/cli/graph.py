@@ -41,12 +41,6 @@ def topics_that_run(words: Sequence[str], seconds: float, namespace: str = "") -
 
     Args:
         words: Those that are meant, as `TOPIC` or `TOPIC:MAP,...`; all without any.
-        seconds: How long to look at most.
-        namespace: That of the bridge, to which names are relative where they can be.
-
-    Raises:
-        EnvironmentFault: ROS cannot be used here, or nothing runs.
-        UsageError: A topic that is named does not run.
     """
     from jausml.live.ros import RosFault
     from jausml.live.systems.ros_graph import running_topics

@@ -19,7 +19,6 @@ class Handed:
     """Arguments for one process.
 
     Attributes:
-        own: For the process itself.
         ros: For ROS, `--ros-args` included; empty when there are none.
     """
 
@@ -28,11 +27,7 @@ class Handed:
 
 
 def split_arguments(rest: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Returns the name of the process, if there is one, and the arguments.
-
-    Args:
-        rest: What stands behind the workspace. A name is no option.
-    """
+    """Returns the name of the process, if there is one, and the arguments."""
     number = 1 if rest and not rest[0].startswith("-") else 0
     return tuple(rest[:number]), tuple(rest[number:])
 
@@ -40,16 +35,7 @@ def split_arguments(rest: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ..
 def handed_on(
     entries: Sequence[Mapping[str, Any]], arguments: Sequence[str], *, is_named: bool
 ) -> list[Handed]:
-    """Returns what each process gets.
-
-    Args:
-        entries: The processes, as the manifest has them.
-        arguments: What is handed on.
-        is_named: Whether the user named the process that they are for.
-
-    Raises:
-        click.UsageError: An argument is for none of the processes, or for one of several.
-    """
+    """Returns what each process gets."""
     at = arguments.index(_ROS_ARGUMENTS) if _ROS_ARGUMENTS in arguments else len(arguments)
     own, ros = tuple(arguments[:at]), tuple(arguments[at:])
     jaus = [entry["name"] for entry in entries if entry["kind"] != "node"]

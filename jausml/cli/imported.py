@@ -21,12 +21,7 @@ def document(roots: Sequence[EObject], model: Model, output: str) -> bytes:
     """Returns root elements as the bytes of a document.
 
     Args:
-        roots: The elements.
-        model: Knows their ids and where others stand.
         output: The file that is to hold them; its ending says in which notation.
-
-    Raises:
-        click.ClickException: The notation cannot say what they hold.
     """
     from jausml.language.model.xmi.writer import UnwritableError, to_xmi
     from jausml.language.text.notation import SUFFIX
@@ -41,17 +36,7 @@ def document(roots: Sequence[EObject], model: Model, output: str) -> bytes:
 
 
 def write_document(output: str, data: bytes, inputs: Iterable[str], *, force: bool) -> str:
-    """Writes a document unless that would harm; returns what became of the file.
-
-    Args:
-        output: The file.
-        data: Its new content.
-        inputs: The files that were imported, none of which is overwritten.
-        force: Whether a file that differs is overwritten.
-
-    Raises:
-        EnvironmentFault: The file cannot be written, or must not.
-    """
+    """Writes a document unless that would harm; returns what became of the file."""
     from jausml.language.model.inputs import read_input
     from jausml.language.model.xmi.writer import replace_file
 
@@ -71,15 +56,7 @@ def write_document(output: str, data: bytes, inputs: Iterable[str], *, force: bo
 
 
 def check_output(output: str, inputs: Iterable[str]) -> None:
-    """Refuses to write over a file that was imported, or over what is no file.
-
-    Args:
-        output: The file.
-        inputs: The files that were imported.
-
-    Raises:
-        EnvironmentFault: The file must not be written.
-    """
+    """Refuses to write over a file that was imported, or over what is no file."""
     shown = click.format_filename(output)
     if os.path.realpath(output) in {os.path.realpath(each) for each in inputs}:
         raise EnvironmentFault(f"{shown} is a file to import; name another one by -o")
@@ -89,20 +66,11 @@ def check_output(output: str, inputs: Iterable[str]) -> None:
 
 
 def counted(*counts: tuple[int, str]) -> str:
-    """Returns numbers of things as words, such as `1 set, 2 services`.
-
-    Args:
-        counts: Numbers and nouns.
-    """
+    """Returns numbers of things as words, such as `1 set, 2 services`."""
     return ", ".join(f"{n} {noun}{'' if n == 1 else 's'}" for n, noun in counts)
 
 
 def say(line: str, *, quiet: bool) -> None:
-    """Prints a line of the summary.
-
-    Args:
-        line: The line.
-        quiet: Whether to keep silent.
-    """
+    """Prints a line of the summary."""
     if not quiet:
         click.echo(line, err=True)

@@ -35,45 +35,19 @@ def rules() -> list[dict[str, Any]]:
 
 
 def services(models: Sequence[str]) -> list[dict[str, Any]]:
-    """Returns the services of models and of the library.
-
-    Args:
-        models: Files and folders of the user.
-
-    Raises:
-        EnvironmentFault: A path cannot be read.
-        ModelFault: A model has errors.
-    """
+    """Returns the services of models and of the library."""
     return [_service(entry) for entry in open_catalogue(models).services.values()]
 
 
 def messages(models: Sequence[str], service: str | None = None) -> list[dict[str, Any]]:
-    """Returns the messages of models and of the library.
-
-    Args:
-        models: Files and folders of the user.
-        service: Only those of a service, inherited ones too: URN or name, then /VERSION if meant.
-
-    Raises:
-        EnvironmentFault: A path cannot be read.
-        ModelFault: A model has errors.
-        click.UsageError: There is no such service.
-    """
+    """Returns the messages of models and of the library."""
     found = open_catalogue(models)
     entries = found.messages if service is None else _messages_of(found, service)
     return [_message(entry) for entry in entries]
 
 
 def maps(models: Sequence[str]) -> list[dict[str, Any]]:
-    """Returns the attribute maps of the library and of models.
-
-    Args:
-        models: Files and folders of the user.
-
-    Raises:
-        EnvironmentFault: A path cannot be read.
-        ModelFault: A model has errors.
-    """
+    """Returns the attribute maps of the library and of models."""
     return [each.to_json() for each in open_maps(models)]
 
 

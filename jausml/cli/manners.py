@@ -31,7 +31,6 @@ class Manners:
 
     Attributes:
         quiet: Results and problems alone; no summaries, no remarks, no progress.
-        verbose: What is being done too, and how long it takes.
     """
 
     quiet: bool = False
@@ -54,36 +53,23 @@ def painted(word: str, shown: str = "") -> str:
 
     Args:
         word: `error`, `warning`, `note` or `ok`.
-        shown: What is shown instead of the word, for example the word and blanks.
     """
     return click.style(shown or word, fg=_COLOURS[word], bold=word == "error")
 
 
 def painted_findings(text: str) -> str:
-    """Returns the findings of a report with their severities in colour.
-
-    Args:
-        text: The findings, a line each: place, severity and message.
-    """
+    """Returns the findings of a report with their severities in colour."""
     return _SEVERITY.sub(lambda found: f"{found[1]}: {painted(found[2])}: ", text)
 
 
 def remark(text: str) -> None:
-    """Tells on stderr what is neither a result nor a problem, unless quiet is asked for.
-
-    Args:
-        text: What is told.
-    """
+    """Tells on stderr what is neither a result nor a problem, unless quiet is asked for."""
     if not manners().quiet:
         click.echo(text, err=True)
 
 
 def warn(text: str) -> None:
-    """Tells on stderr what a user has to know, whatever is asked for.
-
-    Args:
-        text: What is told.
-    """
+    """Tells on stderr what a user has to know, whatever is asked for."""
     click.echo(text, err=True)
 
 
@@ -115,7 +101,6 @@ def step(label: str, *, prints: bool = False) -> Iterator[Progress]:
     With `--verbose` the time that it took is told at its end, in logs too.
 
     Args:
-        label: What is being done: `checking models`.
         prints: Whether the step writes results; these are progress enough on a terminal.
     """
     progress = Progress()

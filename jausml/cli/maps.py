@@ -22,9 +22,6 @@ class FoundMap:
     """An attribute map and its file.
 
     Attributes:
-        overview: What it is.
-        path: The file.
-        line: Its line in the file.
         module: What imports it in text, e.g. `mappings.range_sensor`; empty for a user's file.
     """
 
@@ -43,12 +40,7 @@ def open_maps(models: Sequence[str], word: str = "") -> list[FoundMap]:
     """Returns the attribute maps of the library and of models, in the order of their files.
 
     Args:
-        models: Files and folders of the user.
         word: Text that stands in the files of the library that are meant; all when empty.
-
-    Raises:
-        EnvironmentFault: A path cannot be read.
-        ModelFault: A model has errors.
     """
     folder = library_root() / "mappings"
     ready = sorted(folder.glob("*.ros2jaus"))

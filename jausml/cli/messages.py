@@ -47,15 +47,7 @@ class ModelFault(click.ClickException):
 
 
 def open_catalogue(models: Iterable[str]) -> Catalogue:
-    """Returns the catalogue of the library and of models.
-
-    Args:
-        models: Files and folders.
-
-    Raises:
-        EnvironmentFault: A path cannot be read.
-        ModelFault: A model has errors.
-    """
+    """Returns the catalogue of the library and of models."""
     # Options and output of the verbs alone need no reader.
     from jausml.language.text.notation import NOTATIONS
     from jausml.live.messages import CatalogueError, load_catalogue
@@ -67,15 +59,7 @@ def open_catalogue(models: Iterable[str]) -> Catalogue:
 
 
 def read_model(path: str) -> Model:
-    """Returns a model without errors of reading.
-
-    Args:
-        path: Its file.
-
-    Raises:
-        EnvironmentFault: The file cannot be read.
-        ModelFault: The model has errors.
-    """
+    """Returns a model without errors of reading."""
     from jausml.language.model import Severity, read_models
     from jausml.language.text.notation import NOTATIONS
     from jausml.language.validation.formats.text import one_line
@@ -88,14 +72,7 @@ def read_model(path: str) -> Model:
 
 
 def read_lines(path: str) -> Iterator[str]:
-    """Yields the lines of a file, or of stdin for `-`; without the mark that Windows begins with.
-
-    Args:
-        path: The file.
-
-    Raises:
-        EnvironmentFault: It cannot be read, or a line is too long for any text.
-    """
+    """Yields the lines of a file, or of stdin for `-`, without a byte order mark."""
     try:
         with nullcontext(sys.stdin.buffer) if path == STDIN else Path(path).open("rb") as stream:
             encoding = "utf-8-sig"
@@ -110,38 +87,22 @@ def read_lines(path: str) -> Iterator[str]:
 
 
 def reason_of(error: Exception) -> str:
-    """Returns why a path cannot be read, without the path.
-
-    Args:
-        error: What opening or reading it raised.
-    """
+    """Returns why a path cannot be read, without the path."""
     return str(getattr(error, "strerror", None) or error)
 
 
 def shown_path(path: str) -> str:
-    """Returns how messages name an input.
-
-    Args:
-        path: The file, or `-`.
-    """
+    """Returns how messages name an input."""
     return "<stdin>" if path == STDIN else click.format_filename(path)
 
 
 def write(line: str) -> None:
-    """Writes a line to stdout; faster than click's echo, which counts for 100000 lines.
-
-    Args:
-        line: The line without its end.
-    """
+    """Writes a line to stdout; faster than click's echo, which counts for 100000 lines."""
     sys.stdout.write(f"{line}\n")
 
 
 def to_json(value: Any) -> str:
-    """Returns a value as one line of JSON; JSON has no infinity, which becomes a string.
-
-    Args:
-        value: The value.
-    """
+    """Returns a value as one line of JSON; JSON has no infinity, which becomes a string."""
     try:
         return json.dumps(value, allow_nan=False)
     except ValueError:

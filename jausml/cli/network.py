@@ -87,12 +87,7 @@ def ended_by_signals() -> Iterator[None]:
 
 @contextmanager
 def identified_network(network: Network, count: int = 1) -> Iterator[Network]:
-    """Yields the network with our id, and warns when another tool has it.
-
-    Args:
-        network: The network.
-        count: Ids that are needed, one after the other.
-    """
+    """Yields the network with our id, and warns when another tool has it."""
     from jausml.live.peers.identity import identified
 
     with identified(network, count) as ours:
@@ -117,14 +112,6 @@ def network_from(
 
     Args:
         own_id: Our JAUS id, None for a free one.
-        interface: IPv4 address of the interface.
-        port: UDP or TCP port.
-        multicast_group: Multicast group.
-        peers: Known components as `ID=HOST:PORT`.
-        transport: What `transport_options` adds.
-
-    Raises:
-        click.UsageError: An option cannot be.
     """
     from jausml.live.peers.network import make_network, silence_log
 

@@ -119,11 +119,7 @@ def command(
 def _copy(
     scope: Scope, owner: bridge.Bridge, wish: Wish, wanted: str | None, *, yes: bool
 ) -> Sequence[Command]:
-    """Returns what copies a ready map, nothing where none is wanted or there is none.
-
-    Raises:
-        UsageError: There is none of the name, or nobody can be asked.
-    """
+    """Returns what copies a ready map, nothing where none is wanted or there is none."""
     from jausml.authoring.proposals.ready import between, copied
     from jausml.language.model.names import name_of
 

@@ -28,11 +28,7 @@ def model_option(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def pairs(words: Sequence[str], sign: str, example: str) -> list[tuple[str, str]]:
-    """Returns the two parts of words that have a sign between them.
-
-    Raises:
-        UsageError: A word has none.
-    """
+    """Returns the two parts of words that have a sign between them."""
     found = []
     for word in words:
         first, mark, second = word.partition(sign)

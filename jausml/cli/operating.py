@@ -40,10 +40,7 @@ class Settings:
     """Options that all commands of the operator share.
 
     Attributes:
-        network: Who we are, and how the others are reached.
-        models: The user's models.
         timeout: Seconds to wait for an answer.
-        as_json: Whether output is JSON.
     """
 
     network: Network
@@ -53,13 +50,7 @@ class Settings:
 
     @contextmanager
     def operator(self) -> Iterator[Operator]:
-        """Yields an operator; its errors become those of the command line.
-
-        Raises:
-            EnvironmentFault: Nobody answers, or the network cannot be used.
-            click.ClickException: A component refused.
-            click.UsageError: A message is unknown or its fields are wrong.
-        """
+        """Yields an operator; its errors become those of the command line."""
         from jausml.live.messages import MessageError
         from jausml.live.peers.asking import NoAnswer
         from jausml.live.peers.network import fault

@@ -17,12 +17,7 @@ if TYPE_CHECKING:
 
 
 def completing(kind: str, key: str) -> Completing:
-    """Returns what completes a word by the names that the library has.
-
-    Args:
-        kind: A list of `jausml.cli.known`.
-        key: What an entry of the list calls its name.
-    """
+    """Returns what completes a word by the names that the library has."""
 
     def names(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[str]:
         from jausml.cli.known import known
@@ -34,12 +29,7 @@ def completing(kind: str, key: str) -> Completing:
 
 
 def format_option(text: str, formats: tuple[str, ...] = TEXT_OR_JSON) -> Decorator:
-    """Returns `--format`; the verb takes it as `output_format`.
-
-    Args:
-        text: What `--help` says of it.
-        formats: What may be chosen; the first is the default.
-    """
+    """Returns `--format`; the verb takes it as `output_format`."""
     return click.option(
         "--format",
         "output_format",
@@ -51,11 +41,7 @@ def format_option(text: str, formats: tuple[str, ...] = TEXT_OR_JSON) -> Decorat
 
 
 def quiet_option(text: str) -> Decorator:
-    """Returns `--quiet` of a verb, which is that in front of the verb too; taken as `quiet`.
-
-    Args:
-        text: What `--help` says of it.
-    """
+    """Returns `--quiet` of a verb, which is that in front of the verb too; taken as `quiet`."""
     return click.option("-q", "--quiet", is_flag=True, callback=_quiet, help=text)
 
 
@@ -70,7 +56,6 @@ def interface_option(
 
     Args:
         names: Its names; by default the short one and that of generated processes.
-        text: What `--help` says of it.
     """
     return click.option(
         *(names or ("--interface", "--jaus-interface")),
@@ -87,7 +72,6 @@ def port_option(*names: str, text: str = "UDP port of JUDP.") -> Decorator:
 
     Args:
         names: Its names; by default the short one and that of generated processes.
-        text: What `--help` says of it.
     """
     return click.option(
         *(names or ("--port", "--jaus-port")),
@@ -104,7 +88,6 @@ def multicast_group_option(*names: str, text: str = "Multicast group of JUDP.") 
 
     Args:
         names: Its names; by default the short one and that of generated processes.
-        text: What `--help` says of it.
     """
     return click.option(
         *(names or ("--multicast-group", "--jaus-multicast-group")),

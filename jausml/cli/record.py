@@ -323,11 +323,7 @@ def _tell(
 
 
 def _tell_files(parts: Parts, recorder: Recorder) -> None:
-    """Tells which files there are, or why nothing more could be written.
-
-    Raises:
-        EnvironmentFault: Nothing more could be written.
-    """
+    """Tells which files there are, or why nothing more could be written."""
     if recorder.fault is None:
         names = ", ".join(click.format_filename(each) for each in parts.paths)
         remark(f"written: {names}, captures beside")

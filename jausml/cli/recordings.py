@@ -26,11 +26,7 @@ def valid_model(path: str, bridge_address: str | None = None) -> Model:
     """Returns a model without errors; the others end the verb, with what is wrong.
 
     Args:
-        path: Its file.
         bridge_address: JAUS id of the bridge of `bridge_options`, None for none.
-
-    Raises:
-        EnvironmentFault: It cannot be read.
     """
     from jausml.language.model import read_models
     from jausml.language.validation.engine import check
@@ -49,11 +45,7 @@ def valid_model(path: str, bridge_address: str | None = None) -> Model:
 
 @contextmanager
 def written(path: str, *, force: bool) -> Iterator[BinaryIO]:
-    """Opens a file for writing.
-
-    Raises:
-        EnvironmentFault: It is there already, or cannot be written.
-    """
+    """Opens a file for writing."""
     try:
         with Path(path).open("wb" if force else "xb") as stream:
             yield stream
@@ -65,15 +57,7 @@ def written(path: str, *, force: bool) -> Iterator[BinaryIO]:
 
 
 def not_itself(recording: str, output: str) -> None:
-    """Does nothing where a recording is not written over itself: there is but one of it.
-
-    Args:
-        recording: What is read.
-        output: What is written.
-
-    Raises:
-        UsageError: They are the same file.
-    """
+    """Does nothing where a recording is not written over itself: there is but one of it."""
     try:
         is_same = Path(recording).samefile(output)
     except (OSError, ValueError):  # one is not there, which others tell
@@ -90,11 +74,7 @@ def already_there(path: str) -> EnvironmentFault:
 
 
 def shown_time(seconds: float) -> str:
-    """Returns a time as people read it, of the world and to the millisecond.
-
-    Args:
-        seconds: Since 1970.
-    """
+    """Returns a time as people read it, of the world and to the millisecond."""
     return datetime.fromtimestamp(seconds, tz=timezone.utc).isoformat(" ", "milliseconds")
 
 
@@ -104,9 +84,6 @@ def stopped_by_signals(stop: Event) -> Iterator[None]:
 
     They are SIGINT, SIGTERM, and SIGHUP, which comes when the terminal goes, unless that is ignored
     as `nohup` has it.
-
-    Args:
-        stop: What they set.
     """
     numbers = [signal.SIGINT, signal.SIGTERM]
     hang_up = getattr(signal, "SIGHUP", None)  # Windows has none

@@ -28,9 +28,6 @@ def checked_out(text: str, folder: Path) -> Path:
         text: The revision and a path: from the present folder if it begins with `./`, else from
             the top of the repository, as git has it.
         folder: An empty folder.
-
-    Raises:
-        EnvironmentFault: There is no repository, no such revision or no such path.
     """
     revision, _, path = text.partition(":")
     top = Path(_git("rev-parse", "--show-toplevel").decode().rstrip("\n"))

@@ -18,16 +18,7 @@ _MESSAGES = "_msgs"
 
 
 def require_packages(entries: Sequence[Mapping[str, Any]], folder: Path, python_path: str) -> None:
-    """Refuses to start processes whose messages nobody has built or installed.
-
-    Args:
-        entries: The processes, as the manifest has them.
-        folder: The generated folder.
-        python_path: PYTHONPATH of the processes.
-
-    Raises:
-        EnvironmentFault: A package of messages is missing.
-    """
+    """Refuses to start processes whose messages nobody has built or installed."""
     path = [*filter(None, python_path.split(os.pathsep)), *sys.path]
     for entry in entries:
         for name in _needed(folder / str(entry.get("package", "")) / "package.xml"):

@@ -158,11 +158,7 @@ def _command(entry: Mapping[str, Any], folder: Path, handed: Handed) -> Command:
 
 
 def _environment(folder: Path) -> dict[str, str]:
-    """Returns our environment with the packages of the workspace on Python's path.
-
-    Args:
-        folder: The generated folder.
-    """
+    """Returns our environment with the packages of the workspace on Python's path."""
     packages = sorted(
         str(package) for package in folder.iterdir() if (package / package.name).is_dir()
     )

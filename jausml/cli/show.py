@@ -39,11 +39,7 @@ class Kinds(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Returns the kind that is meant and its command.
-
-        Raises:
-            click.UsageError: There is none.
-        """
+        """Returns the kind that is meant and its command."""
         name = args[0]
         if name not in self.commands:
             kind = next((k for k in _NAMES if name in _known_names(k)), None)

@@ -36,13 +36,7 @@ kill -s KILL -- $groups
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """A process to be started.
-
-    Attributes:
-        name: What marks its output.
-        arguments: Program and arguments.
-        defaults: Variables for an environment that lacks them.
-    """
+    """A process to be started."""
 
     name: str
     arguments: tuple[str, ...]
@@ -103,12 +97,7 @@ class Supervisor:
     """Runs processes until they end, one fails, time is over or a signal comes.
 
     Args:
-        commands: The processes; their names differ.
-        environment: Their environment.
         emit: Takes each line of output, marked by the process; called under a lock.
-
-    Attributes:
-        failures: Names of failed processes and how they ended.
     """
 
     def __init__(

@@ -66,15 +66,7 @@ def assumption_options(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def read_system(path: str, reading: Reading) -> tuple[Model, System]:
-    """Returns a valid model and the system of its file; what was found goes to stderr.
-
-    Args:
-        path: The model file.
-        reading: Where references may lead.
-
-    Raises:
-        EnvironmentFault: The file cannot be read, or has no system.
-    """
+    """Returns a valid model and the system of its file; what was found goes to stderr."""
     from jausml.generation.errors import NoSystemError
     from jausml.generation.system import system_of
     from jausml.language.model.reading.reader import read_models
@@ -95,15 +87,7 @@ def read_system(path: str, reading: Reading) -> tuple[Model, System]:
 
 
 def check_names(assumptions: Assumptions, system: System) -> None:
-    """Refuses assumptions about connections that a system does not have.
-
-    Args:
-        assumptions: What is assumed.
-        system: The system.
-
-    Raises:
-        UsageError: A name is that of no connection.
-    """
+    """Refuses assumptions about connections that a system does not have."""
     from jausml.views.analysis.assumptions import names_of
 
     known = {

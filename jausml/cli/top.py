@@ -133,11 +133,7 @@ def _expected(model: str | None) -> Observation:
 def _sources(
     settings: Settings, observation: Observation
 ) -> Iterator[tuple[Operator | None, RosDiagnostics | None]]:
-    """Yields what listens and asks; one of both is enough.
-
-    Raises:
-        EnvironmentFault: There is neither ROS nor a network for JAUS.
-    """
+    """Yields what listens and asks; one of both is enough."""
     from jausml.live.systems.observing import asking, listening
 
     with ExitStack() as stack:

@@ -40,11 +40,7 @@ def topic_options(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def holds_of(words: Sequence[str], topics: Sequence[TopicEnd]) -> dict[str, str]:
-    """Returns the reasons of a person why last commands may stand, by topic.
-
-    Raises:
-        UsageError: A word has no topic of these, or no reason that only a person can state.
-    """
+    """Returns the reasons of a person why last commands may stand, by topic."""
     from jausml.language.semantics.stops import is_reason
 
     known = {each.name for each in topics}
@@ -62,11 +58,7 @@ def holds_of(words: Sequence[str], topics: Sequence[TopicEnd]) -> dict[str, str]
 
 
 def topics_of(words: Sequence[str]) -> list[TopicEnd]:
-    """Returns the topics that words such as `odom:nav_msgs/Odometry` name.
-
-    Raises:
-        UsageError: A word names none, or two name one topic.
-    """
+    """Returns the topics that words such as `odom:nav_msgs/Odometry` name."""
     from jausml.authoring.proposals.topics import TopicEnd
     from jausml.language.interfaces.types import is_package_name, is_type_name
     from jausml.language.semantics.topics import topic_fault
@@ -112,16 +104,9 @@ def chosen_crossings(
     """Returns the ways that are taken; asks where a topic has several.
 
     Args:
-        topics: The topics.
-        maps: The maps that there are.
-        side: What the nodes of ROS are.
-        yes: Whether the likeliest is taken without a question.
         holds: Why last commands may stand, `TOPIC=REASON`. What is missing is asked on a terminal,
             unless the likeliest is taken, and nothing else answers it.
         all_needed: Whether each topic must have a way; else those without one are told.
-
-    Raises:
-        UsageError: A topic has no way, or several and nobody can be asked.
     """
     from jausml.authoring.proposals.topics import crossings
 
@@ -229,12 +214,7 @@ def _options(ways: Sequence[Crossing]) -> list[str]:
 
 
 def tell(chosen: Sequence[Crossing], topics: Sequence[TopicEnd]) -> None:
-    """Says what was made of each topic, and which facts of the vehicle a map has assumed.
-
-    Args:
-        chosen: The ways that were taken.
-        topics: All topics, some of which joins of the maps read.
-    """
+    """Says what was made of each topic, and which facts of the vehicle a map has assumed."""
     from jausml.authoring.proposals.topics import joins_of
     from jausml.language.model.names import name_of
 
@@ -251,11 +231,7 @@ def tell(chosen: Sequence[Crossing], topics: Sequence[TopicEnd]) -> None:
 
 
 def tell_undecided(chosen: Sequence[Crossing]) -> None:
-    """Says last of all what a person has to decide before anything is generated.
-
-    Args:
-        chosen: All ways that were taken.
-    """
+    """Says last of all what a person has to decide before anything is generated."""
     from jausml.authoring.proposals.mapping.stopping import STOPS, stops_by_zeros
     from jausml.language.model.names import name_of
 
@@ -279,11 +255,7 @@ def tell_undecided(chosen: Sequence[Crossing]) -> None:
 
 
 def tell_unanswered(chosen: Sequence[Crossing]) -> None:
-    """Says which queries of the services of a new bridge nothing answers.
-
-    Args:
-        chosen: All ways of the bridge.
-    """
+    """Says which queries of the services of a new bridge nothing answers."""
     from jausml.authoring.proposals.topics import unanswered_queries
 
     for service, queries in unanswered_queries(chosen).items():

@@ -22,9 +22,7 @@ def syntax_problem(text: str, path: str, *, is_parsed: bool = False) -> str | No
     """Says why the text, as its bytes on disk, cannot be read as what the path's suffix names.
 
     Args:
-        text: The whole text of a file.
         path: Its path; only Python, XML and JSON are read, other formats pass.
-        is_parsed: Whether Python has read it already, and only its encoding is in question.
 
     Returns:
         The problem with its line, or None.

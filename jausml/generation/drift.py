@@ -55,10 +55,8 @@ class Finding:
     """One difference between a user's file and the model.
 
     Attributes:
-        kind: What is different.
         path: The file, relative to the output folder.
         line: Line in the file, from 1.
-        message: What to do, for people.
         stub: Ready text of the method that the model expects, or empty.
     """
 
@@ -79,8 +77,6 @@ def drift(artifacts: Sequence[Artifact], out: Path, manifest: Manifest) -> list[
 
     Args:
         artifacts: The files of this run; skeletons with a contract are looked at.
-        out: The output folder.
-        manifest: What earlier runs wrote; knows former method names.
 
     Returns:
         The findings by path and line.

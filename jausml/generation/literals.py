@@ -48,9 +48,6 @@ def printable(text: str) -> str:
 def python_string(value: object) -> str:
     r"""Returns an ASCII Python string literal, in the quotes that ruff's formatter would choose.
 
-    Args:
-        value: Any text; other objects are turned into text first.
-
     Returns:
         A literal such as `"a \"b\""`, without line breaks.
     """
@@ -65,9 +62,6 @@ def python_string(value: object) -> str:
 
 def python_literal(value: object) -> str:
     """Returns a Python expression for None, a bool, an int, a float or a string.
-
-    Args:
-        value: The value, for example the default of a parameter.
 
     Raises:
         TypeError: The value is of another type.
@@ -86,9 +80,6 @@ def python_literal(value: object) -> str:
 
 def identifier(value: object) -> str:
     """Returns a Python name (dots allowed) unchanged, for names that come from a model.
-
-    Args:
-        value: The name.
 
     Raises:
         ValueError: It is not an ASCII Python name, or is a keyword.
@@ -124,9 +115,7 @@ def comment(value: object, indent: int = 0, prefix: str = "# ") -> str:
     """Returns text as comment lines, wrapped to the line width.
 
     Args:
-        value: The text of the model.
         indent: Columns before each line; the first line is not indented here.
-        prefix: What starts a comment line.
     """
     width = LINE_WIDTH - indent - len(prefix)
     lines: list[str] = []

@@ -23,12 +23,6 @@ def locked(out: Path) -> Iterator[None]:
 
     The folder itself is locked, so that no file is left; it is made when it is missing, and removed
     when it stays empty. Windows has no such lock.
-
-    Args:
-        out: The folder.
-
-    Raises:
-        WriteError: The folder cannot be made.
     """
     if sys.platform == "win32":
         yield

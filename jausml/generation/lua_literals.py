@@ -41,7 +41,6 @@ def lua_literal(value: LuaValue, column: int = 0) -> str:
 
     Args:
         value: A bool, number or text, a sequence (it becomes a table counted from 1) or a mapping.
-        column: Columns before and behind the expression on its first line.
 
     Raises:
         TypeError: The value is of another type.

@@ -17,11 +17,7 @@ _FEWEST_PARTS = 3  # package folder, package, module
 
 
 class Offers:
-    """The modules of generated packages, and the names that packages export.
-
-    Args:
-        artifacts: The files of a run.
-    """
+    """The modules of generated packages, and the names that packages export."""
 
     def __init__(self, artifacts: Iterable[Artifact]) -> None:
         python = [each for each in artifacts if each.path.endswith(".py")]
@@ -33,11 +29,7 @@ class Offers:
         }
 
     def lost(self, found: SourceImport) -> str:
-        """Says what became of the module that a user's file imports from, or nothing.
-
-        Args:
-            found: The import.
-        """
+        """Says what became of the module that a user's file imports from, or nothing."""
         package = found.module.partition(".")[0]
         if package not in self._packages:
             return ""
@@ -80,11 +72,7 @@ def module_of(path: str) -> str:
 
 
 def bound(text: str) -> frozenset[str]:
-    """Returns the names that a module binds, with `*` for those of an import of everything.
-
-    Args:
-        text: The module.
-    """
+    """Returns the names that a module binds, with `*` for those of an import of everything."""
     names: set[str] = set()
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
@@ -97,11 +85,7 @@ def bound(text: str) -> frozenset[str]:
 
 
 def exports(text: str) -> frozenset[str]:
-    """Returns the names in `__all__` of a module.
-
-    Args:
-        text: The module.
-    """
+    """Returns the names in `__all__` of a module."""
     for node in ast.parse(text).body:
         if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
             values = node.value.elts if isinstance(node.value, (ast.List, ast.Tuple)) else ()

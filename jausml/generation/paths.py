@@ -19,11 +19,7 @@ _RESERVED_FOLDERS = {".jausml", ".git"}
 
 
 def path_problem(path: str) -> str | None:
-    """Says why a path is no safe relative posix path, or returns None.
-
-    Args:
-        path: A path that a target or a manifest asks for.
-    """
+    """Says why a path is no safe relative posix path, or returns None."""
     if path.startswith("/"):
         return "the path is absolute"
     for segment in path.split("/"):
@@ -48,11 +44,7 @@ def _module_problem(path: str) -> str | None:
 
 
 def find_problems(artifacts: Iterable[Artifact]) -> dict[str, str]:
-    """Returns the first problem of each path: unsafe, used twice, or colliding with another.
-
-    Args:
-        artifacts: All files of one run.
-    """
+    """Returns the first problem of each path: unsafe, used twice, or colliding with another."""
     owners: dict[str, list[Artifact]] = defaultdict(list)
     for artifact in artifacts:
         owners[artifact.path].append(artifact)

@@ -53,10 +53,6 @@ FILTERS: Mapping[str, Callable[..., str]] = {
 def render(model: ModelT, targets: Sequence[Target[ModelT]]) -> list[Artifact]:
     """Renders all files of some targets to memory; nothing is written.
 
-    Args:
-        model: A valid model.
-        targets: The targets.
-
     Returns:
         The files in the order of their paths.
 

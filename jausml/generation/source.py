@@ -17,7 +17,6 @@ class SourceProblem(Exception):  # noqa: N818 - a finding, not a failure of jaus
     """The file is not Python.
 
     Args:
-        message: What the parser said.
         line: Where, from 1.
     """
 
@@ -44,9 +43,7 @@ class SourceClass:
     """A class of the file.
 
     Attributes:
-        name: Class name.
         line: Where, from 1.
-        methods: Definitions by name, those of base classes in the same file included.
         ancestors: Names of the base classes, as they were called where they were imported from;
             with those of base classes in the same file.
     """
@@ -62,8 +59,6 @@ class SourceImport:
     """An import of names from a module, `from module import name`.
 
     Attributes:
-        module: The module, with its whole path.
-        names: The names.
         line: Where, from 1.
     """
 
@@ -77,9 +72,6 @@ def read_imports(data: bytes) -> list[SourceImport]:
 
     Args:
         data: The file's bytes, in any encoding that it declares.
-
-    Raises:
-        SourceProblem: It is not Python.
     """
     return [
         SourceImport(node.module, tuple(alias.name for alias in node.names), node.lineno)
@@ -93,9 +85,6 @@ def read_classes(data: bytes) -> dict[str, SourceClass]:
 
     Args:
         data: The file's bytes, in any encoding that it declares.
-
-    Raises:
-        SourceProblem: It is not Python.
     """
     statements = list(_flat(_tree(data).body))
     aliases = {

@@ -33,9 +33,6 @@ def apply(plan: Plan) -> None:
     on a file system that does not tell them apart. After a failure the same run, repeated, ends
     in the same tree; another one knows what was meant to be written, and tidies up.
 
-    Args:
-        plan: A fresh plan.
-
     Raises:
         RefusedError: The plan has a refusal; nothing was written.
         WriteError: The operating system refused, or a new file appeared since the plan was made.
@@ -61,12 +58,7 @@ def apply(plan: Plan) -> None:
 
 
 class _File:
-    """A file by its name and its open folder; without such folders by its path alone.
-
-    Args:
-        name: The name, or the path.
-        folder: Descriptor of the folder.
-    """
+    """A file by its name and its open folder; without such folders by its path alone."""
 
     def __init__(self, name: str, folder: int | None) -> None:
         self._name = name

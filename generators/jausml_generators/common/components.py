@@ -43,11 +43,7 @@ def own_bridges(system: System) -> list[bridge.Bridge]:
 
 
 def with_inherited(services: Iterable[jaus.Service]) -> list[jaus.Service]:
-    """Returns services and those that they inherit, the inherited ones first, each once.
-
-    Args:
-        services: The services.
-    """
+    """Returns services and those that they inherit, the inherited ones first, each once."""
     found: list[jaus.Service] = []
     for service in services:
         chain = [service]
@@ -58,22 +54,12 @@ def with_inherited(services: Iterable[jaus.Service]) -> list[jaus.Service]:
 
 
 def inherits(service: jaus.Service, name: str) -> bool:
-    """Tells whether a service is, or inherits, a core service.
-
-    Args:
-        service: The service.
-        name: Name of the core service, e.g. `Management`.
-    """
+    """Tells whether a service is, or inherits, a core service."""
     return any(each.urn == CORE + name for each in with_inherited([service]))
 
 
 def provides(component: jaus.Component, name: str) -> bool:
-    """Tells whether a component provides a core service.
-
-    Args:
-        component: The component.
-        name: Name of the core service, e.g. `Management`.
-    """
+    """Tells whether a component provides a core service."""
     return any(inherits(each, name) for each in with_standard(component))
 
 
@@ -83,9 +69,6 @@ def service_identities(component: jaus.Component) -> tuple[str, ...]:
     Service sets of different age may inherit different versions of a core service; the component
     speaks the newest of them. Standard services raise no version of what the model names: peers
     of core 1.0 do not know, for example, that events of 1.1 lapse.
-
-    Args:
-        component: The component.
     """
     versions: dict[str, tuple[int, int]] = {}
     for service in with_inherited(component.provides):
@@ -105,12 +88,7 @@ def _version(service: jaus.Service) -> tuple[int, int]:
 
 
 def component_settings(system: System, component: jaus.Component) -> str:
-    """Returns the modelled behaviour of a component as a Python expression.
-
-    Args:
-        system: The system.
-        component: The component.
-    """
+    """Returns the modelled behaviour of a component as a Python expression."""
     arguments = [
         f"default_authority={int(component.defaultAuthority)}",
         f"control_timeout={int(component.controlTimeout)}",
@@ -130,20 +108,12 @@ def component_settings(system: System, component: jaus.Component) -> str:
 
 
 def address_call(component: jaus.Component) -> str:
-    """Returns the address of a component as a Python expression.
-
-    Args:
-        component: The component.
-    """
+    """Returns the address of a component as a Python expression."""
     return call("JausAddress", *(str(int(part)) for part in component.address.split(".")))
 
 
 def search_call(search: jaus.PeerSearch) -> str:
-    """Returns a search for peers as a Python expression.
-
-    Args:
-        search: The search.
-    """
+    """Returns a search for peers as a Python expression."""
     urns = [python_string(str(service.urn)) for service in search.services]
     arguments = [f"({', '.join(urns)},)" if len(urns) == 1 else f"({', '.join(urns)})"]
     arguments += [
@@ -174,12 +144,7 @@ _TRANSPORT_KINDS = {"jtcp": "JTCP", "nodeManager": "NODE_MANAGER"}
 
 
 def transport_settings(system: System, component: jaus.Component) -> str:
-    """Returns the transport settings of a component: of its host, of its peers, and its own.
-
-    Args:
-        system: The system.
-        component: The component.
-    """
+    """Returns the transport settings of a component: of its host, of its peers, and its own."""
     arguments = [*_host_arguments(system, component), *_source_arguments(component)]
     return call("TransportSettings", *arguments)
 
@@ -258,24 +223,14 @@ def _elements(system: System) -> list[jaus.Component]:
 
 
 def query_for(report: jaus.MessageDef, services: Iterable[jaus.Service]) -> jaus.MessageDef | None:
-    """Returns the query that a report answers: QueryX for ReportX, or X.
-
-    Args:
-        report: The report.
-        services: Where to look for the query.
-    """
+    """Returns the query that a report answers: QueryX for ReportX, or X."""
     wanted = query_name(report)
     found = (inputs_by_name(service).get(wanted) for service in services)
     return next((each for each in found if each is not None), None)
 
 
 def report_for(query: jaus.MessageDef, services: Iterable[jaus.Service]) -> jaus.MessageDef | None:
-    """Returns the report that answers a query: ReportX, or X, for QueryX.
-
-    Args:
-        query: The query.
-        services: Where to look for the report.
-    """
+    """Returns the report that answers a query: ReportX, or X, for QueryX."""
     name = str(query.name)
     if not name.startswith("Query"):
         return None

@@ -23,13 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Peer:
-    """A JAUS component of another host.
-
-    Attributes:
-        name: Its name in the model.
-        address: Its JAUS address.
-        endpoint: IPv4 address and port of its host, as `192.168.0.7:3794`.
-    """
+    """A JAUS component of another host."""
 
     name: str
     address: str
@@ -38,16 +32,7 @@ class Peer:
 
 @dataclass(frozen=True)
 class Deployed:
-    """A host that processes of the system run on, and what passes to and from it.
-
-    Attributes:
-        host: The host.
-        processes: What runs there.
-        peers: JAUS components of other hosts, by address.
-        jaus_hosts: IPv4 addresses and networks that JAUS is taken from, this host left out.
-        ros_hosts: IPv4 addresses of the other hosts on which the system has ROS 2 nodes.
-        questions: What the model does not say, and what stands in its place.
-    """
+    """A host that processes of the system run on, and what passes to and from it."""
 
     host: Host
     processes: tuple[ProcessView, ...]
@@ -85,10 +70,6 @@ class Deployed:
 
 def deployed_hosts(model: Model, processes: Sequence[ProcessView]) -> tuple[Deployed, ...]:
     """Returns the hosts that processes of a system run on, in the order of the model.
-
-    Args:
-        model: A valid model.
-        processes: All processes of its system.
 
     Raises:
         GenerationError: The model has no host, or one that the others cannot reach.

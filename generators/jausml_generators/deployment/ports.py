@@ -24,10 +24,6 @@ def jaus_ports(host: Host, processes: int) -> tuple[str, ...]:
     """Returns the ports at which the JAUS processes of a host are reached, ranges as `1-2`.
 
     Over UDP each process but the one that owns the port has one of its neighbours.
-
-    Args:
-        host: The host.
-        processes: How many JAUS processes it has.
     """
     port = int(host.port)
     if host.transport.name != "judp" or processes < 2 or port > HIGHEST_SHARED_PORT:
@@ -37,10 +33,6 @@ def jaus_ports(host: Host, processes: int) -> tuple[str, ...]:
 
 
 def dds_ports(domain: int) -> str:
-    """Returns the unicast ports of a ROS domain, as `7410-7649`.
-
-    Args:
-        domain: ROS domain id.
-    """
+    """Returns the unicast ports of a ROS domain, as `7410-7649`."""
     first = _DDS_BASE + _DDS_DOMAIN * domain
     return f"{first + _DDS_UNICAST}-{first + _DDS_DOMAIN - 1}"

@@ -28,13 +28,7 @@ def bridges_on(system: System, host: Host) -> list[Bridge]:
 
 
 def questions(system: System, host: Host, processes: Sequence[ProcessView]) -> Iterator[str]:
-    """Asks what the model leaves open, and says what stands in its place.
-
-    Args:
-        system: The system.
-        host: One of its hosts.
-        processes: What runs there.
-    """
+    """Asks what the model leaves open, and says what stands in its place."""
     speaking = sum(each.speaks_jaus for each in processes)
     if speaking:
         yield from _of_strangers(system, host)

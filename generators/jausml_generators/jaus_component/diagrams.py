@@ -19,9 +19,6 @@ def diagram(machine: Machine) -> str:
     """Returns the lines of a diagram: the modelled states, each inside what encloses it.
 
     A transition that only acts leads from its state to itself and says so.
-
-    Args:
-        machine: A machine of a valid model, whose names are identifiers.
     """
     keys = {path: f"s{number}" for number, path in enumerate(_shown(machine), 1)}
     inside: dict[str, list[str]] = {}
@@ -36,11 +33,7 @@ def diagram(machine: Machine) -> str:
 
 
 def guard_text(guard: Guard) -> str:
-    """Returns a guard as text again, without what stands before names and in parentheses.
-
-    Args:
-        guard: The guard.
-    """
+    """Returns a guard as text again, without what stands before names and in parentheses."""
     if isinstance(guard, Condition):
         return guard.name
     if isinstance(guard, Negation):

@@ -34,13 +34,7 @@ class MachineMethod(Method):
 
 @dataclass(frozen=True)
 class EventView:
-    """An internal event of the component's services.
-
-    Attributes:
-        method: The method that raises it.
-        name: Its name in the model.
-        documentation: What it means, a sentence.
-    """
+    """An internal event of the component's services."""
 
     method: str
     name: str
@@ -63,10 +57,6 @@ class MachineView:
     """A state machine.
 
     Attributes:
-        machine: The machine of the model.
-        attribute: Attribute of the component that holds it.
-        table: Method of the component that returns its states.
-        displays: The states, as expressions.
         ways: Steps over each transition, as expressions, for the generated test.
     """
 

@@ -89,13 +89,7 @@ class _Use:
 
 
 class Machines:
-    """All machines of a component.
-
-    Args:
-        services: Provided services that the component itself handles, bases first.
-        messages: Views of the messages by model element.
-        scope: Names of methods that are taken.
-    """
+    """All machines of a component."""
 
     def __init__(
         self,
@@ -216,11 +210,7 @@ class Machines:
         )
 
     def takes(self, code: int) -> bool:
-        """Tells whether a machine takes a message.
-
-        Args:
-            code: Message code.
-        """
+        """Tells whether a machine takes a message."""
         return code in self._taken
 
     def registration(
@@ -229,13 +219,7 @@ class Machines:
         service: jaus.Service,
         provided: tuple[jaus.Service, ...],
     ) -> str:
-        """Returns the statement of the constructor that gives a message to the machines.
-
-        Args:
-            message: The message.
-            service: The service that takes it.
-            provided: All services that the component provides.
-        """
+        """Returns the statement of the constructor that gives a message to the machines."""
         view = self._view(message)
         report = components.report_for(message, components.with_inherited([service]))
         if report is not None:
@@ -332,11 +316,7 @@ class Machines:
 
 
 def messages_of(services: Iterable[jaus.Service]) -> list[jaus.MessageDef]:
-    """Returns the messages that trigger transitions of services or that actions send.
-
-    Args:
-        services: Services, each after those that it inherits.
-    """
+    """Returns the messages that trigger transitions of services or that actions send."""
     found: dict[jaus.MessageDef | None, None] = {}
     for machine in machines_of(services):
         for state in (state for node in machine.nodes.values() for state in node.elements):

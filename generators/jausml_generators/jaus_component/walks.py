@@ -29,14 +29,7 @@ LONGEST = 200
 
 @dataclass(frozen=True)
 class Step:
-    """What happens to a machine, and the state that it is in then.
-
-    Attributes:
-        trigger: A message, an internal event or, for a machine that extends the core, the core
-            state that the core services enter.
-        refused: Guards that do not hold before the first that does.
-        state: Path of the state.
-    """
+    """What happens to a machine, and the state that it is in then."""
 
     trigger: jaus.MessageDef | str
     refused: int
@@ -58,10 +51,6 @@ def walks(machine: Machine, transitions: Listed) -> list[Walk]:
     """Returns the ways from the start of a machine over each transition from each state.
 
     The way to a state tells what its pushes have remembered, and so where a pop leads.
-
-    Args:
-        machine: The machine.
-        transitions: Transitions to look at by the path of their state: its own, and its defaults.
     """
     found: list[Walk] = []
     reached: set[str] = set()

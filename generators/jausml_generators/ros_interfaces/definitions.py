@@ -15,9 +15,6 @@ class FieldLine:
     """A field of a definition.
 
     Attributes:
-        name: Its name.
-        type: Its type.
-        comment: What is said about it.
         default: Its default as models write it, None without one.
     """
 
@@ -28,11 +25,7 @@ class FieldLine:
 
     @property
     def code(self) -> str:
-        """The line without comments.
-
-        Raises:
-            GenerationError: A definition cannot say the default.
-        """
+        """The line without comments."""
         if self.default is None:
             return f"{self.type} {self.name}"
         text = _value_text(self.default, self.type, self.name, is_default=True)
@@ -41,14 +34,7 @@ class FieldLine:
 
 @dataclass(frozen=True, slots=True)
 class ConstantLine:
-    """A constant of a definition.
-
-    Attributes:
-        name: Its name.
-        type: A primitive type.
-        value: Its value as models write it.
-        comment: What is said about it.
-    """
+    """A constant of a definition."""
 
     name: str
     type: str
@@ -57,24 +43,14 @@ class ConstantLine:
 
     @property
     def code(self) -> str:
-        """The line without comments.
-
-        Raises:
-            GenerationError: A definition cannot say the value.
-        """
+        """The line without comments."""
         value = _value_text(self.value, FieldType(self.type), self.name)
         return f"{self.type} {self.name}={value}"
 
 
 @dataclass(slots=True)
 class DefinitionSection:
-    """A message, or a part of a service or an action.
-
-    Attributes:
-        comment: What is said about it.
-        constants: Its constants.
-        fields: Its fields.
-    """
+    """A message, or a part of a service or an action."""
 
     comment: str = ""
     constants: list[ConstantLine] = field(default_factory=list)
@@ -101,12 +77,7 @@ class DefinitionFile:
     """A .msg, .srv or .action file.
 
     Attributes:
-        package: Name of the package.
-        name: Name of the interface.
         kind: `msg`, `srv` or `action`.
-        sections: Its sections.
-        element_id: Identity of the element that it is made of.
-        source: Model file.
     """
 
     package: str
@@ -134,11 +105,7 @@ class DefinitionFile:
 
 
 def comment_lines(text: str) -> list[str]:
-    """Returns a text as the lines of a comment.
-
-    Args:
-        text: Text of the model.
-    """
+    """Returns a text as the lines of a comment."""
     lines = [line.strip() for line in printable(text).splitlines()]
     return [f"# {line}".rstrip() for line in lines]
 

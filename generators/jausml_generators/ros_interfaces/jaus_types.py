@@ -32,12 +32,7 @@ _LONGEST_SEQUENCE = 2**16 - 1
 
 
 class MessagesPackage:
-    """The messages of one package, and the types nested in them.
-
-    Args:
-        package: Name of the package.
-        source: Model file.
-    """
+    """The messages of one package, and the types nested in them."""
 
     def __init__(self, package: str, source: str) -> None:
         self._package = package
@@ -47,9 +42,6 @@ class MessagesPackage:
 
     def add(self, message: jaus.MessageDef) -> None:
         """Adds a message.
-
-        Args:
-            message: The message.
 
         Raises:
             GenerationError: The message cannot be encoded; validation tells users before.
@@ -68,13 +60,7 @@ class MessagesPackage:
         self._file(name, section, f"message:{message.code}:{layout.name}")
 
     def nested(self, name: str, documentation: str, fill: Callable[[_Fields], None]) -> FieldType:
-        """Adds a type that is nested in another one.
-
-        Args:
-            name: The name that it would have.
-            documentation: What stands at its head.
-            fill: Adds its fields.
-        """
+        """Adds a type that is nested in another one."""
         claimed = self._names.claim(type_name(name))
         section = DefinitionSection(documentation)
         fill(_Fields(self, claimed, section))

@@ -23,21 +23,13 @@ _RESERVED = frozenset(
 
 
 def type_name(name: str) -> str:
-    """Returns the name of a message type, e.g. `ReportVelocityState`.
-
-    Args:
-        name: Any text.
-    """
+    """Returns the name of a message type, e.g. `ReportVelocityState`."""
     text = names.class_name(name)
     return text[0].upper() + text[1:]
 
 
 def field_name(name: str) -> str:
-    """Returns the name of a field, e.g. `velocity_x`.
-
-    Args:
-        name: Any text.
-    """
+    """Returns the name of a field, e.g. `velocity_x`."""
     text = re.sub("__+", "_", words.snake_case(name)).strip("_") or "unnamed"
     text = f"n{text}" if text[0].isdigit() else text
     is_reserved = text in _RESERVED or keyword.iskeyword(text)
@@ -45,11 +37,7 @@ def field_name(name: str) -> str:
 
 
 def constant_name(*parts: str) -> str:
-    """Returns the name of a constant, e.g. `GEAR_PARK`.
-
-    Args:
-        parts: Any texts.
-    """
+    """Returns the name of a constant, e.g. `GEAR_PARK`."""
     text = "_".join(word for part in parts for word in words.words(part)).upper()
     text = re.sub("__+", "_", text).strip("_") or "UNNAMED"
     return f"N{text}" if text[0].isdigit() else text

@@ -21,12 +21,7 @@ if TYPE_CHECKING:
 
 
 def package_files(package: ros.InterfacePackage, source: str) -> Iterator[DefinitionFile]:
-    """Yields the definition files of a package.
-
-    Args:
-        package: The package.
-        source: Model file.
-    """
+    """Yields the definition files of a package."""
     name = str(package.name)
     elements: list[InterfaceType] = [*package.messages, *package.services, *package.actions]
     for element in elements:
@@ -44,7 +39,6 @@ def section_of(message: ros.MessageType, package: str = "") -> DefinitionSection
     """Returns a message, or a part of a service or an action, as definition files have it.
 
     Args:
-        message: The message.
         package: Package of the file, whose types need no package in it; empty names all packages.
     """
     constants = [
@@ -87,7 +81,6 @@ def described(documentation: str | None, units: str | None, limits: str = "") ->
     Args:
         documentation: Text of the model, or None.
         units: Its unit, or None.
-        limits: Its range in words.
     """
     text = str(documentation or "")
     unit = f"[{units}]" if units and f"[{units}]" not in text else ""

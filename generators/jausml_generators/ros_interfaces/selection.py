@@ -16,22 +16,14 @@ if TYPE_CHECKING:
 
 
 def declared_packages(model: Model) -> list[ros.InterfacePackage]:
-    """Returns the interface packages that stand in the files that the user named.
-
-    Args:
-        model: A valid model.
-    """
+    """Returns the interface packages that stand in the files that the user named."""
     packages = model.instances(ros.InterfacePackage, library=False)
     documents = [(package, model.document_of(package)) for package in packages]
     return [package for package, place in documents if place is not None and place.given]
 
 
 def all_messages(model: Model) -> list[jaus.MessageDef]:
-    """Returns the messages of all services of a model and of those that it uses.
-
-    Args:
-        model: A valid model.
-    """
+    """Returns the messages of all services of a model and of those that it uses."""
     own = model.instances(jaus.Service, library=False)
     return _messages([*own, *with_inherited(_used_services(model))])
 
@@ -42,9 +34,6 @@ def unmapped_messages(model: Model) -> list[jaus.MessageDef]:
     They are those of services that the model declares, and of the library's services that a
     component, a bridge or a connection uses, core services apart: the runtime speaks
     these.
-
-    Args:
-        model: A valid model.
     """
     mapped = {each.message for each in model.instances(bridge.AttributeMap)}
     own = model.instances(jaus.Service, library=False)

@@ -12,15 +12,7 @@ if TYPE_CHECKING:
 
 
 class InterfacesView:
-    """An ament_cmake package of interfaces.
-
-    Args:
-        system: The system, whose version and maintainer it has.
-        name: Name of the package.
-        description: What it is for.
-        files: Its definition files.
-        source: Model file.
-    """
+    """An ament_cmake package of interfaces."""
 
     def __init__(
         self,

@@ -19,19 +19,11 @@ FOLDER = Path(__file__).parent
 
 
 def known(name: str) -> list[dict[str, Any]]:
-    """Returns a list.
-
-    Args:
-        name: One of `NAMES`.
-    """
+    """Returns a list."""
     lines = (FOLDER / f"{name}.jsonl").read_text(encoding="utf-8").splitlines()
     return [json.loads(line) for line in lines]
 
 
 def library_file(name: str) -> str:
-    """Returns the path of a file of the library.
-
-    Args:
-        name: The file, relative to the library.
-    """
+    """Returns the path of a file of the library."""
     return str(files("jausml.models") / "library" / name)

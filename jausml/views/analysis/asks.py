@@ -26,11 +26,7 @@ class Ask:
     """What a client asks a provider for.
 
     Attributes:
-        client: Who asks.
-        connection: For which connection.
-        message: The report.
         exchange: `periodic`, `change` or `query`.
-        hertz: How often; 0 for every change.
         joined: The join that the report is for; None for what the connection is for.
     """
 
@@ -60,11 +56,7 @@ class Ask:
 
 
 def asks_of(system: System) -> Iterator[tuple[jaus.Component | None, Ask]]:
-    """Yields whom clients ask for reports, and what for; None stands for those that nobody names.
-
-    Args:
-        system: The system.
-    """
+    """Yields whom clients ask for reports, and what for; None is a peer without a name."""
     for owner in system.bridges:
         for each in owner.bridgeConnections:
             if is_to_ros(each) and not is_single(each):
@@ -97,20 +89,12 @@ def _joined_asks(
 
 
 def peers_of(connection: bridge.Connection) -> list[jaus.Component | None]:
-    """Returns who is at the other end; None stands for those that nobody names.
-
-    Args:
-        connection: A connection of a bridge.
-    """
+    """Returns who is at the other end; None stands for those that nobody names."""
     return [*connection.peers] or [None]
 
 
 def by_way(asks: list[Ask]) -> Iterator[list[Ask]]:
-    """Yields those that share an event; beside one of every change, a rate is served by queries.
-
-    Args:
-        asks: What one client asks one provider for, of one report.
-    """
+    """Yields those that share an event; beside one of every change, a rate is served by queries."""
     periodic = [each for each in asks if each.exchange == "periodic"]
     others = [each for each in asks if each.exchange != "periodic"]
     if not (periodic and others):

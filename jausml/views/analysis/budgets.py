@@ -24,12 +24,7 @@ _HELD = "the last message stands, for a reason that the model gives"
 
 @dataclass(frozen=True)
 class Step:
-    """A part of a budget.
-
-    Attributes:
-        name: What takes the time.
-        seconds: How long at most.
-    """
+    """A part of a budget."""
 
     name: str
     seconds: float
@@ -42,7 +37,6 @@ class Budget:
     Attributes:
         case: The situation: `normal`, `queue_full`, `one_lost_packet`, `source_dead` or
             `controller_dead`.
-        steps: The times.
         never: Why there is no bound, empty where there is one.
     """
 
@@ -62,8 +56,6 @@ def budgets_of(
     """Returns the budgets of a connection.
 
     Args:
-        connection: The connection.
-        streams: What flows through it.
         topic_rate: Messages each second of its topics, where these are the source.
     """
     carried = [each for each in streams if each.kind in ("message", "event", "report")]

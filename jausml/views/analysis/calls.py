@@ -22,15 +22,9 @@ class CallReport:
     """A connection with a ROS service or a ROS action.
 
     Attributes:
-        name: Its name.
-        direction: Literal of `bridge.Direction`.
         kind: `service` or `action`.
-        ros_name: Name of the service or action.
-        type: Name of its ROS type.
         messages: Names of the JAUS messages that are exchanged; for an action those of the
             list driver, and what an element of a list holds.
-        peers: Who is at the other end, or what is searched for.
-        seconds: Longest time until an answer is given up.
     """
 
     name: str
@@ -44,11 +38,7 @@ class CallReport:
 
 
 def calls_of(owner: bridge.Bridge) -> Iterator[CallReport]:
-    """Yields the connections of a bridge with services, then those with actions.
-
-    Args:
-        owner: A valid bridge.
-    """
+    """Yields the connections of a bridge with services, then those with actions."""
     for service in owner.serviceConnections:
         yield CallReport(
             str(service.name),

@@ -26,14 +26,7 @@ BYTE = 1.5e-9
 def seconds_of(
     connection: bridge.Connection, streams: list[Stream], ros_size: Size, arriving: float
 ) -> float:
-    """Returns the processor time of a connection in each second: the share of one processor.
-
-    Args:
-        connection: The connection.
-        streams: What flows through it.
-        ros_size: Bytes of its ROS messages.
-        arriving: Messages each second that it translates.
-    """
+    """Returns the processor time of a connection in each second: the share of one processor."""
     topics = sum(each.join is None for each in connection.topics)
     packets = sum(
         each.hertz * each.packets * (2 if each.is_acknowledged else 1) for each in streams
@@ -43,11 +36,6 @@ def seconds_of(
 
 
 def seconds_of_message(streams: list[Stream], ros_size: Size) -> float:
-    """Returns how long one message of a connection keeps the loop of its bridge busy.
-
-    Args:
-        streams: What flows through the connection.
-        ros_size: Bytes of its ROS messages.
-    """
+    """Returns how long one message of a connection keeps the loop of its bridge busy."""
     packets = max((each.packets for each in streams), default=1) * max(len(streams), 1)
     return MESSAGE + packets * PACKET + ros_size.expected * BYTE

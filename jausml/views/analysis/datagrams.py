@@ -25,14 +25,7 @@ _FRAGMENT_STEP = 8  # offsets of IP fragments are counted in eight bytes
 
 @dataclass(frozen=True)
 class Wire:
-    """Bytes of messages, one layer around the other.
-
-    Attributes:
-        packets: Packets of JAUS, each in a datagram of its own.
-        judp: Bytes of these datagrams.
-        ip: The same with the headers of UDP and IP.
-        ethernet: The same with all that Ethernet adds.
-    """
+    """Bytes of messages, one layer around the other."""
 
     packets: float = 0
     judp: float = 0
@@ -56,22 +49,12 @@ class Wire:
 
 
 def packet_count(payload: int, fragment_size: int) -> int:
-    """Returns how many packets a message takes.
-
-    Args:
-        payload: Bytes of the message, its code included.
-        fragment_size: Payload of one packet that the host wishes for.
-    """
+    """Returns how many packets a message takes."""
     return 1 if payload <= fragment_size else -(-payload // _step(payload, fragment_size))
 
 
 def on_wire(payload: int, fragment_size: int) -> Wire:
-    """Returns what a message to one component is on the network.
-
-    Args:
-        payload: Bytes of the message, its code included.
-        fragment_size: Payload of one packet that the host wishes for.
-    """
+    """Returns what a message to one component is on the network."""
     count, step = packet_count(payload, fragment_size), _step(payload, fragment_size)
     return _datagram(step).times(count - 1) + _datagram(payload - (count - 1) * step)
 

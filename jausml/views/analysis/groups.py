@@ -35,12 +35,7 @@ class Group:
     """Connections that stay in one bridge.
 
     Attributes:
-        connections: The connections, in the order of the model.
-        reasons: Why they stay together.
-        share: Share of a processor that they take.
         longest: Seconds for which one message of theirs keeps the bridge busy at most.
-        has_commands: Whether commands are among them, which must not wait.
-        is_commanded: Whether others command the bridge by them.
     """
 
     connections: tuple[Carrier, ...]
@@ -57,13 +52,7 @@ def carriers_of(owner: bridge.Bridge) -> list[Carrier]:
 
 
 def groups_of(owner: bridge.Bridge, traffic: Traffic, assumptions: Assumptions) -> list[Group]:
-    """Returns the smallest parts into which a bridge can be split.
-
-    Args:
-        owner: The bridge.
-        traffic: The streams of its system.
-        assumptions: What stands in where the model says nothing.
-    """
+    """Returns the smallest parts into which a bridge can be split."""
     carriers = carriers_of(owner)
     ties: dict[Hashable, list[Carrier]] = defaultdict(list)
     reasons: dict[Hashable, str] = {}

@@ -37,8 +37,6 @@ class Part:
     """A bridge of the proposal.
 
     Attributes:
-        origin: The bridge that it is a part of.
-        groups: What it carries.
         host: Where it runs best, None when the model names no host.
     """
 
@@ -92,8 +90,6 @@ def propose(system: System, assumptions: Assumptions, number: int | None) -> Pro
     Bridges are split and never merged; external ones stay as they are.
 
     Args:
-        system: A valid system.
-        assumptions: What stands in where it says nothing.
         number: How many bridges there shall be; None for as many as are needed.
 
     Raises:

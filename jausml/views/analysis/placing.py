@@ -28,15 +28,7 @@ def nearest_host(
     traffic: Traffic,
     assumptions: Assumptions,
 ) -> Host | None:
-    """Returns the host with the fewest bytes to and from other ones; the home if that is as good.
-
-    Args:
-        owner: A bridge.
-        groups: A part of what it carries.
-        system: The system.
-        traffic: Its streams.
-        assumptions: What stands in where the model says nothing.
-    """
+    """Returns the host with the fewest bytes to and from other ones; home, if as good."""
     home = host_of(system, owner)
     if home is None:
         return None

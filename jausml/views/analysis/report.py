@@ -31,14 +31,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Load:
-    """What passes in a second.
-
-    Attributes:
-        messages_sent: JAUS messages that are sent.
-        messages_received: JAUS messages that are received.
-        sent: Their packets and acknowledgements on the network.
-        received: Those that come.
-    """
+    """What passes in a second."""
 
     messages_sent: float
     messages_received: float
@@ -51,16 +44,7 @@ class Flow:
     """A stream as a connection sees it.
 
     Attributes:
-        sender: Who sends.
-        receiver: Who receives.
-        message: Name of the message.
         kind: `message`, `event`, `query`, `report` or `upkeep`.
-        size: Bytes of the message with its code.
-        packets: Packets of an expected message.
-        datagram_bytes: Bytes of UDP payload of an expected message.
-        hertz: Messages each second.
-        basis: Where the rate is from.
-        is_acknowledged: Whether each packet is acknowledged.
     """
 
     sender: str
@@ -80,23 +64,7 @@ class ConnectionReport:
     """A connection of a bridge.
 
     Attributes:
-        name: Its name.
-        direction: Literal of `bridge.Direction`.
         exchange: `command`, `message`, `periodic event`, `every-change event` or `query`.
-        message: Name of the JAUS message.
-        code: Its code.
-        type: Name of the ROS type.
-        topics: Its topics.
-        joins: The joined topics, or the joined reports.
-        peers: Who is at the other end.
-        fan_out: Datagrams or topics that one message becomes, packets counted once.
-        flows: What flows.
-        load: What passes in a second.
-        ros_size: Bytes of the ROS message.
-        ros_rate: ROS messages each second, of all topics.
-        share: Share of a processor that it takes.
-        budgets: Worst-case times.
-        warnings: What does not go together.
     """
 
     name: str
@@ -123,16 +91,7 @@ class ComponentReport:
     """A component or bridge.
 
     Attributes:
-        name: Its name.
-        address: Its JAUS id.
-        is_bridge: Whether it is a bridge.
         host: Name of its host, empty when it has none.
-        load: What passes in a second, upkeep included.
-        upkeep: The part of it that keeps control and events.
-        share: Share of a processor that its connections take.
-        warnings: What does not go together.
-        connections: The connections of a bridge.
-        calls: Its connections with ROS services and actions.
     """
 
     name: str
@@ -149,14 +108,7 @@ class ComponentReport:
 
 @dataclass(frozen=True)
 class HostReport:
-    """A host.
-
-    Attributes:
-        name: Its name.
-        transport: Literal of `system.Transport`.
-        components: Names of the components and bridges on it.
-        load: What all of them send and receive.
-    """
+    """A host."""
 
     name: str
     transport: str
@@ -166,14 +118,7 @@ class HostReport:
 
 @dataclass(frozen=True)
 class Report:
-    """A system.
-
-    Attributes:
-        system: Its name.
-        assumptions: What stood in where the model says nothing.
-        hosts: Its hosts.
-        components: Its components and bridges, bridges last.
-    """
+    """A system."""
 
     system: str
     assumptions: Assumptions
@@ -187,12 +132,7 @@ class Report:
 
 
 def report_of(system: System, assumptions: Assumptions) -> Report:
-    """Returns the report of a system.
-
-    Args:
-        system: A valid system.
-        assumptions: What stands in where it says nothing.
-    """
+    """Returns the report of a system."""
     traffic = traffic_of(system, assumptions)
     elements = [*system.components, *system.bridges]
     components = tuple(_component(each, system, traffic, assumptions) for each in elements)
@@ -240,13 +180,7 @@ def _component(
 def connection_report(
     connection: bridge.Connection, traffic: Traffic, assumptions: Assumptions
 ) -> ConnectionReport:
-    """Returns what is told of a connection.
-
-    Args:
-        connection: The connection.
-        traffic: The streams of its system.
-        assumptions: What stands in where the model says nothing.
-    """
+    """Returns what is told of a connection."""
     streams, owner = traffic.of(connection), connection.eContainer()
     topics = [str(each.name) for each in connection.topics if each.join is None]
     carried = [each for each in streams if each.kind in ("message", "event", "report")]

@@ -38,7 +38,6 @@ def split(proposal: Proposal, whole: system.System) -> list[bridge.Bridge]:
     """Makes a system what a proposal says; the first part of each bridge keeps its identity.
 
     Args:
-        proposal: The proposal.
         whole: The system, which is changed.
 
     Returns:
@@ -54,12 +53,7 @@ def split(proposal: Proposal, whole: system.System) -> list[bridge.Bridge]:
 
 
 class _Splitter:
-    """Splits one bridge.
-
-    Args:
-        whole: The system.
-        parts: The parts of the bridge.
-    """
+    """Splits one bridge."""
 
     def __init__(self, whole: system.System, parts: Sequence[Part]) -> None:
         self._whole = whole

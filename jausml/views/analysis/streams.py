@@ -26,14 +26,8 @@ class Stream:
     Attributes:
         sender: Who sends; None for whoever it is.
         receiver: Who receives; None for whoever it is.
-        message: Name of the message.
         kind: `message`, `event`, `query`, `report` or `upkeep`.
         size: Bytes of the message with its code, that of an event with its header.
-        hertz: Messages each second.
-        basis: Where the rate is from.
-        fragment_size: Payload of one packet that the sender wishes for.
-        wants_acknowledgement: Whether each message is acknowledged.
-        connections: The connections that it belongs to.
     """
 
     sender: jaus.Component | None
@@ -70,12 +64,7 @@ class Stream:
 
 @dataclass(frozen=True)
 class Traffic:
-    """All streams of a system.
-
-    Attributes:
-        streams: The streams.
-        by_connection: Those of each connection.
-    """
+    """All streams of a system."""
 
     streams: tuple[Stream, ...]
     by_connection: dict[Asking, list[Stream]]

@@ -41,12 +41,7 @@ _PRESENCE_VECTOR = "PresenceVector"
 
 
 def traffic_of(system: System, assumptions: Assumptions) -> Traffic:
-    """Returns the streams of a system.
-
-    Args:
-        system: A valid system.
-        assumptions: What stands in where it says nothing.
-    """
+    """Returns the streams of a system."""
     streams = _Streams(system, assumptions).all()
     by_connection: dict[Asking, list[Stream]] = defaultdict(list)
     for stream in streams:
@@ -56,12 +51,7 @@ def traffic_of(system: System, assumptions: Assumptions) -> Traffic:
 
 
 class _Streams:
-    """Makes the streams of a system.
-
-    Args:
-        system: The system.
-        assumptions: What stands in where it says nothing.
-    """
+    """Makes the streams of a system."""
 
     def __init__(self, system: System, assumptions: Assumptions) -> None:
         self._system = system

@@ -25,8 +25,6 @@ def warnings_of(
     """Yields what does not go together in a connection.
 
     Args:
-        connection: The connection.
-        streams: What flows through it.
         topic_rate: Messages each second of its topics, where these are the source.
     """
     yield from _rates(connection)
@@ -50,12 +48,7 @@ def _rates(connection: bridge.Connection) -> Iterator[str]:
 
 
 def asked_rate(provider: jaus.Component, rate: float) -> Iterator[str]:
-    """Yields what is wrong with the rate that a client asks of a provider.
-
-    Args:
-        provider: The provider.
-        rate: Reports each second.
-    """
+    """Yields what is wrong with the rate that a client asks of a provider."""
     constants = runtime_constants()
     if rate > constants.highest_event_rate:
         yield f"{rate:g} Hz is more than an event can have, {constants.highest_event_rate:g} Hz"

@@ -17,10 +17,6 @@ def bundled(graph: Graph, most: int = MOST_EDGES) -> Graph:
     """Returns a graph that can be read: as it is, or bundled where it has too many edges.
 
     What two frames have in common is told in the boxes, not by edges across.
-
-    Args:
-        graph: A graph.
-        most: Edges up to which it stays as it is.
     """
     bridges = [each for each in graph.nodes if each.kind == "bridge"]
     if not is_crowded(graph, most):

@@ -23,12 +23,7 @@ FRAME = "!frame"
 
 
 def is_crowded(graph: Graph, most: int = MOST_EDGES) -> bool:
-    """Tells whether a graph has too many edges to be read without frames around its bridges.
-
-    Args:
-        graph: A graph.
-        most: Edges up to which it can be read.
-    """
+    """Tells whether a graph has too many edges to be read without frames around its bridges."""
     return len(graph.edges) > most and any(each.kind == "bridge" for each in graph.nodes)
 
 
@@ -36,9 +31,6 @@ def framed(graph: Graph) -> Graph:
     """Returns a graph with a frame around each bridge and what exchanges most with it.
 
     What runs on another host than the bridge stays in the frame of its host.
-
-    Args:
-        graph: A graph with bridges.
     """
     homes = bridges_around(graph)
     nodes = graph.by_id
@@ -64,11 +56,7 @@ def framed(graph: Graph) -> Graph:
 
 
 def bridges_around(graph: Graph) -> dict[str, str]:
-    """Returns by node the bridge that it exchanges most with; empty for none.
-
-    Args:
-        graph: A graph.
-    """
+    """Returns by node the bridge that it exchanges most with; empty for none."""
     bridges = {each.id for each in graph.nodes if each.kind == "bridge"}
     counts: dict[str, Counter[str]] = defaultdict(Counter)
     for edge in graph.edges:

@@ -29,8 +29,6 @@ class Finding:
 
     Attributes:
         severity: `error`, `warning` or `info`.
-        rule: Id of the rule.
-        message: What is wrong.
     """
 
     severity: str
@@ -43,16 +41,8 @@ class Port:
     """A row of a node, at which edges end.
 
     Attributes:
-        id: Its id, its own among those of the node.
-        label: Its name.
-        note: What stands behind the name: a type, a unit, a range.
         mark: One word about it, such as `required` or `unmapped`; empty for none.
-        depth: How many rows it lies in.
-        details: What is told on request.
-        findings: What is wrong with it.
         element: Reference to the element that it shows, empty for none.
-        key: What names it when positions of elements change.
-        state: What became of it since another state of the model, empty for nothing.
     """
 
     id: str
@@ -72,19 +62,10 @@ class Node:
     """A box.
 
     Attributes:
-        id: Its id.
         kind: `component`, `bridge`, `node`, `others`, `message`, `type`, `service`, `messages`,
             `state`.
-        title: Its name.
-        subtitle: What stands below the name.
-        ports: Its rows.
         group: Id of the group that it stands in, empty for none.
-        column: Its column, where the view has columns.
-        details: What is told on request.
-        findings: What is wrong with it.
         element: Reference to the element that it shows, empty for none.
-        key: What names it when positions of elements change.
-        state: What became of it since another state of the model, empty for nothing.
     """
 
     id: str
@@ -106,13 +87,9 @@ class Group:
     """A frame around nodes.
 
     Attributes:
-        id: Its id.
         kind: `host`, `bridge`, `service` or `state`.
-        title: Its name.
         parent: Id of the group around it, empty for none.
         element: Reference to the element that it shows, empty for none.
-        key: What names it when positions of elements change.
-        state: What became of it since another state of the model, empty for nothing.
     """
 
     id: str
@@ -129,7 +106,6 @@ class End:
     """Where an edge ends.
 
     Attributes:
-        node: Id of a node.
         port: Id of a port of it, empty for the node as a whole.
     """
 
@@ -142,19 +118,9 @@ class Edge:
     """A line from where something comes to where it goes.
 
     Attributes:
-        id: Its id.
-        source: Where it comes from.
-        target: Where it goes.
         kind: `message`, `topic`, `call`, `control`, `to_ros`, `to_jaus`, `inherits`, `answers` or
             `transition`.
-        title: What flows, which the rows at its ends tell too.
-        labels: What stands at it, in lines.
-        count: How many edges it stands for.
-        details: What is told on request.
-        findings: What is wrong with it.
         element: Reference to the element that it shows, empty for none.
-        key: What names it when positions of elements change.
-        state: What became of it since another state of the model, empty for nothing.
     """
 
     id: str
@@ -177,14 +143,8 @@ class Graph:
 
     Attributes:
         view: Name of the view, such as `system` or `map:odometry`.
-        title: What stands above it.
-        nodes: The boxes.
         groups: The frames, outer ones first.
-        edges: The lines.
-        downwards: Whether edges go from top to bottom, not from left to right.
-        findings: What is wrong with files, and so belongs to no element.
         element: Reference to the element that it shows, empty for the whole model.
-        is_crowded: Whether lines have no room for labels.
     """
 
     view: str

@@ -29,13 +29,7 @@ class Framed(Protocol):
 
 
 class Step(NamedTuple):
-    """A box, or where a frame begins or ends.
-
-    Attributes:
-        what: Which of these.
-        number: Position of the box or frame among its like.
-        depth: How many frames it stands in.
-    """
+    """A box, or where a frame begins or ends."""
 
     what: Literal["box", "begin", "end"]
     number: int
@@ -43,12 +37,7 @@ class Step(NamedTuple):
 
 
 def nested(boxes: Sequence[Boxed], frames: Sequence[Framed]) -> Iterator[Step]:
-    """Yields boxes and frames: first what stands in no frame, then each frame with what it holds.
-
-    Args:
-        boxes: The boxes.
-        frames: The frames.
-    """
+    """Yields boxes and frames: first those in no frame, then each frame with its own."""
     yield from _inside("", 0, boxes, frames)
 
 

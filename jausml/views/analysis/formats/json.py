@@ -29,20 +29,12 @@ _DIGITS = 6
 
 
 def render(report: Report) -> str:
-    """Returns a report as JSON.
-
-    Args:
-        report: The report.
-    """
+    """Returns a report as JSON."""
     return json.dumps(to_plain(report), indent=2, ensure_ascii=True) + "\n"
 
 
 def to_plain(report: Report) -> dict[str, Any]:
-    """Returns a report as plain values.
-
-    Args:
-        report: The report.
-    """
+    """Returns a report as plain values."""
     assumptions = report.assumptions
     return {
         "format": FORMAT,

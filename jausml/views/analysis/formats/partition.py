@@ -18,12 +18,7 @@ if TYPE_CHECKING:
 
 
 def render(proposal: Proposal, bridges: Sequence[bridge.Bridge]) -> str:
-    """Returns what a proposal makes of a system, and why.
-
-    Args:
-        proposal: The proposal.
-        bridges: The bridges that were made of its parts, in their order.
-    """
+    """Returns what a proposal makes of a system, and why."""
     return "\n".join(_lines(proposal, bridges)) + "\n"
 
 

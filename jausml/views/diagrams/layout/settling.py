@@ -48,12 +48,7 @@ class Area(NamedTuple):
 
 
 def area_of(box: Box, corner: Point) -> Area:
-    """Returns what a box covers.
-
-    Args:
-        box: The box.
-        corner: Its upper left corner.
-    """
+    """Returns what a box covers."""
     left, top = corner
     return Area(left, top, left + box.width, top + box.height)
 
@@ -67,7 +62,6 @@ def settle(
     they must. Others come beside boxes to which lines lead, where nothing stands.
 
     Args:
-        sheet: The boxes, frames and lines.
         known: Upper left corners of boxes by id.
         fixed: Ids of the known boxes that never move.
     """
@@ -95,9 +89,7 @@ def frames_around(
     """Returns what frames cover, given where boxes stand; those around nothing are left out.
 
     Args:
-        sheet: The boxes and frames.
         boxes: Upper left corners of boxes by id; of those that stand already.
-        more: What besides boxes stands in frames, by id.
     """
     inner: dict[str, Area] = {}
     for name, areas in (more or {}).items():

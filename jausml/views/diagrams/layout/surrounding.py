@@ -26,7 +26,6 @@ def surrounding(
     stands elsewhere.
 
     Args:
-        sheet: The boxes, frames and lines.
         corners: Upper left corners of boxes by id.
         routes: Ways of lines by id, None for lines that a page draws from end to end.
     """

@@ -13,18 +13,7 @@ if TYPE_CHECKING:
 
 
 class Builder:
-    """A graph that grows.
-
-    Args:
-        context: The model.
-
-    Attributes:
-        context: The model.
-        boxes: The boxes by id.
-        groups: The frames.
-        edges: The lines.
-        endpoints: Name, way and end of the ROS endpoints that were found.
-    """
+    """A graph that grows."""
 
     def __init__(self, context: Context) -> None:
         self.context = context
@@ -56,9 +45,7 @@ class Builder:
         """Returns the graph, without frames around nothing.
 
         Args:
-            title: What stands above it.
             element: The element that it shows; None for the whole model.
-            downwards: Whether edges go from top to bottom.
         """
         named = self.context.named
         nodes = tuple(

@@ -27,9 +27,6 @@ class Context:
     """A model as views see it.
 
     Args:
-        model: The model.
-        view: Name of the view.
-        diagnostics: What was found about the model.
         root: The folder to which references are relative; None for that of the first file.
     """
 
@@ -83,7 +80,6 @@ class Context:
 
         Args:
             elements: The elements; None is passed over.
-            deep: Whether what they own counts too.
         """
         if not self._findings:
             return ()
@@ -108,7 +104,6 @@ def details(element: EObject, **more: object) -> Details:
     """Returns what is told of an element on request: its documentation, then more.
 
     Args:
-        element: The element.
         more: Names and values; empty values are left out.
     """
     texts = {"documentation": getattr(element, "documentation", None), **more}

@@ -31,12 +31,7 @@ def offered(
 
 
 def graph(context: Context, element: jaus.StateMachine) -> Graph:
-    """Returns the view of a machine, with what it extends.
-
-    Args:
-        context: The model.
-        element: The machine.
-    """
+    """Returns the view of a machine, with what it extends."""
     builder = Builder(context)
     machine = machine_with(element)
     if machine is not None:

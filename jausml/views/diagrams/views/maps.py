@@ -71,12 +71,7 @@ class _Side:
 
 
 def graph(context: Context, attribute_map: bridge.AttributeMap) -> Graph:
-    """Returns the view of a map.
-
-    Args:
-        context: The model.
-        attribute_map: The map.
-    """
+    """Returns the view of a map."""
     return _MapView(context, attribute_map).graph()
 
 
@@ -86,10 +81,6 @@ def ends(
     """Yields the boxes of the view of a map: their ids, and all their members.
 
     The view itself shows those of interest.
-
-    Args:
-        context: The model.
-        attribute_map: The map.
     """
     view = _MapView(context, attribute_map)
     for side in (view.jaus, view.ros, *view.joins.values()):

@@ -31,12 +31,7 @@ def offered(
 
 
 def graph(context: Context, service: jaus.Service) -> Graph:
-    """Returns the view of a service.
-
-    Args:
-        context: The model.
-        service: The service.
-    """
+    """Returns the view of a service."""
     builder = Builder(context)
     chain = lineage(service)
     for each in chain:

@@ -41,11 +41,7 @@ def participants(model: Model) -> Sequence[jaus.Component | ros.Node]:
 
 
 def graph(context: Context) -> Graph:
-    """Returns the system view.
-
-    Args:
-        context: The model.
-    """
+    """Returns the system view."""
     builder = Builder(context)
     found = participants(context.model)
     boxes = [_box(context, each) for each in found]

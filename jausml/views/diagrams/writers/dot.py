@@ -18,11 +18,7 @@ _DASHED = ("control", "owns")
 
 
 def render(graph: Graph) -> str:
-    """Returns a graph as a file of Graphviz.
-
-    Args:
-        graph: The graph.
-    """
+    """Returns a graph as a file of Graphviz."""
     return "\n".join(_lines(graph)) + "\n"
 
 

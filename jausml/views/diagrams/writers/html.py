@@ -24,16 +24,7 @@ _PAGE = Path(__file__).parent / "page"
 
 
 def render(graph: Graph, engine: Engine, theme: str = "auto") -> str:
-    """Returns a graph as a page.
-
-    Args:
-        graph: The graph; one of too many edges is bundled.
-        engine: What places its parts.
-        theme: Colours of the picture, as `svg.render` takes them.
-
-    Raises:
-        LayoutError: There is no layout.
-    """
+    """Returns a graph as a page."""
     shown = bundled(graph)
     script = (_PAGE / "diagram.js").read_text(encoding="utf-8")
     style = colours.variables() + (_PAGE / "diagram.css").read_text(encoding="utf-8")

@@ -20,11 +20,7 @@ _MOST_ROWS = 60
 
 
 def render(graph: Graph) -> str:
-    """Returns a graph as a flow chart.
-
-    Args:
-        graph: The graph.
-    """
+    """Returns a graph as a flow chart."""
     return "\n".join(_lines(graph)) + "\n"
 
 

@@ -83,12 +83,7 @@ def label_lines(edge: Edge) -> list[str]:
 
 
 def sheet_of(graph: Graph, *, packed: bool) -> Sheet:
-    """Returns what a layout is to place.
-
-    Args:
-        graph: The graph.
-        packed: Whether what no line joins is packed into a rectangle.
-    """
+    """Returns what a layout is to place."""
     return Sheet(
         tuple(box_of(each) for each in graph.nodes),
         tuple(

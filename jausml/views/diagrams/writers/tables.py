@@ -19,12 +19,7 @@ _BOXES = ("box", "kind", "row", "type", "mark", "findings")
 
 
 def render(graph: Graph, keys: Keys) -> str:
-    """Returns two tables of a page: what flows, and what there is.
-
-    Args:
-        graph: The graph.
-        keys: The keys of what the picture shows, which its rows share.
-    """
+    """Returns two tables of a page: what flows, and what there is."""
     return "\n".join(
         (
             *_table("edges", "What flows", _EDGES, _edges(graph, keys)),

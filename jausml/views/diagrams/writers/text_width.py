@@ -29,9 +29,7 @@ def width(text: str, size: float, *, bold: bool = False) -> float:
     """Returns the width of a text in pixels.
 
     Args:
-        text: The text.
         size: Font size in pixels.
-        bold: Whether it is bold.
     """
     thousandths = sum(_advance(each) for each in text)
     return round(thousandths * size / 1000 * (_BOLD if bold else 1), 1)

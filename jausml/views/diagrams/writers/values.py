@@ -36,11 +36,6 @@ class Standing:
     """Where the parts of a view stood whenever it was drawn; a new one knows nothing.
 
     Boxes that are gone are kept: what undo brings back stands where it stood.
-
-    Attributes:
-        boxes: Corners by key, without those that users gave.
-        shown: What was drawn last, by key: kinds and corners, whoever gave them.
-        routes: Ways of lines, by where they start and end.
     """
 
     boxes: dict[str, Point] = field(default_factory=dict)
@@ -60,13 +55,7 @@ def render(
     comes beside what it is joined with.
 
     Args:
-        graph: The graph.
-        engine: What places its parts.
-        moved: Corners that users gave to boxes, by key.
         standing: Where its parts stood; it is told where they stand now.
-
-    Raises:
-        LayoutError: There is no layout.
     """
     moved = moved or {}
     standing = standing if standing is not None else Standing()
