@@ -8,12 +8,12 @@ import sys
 import pytest
 from terminal import at_terminal
 
-from jausml.cli.manners import Manners, manners
+from jausml.cli.shared.terminal import Manners, manners
 
 # Waits until a line is typed, so that the step lasts as long as the test looks at it.
 STEP = """
 import sys
-from jausml.cli import manners
+from jausml.cli.shared import terminal as manners
 manners.PATIENCE = 0.0
 with manners.step("checking models") as progress:
     progress.at(0.25)
@@ -70,7 +70,7 @@ def test_quiet_tells_problems_alone(jausml):
 def test_verbose_tells_steps_and_their_time(jausml):
     said = jausml("--verbose", "generate", "good.xmi", "-o", "out").stderr
     steps = [line.partition(":")[0] for line in said.splitlines() if line.endswith(" s")]
-    assert steps == ["reading the model", "checking the model", "generating"]
+    assert steps == ["checking the model", "generating"]
 
 
 def test_quiet_and_verbose_exclude_each_other(jausml):
