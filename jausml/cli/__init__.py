@@ -22,7 +22,7 @@ import click
 
 from jausml import __version__
 from jausml.cli.shared.options import COMPLETION
-from jausml.cli.shared.terminal import Manners, colour_allowed
+from jausml.cli.shared.terminal import Verbosity, colour_allowed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -36,7 +36,6 @@ VERBS = {
     "report": ("models", "Report the load and the worst-case times of a system."),
     "diagram": ("models", "Draw a system, a map, a service or a state machine."),
     "studio": ("authoring", "Show and edit models in the browser."),
-    "partition": ("models", "Propose how to split a bridge into several."),
     "diff": ("models", "Show what changed from one state of models to another."),
     "merge": ("models", "Merge the changes of two sides to a model."),
     "convert": ("models", "Write a model as ros2jaus text, or text as XMI."),
@@ -195,7 +194,7 @@ def main(context: click.Context, quiet: bool, verbose: bool, debug: bool) -> Non
     """
     if quiet and verbose:
         raise click.UsageError("--quiet and --verbose exclude each other")
-    context.obj = Manners(quiet, verbose)
+    context.obj = Verbosity(quiet, verbose)
     if not colour_allowed():
         context.color = False
 

@@ -10,7 +10,7 @@ import click
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault
 from jausml.cli.shared.models import bridge_options, reading_options, valid_model
 from jausml.cli.shared.options import quiet_option
-from jausml.cli.shared.terminal import manners, remark, step
+from jausml.cli.shared.terminal import remark, step, verbosity
 
 if TYPE_CHECKING:
     from jausml.generation import NoSystemError, Plan, Result, Selection, Target
@@ -225,7 +225,7 @@ def _report(result: Result, mode: str, *, quiet: bool) -> None:
     plan = result.plan
     if mode == "diff":
         click.echo(unified_diff(plan), nl=False)
-    elif manners().verbose:
+    elif verbosity().verbose:
         _list(plan)
     elif not quiet or mode == "check":
         _list_changes(plan)
