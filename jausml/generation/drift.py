@@ -12,12 +12,12 @@ from enum import Enum
 from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import Artifact, Kind, MethodContract, SkeletonContract
+from jausml.generation.checks import path_problem
 from jausml.generation.folder import inspect
-from jausml.generation.offers import Offers
-from jausml.generation.paths import path_problem
 from jausml.generation.source import (
     Definition,
     Function,
+    Offers,
     SourceClass,
     SourceProblem,
     read_classes,

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from jausml import __version__
 from jausml.generation.artifact import Artifact, Kind, text_digest
+from jausml.generation.checks import path_problem
 from jausml.generation.header import has_valid_header
-from jausml.generation.paths import path_problem
 from jausml.language.model.inputs import read_input
 
 if TYPE_CHECKING:

@@ -8,6 +8,7 @@ from enum import Enum
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.artifact import Artifact, Kind, text_digest
+from jausml.generation.checks import find_problems
 from jausml.generation.folder import FileState, find_generated, inspect
 from jausml.generation.header import has_valid_header
 from jausml.generation.manifest import (
@@ -18,7 +19,6 @@ from jausml.generation.manifest import (
     new_entry,
     temporary,
 )
-from jausml.generation.paths import find_problems
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence

@@ -12,7 +12,7 @@ import jinja2
 from multigen.jinja import JinjaGenerator, JinjaTask
 
 from jausml import __version__
-from jausml.generation import docstrings, literals, lua_literals
+from jausml.generation import docstrings, literals
 from jausml.generation.artifact import Artifact, Kind
 from jausml.generation.checks import CANNOT_PARSE, syntax_problem
 from jausml.generation.errors import InternalError, TooLargeError
@@ -45,7 +45,7 @@ FILTERS: Mapping[str, Callable[..., str]] = {
     "yamlstr": literals.yaml_string,
     "docstring": docstrings.model_docstring,
     "comment": literals.comment,
-    "lua": lua_literals.lua_literal,
+    "lua": literals.lua_literal,
 }
 """What templates may put text through."""
 

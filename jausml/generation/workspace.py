@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.generation.drift import Finding, drift
 from jausml.generation.errors import GenerationError, OwnershipError, SelectionError
-from jausml.generation.lock import locked
 from jausml.generation.manifest import Manifest, read_manifest
 from jausml.generation.plan import Plan, make_plan
 from jausml.generation.rendering import render
 from jausml.generation.system import name_of, source_of, system_of
-from jausml.generation.writer import apply
+from jausml.generation.writer import apply, locked
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence

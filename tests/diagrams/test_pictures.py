@@ -14,7 +14,7 @@ from jausml.views.diagrams.graph import BRIDGE_COLUMN, Edge, End, Finding, Graph
 from jausml.views.diagrams.layout.graphviz import Graphviz
 from jausml.views.diagrams.views import graph_of
 from jausml.views.diagrams.writers import dot, mermaid, shapes, svg
-from jausml.views.diagrams.writers.text_width import cut, width
+from jausml.views.diagrams.writers.shapes import cut, width
 
 pygraphviz = pytest.importorskip("pygraphviz", reason="layout needs jausml[diagram]")
 

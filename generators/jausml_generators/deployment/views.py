@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.language.semantics.topics import resolve_topic
-from jausml_generators.deployment.ports import dds_ports
+from jausml_generators.deployment.network import dds_ports
 from jausml_generators.python.names import package_name
 
 if TYPE_CHECKING:

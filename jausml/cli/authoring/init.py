@@ -10,9 +10,9 @@ import click
 
 from jausml.cli.authoring.topics import (
     chosen_crossings,
-    tell,
-    tell_unanswered,
-    tell_undecided,
+    show_chosen,
+    show_unanswered,
+    show_undecided,
     topic_options,
     topics_of,
 )
@@ -109,7 +109,7 @@ def command(
     click.echo("  jausml validate models")
     click.echo(f"  jausml generate {wish.model} -o src")
     click.echo("  jausml run src --for 10")
-    tell_undecided(chosen)
+    show_undecided(chosen)
 
 
 def _renew(folder: Path) -> None:
@@ -141,8 +141,8 @@ def _from_topics(
     maps = library().instances(bridge.AttributeMap)
     chosen = chosen_crossings(topics, maps, side=side, yes=yes, holds=holds)
     written = start_from_topics(folder, wish, chosen, topics)
-    tell(chosen, topics)
-    tell_unanswered(chosen)
+    show_chosen(chosen, topics)
+    show_unanswered(chosen)
     return written, chosen
 
 

@@ -10,9 +10,9 @@ import click
 from jausml.cli.authoring.places import model_option, place_for, report, stopping
 from jausml.cli.authoring.topics import (
     chosen_crossings,
-    tell,
-    tell_unanswered,
-    tell_undecided,
+    show_chosen,
+    show_unanswered,
+    show_undecided,
     topic_options,
     topics_of,
 )
@@ -169,10 +169,10 @@ def bridge(
             topics, ready_maps(place), side=side, yes=yes, holds=holds, all_needed=bool(words)
         )
         files = add_bridge(place, name, chosen, topics, address or "")
-    tell(chosen, topics)
-    tell_unanswered(chosen)
+    show_chosen(chosen, topics)
+    show_unanswered(chosen)
     report(place, files)
-    tell_undecided(chosen)
+    show_undecided(chosen)
 
 
 @click.command("connection")
@@ -208,6 +208,6 @@ def connection(
         topics = topics_that_run(words, seconds, space) if from_graph else topics_of(words)
         chosen = chosen_crossings(topics, ready_maps(place), side=side, yes=yes, holds=holds)
         files = add_connections(place, bridge or "", chosen, topics)
-    tell(chosen, topics)
+    show_chosen(chosen, topics)
     report(place, files)
-    tell_undecided(chosen)
+    show_undecided(chosen)

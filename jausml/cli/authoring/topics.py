@@ -212,7 +212,7 @@ def _options(ways: Sequence[Crossing]) -> list[str]:
     return found
 
 
-def tell(chosen: Sequence[Crossing], topics: Sequence[TopicEnd]) -> None:
+def show_chosen(chosen: Sequence[Crossing], topics: Sequence[TopicEnd]) -> None:
     """Says what was made of each topic, and which facts of the vehicle a map has assumed."""
     from jausml.authoring.proposals.topics import joins_of
     from jausml.language.model.names import name_of
@@ -229,7 +229,7 @@ def tell(chosen: Sequence[Crossing], topics: Sequence[TopicEnd]) -> None:
         click.echo(f"{said} unless a quantity of the bridge states that of the vehicle")
 
 
-def tell_undecided(chosen: Sequence[Crossing]) -> None:
+def show_undecided(chosen: Sequence[Crossing]) -> None:
     """Says last of all what a person has to decide before anything is generated."""
     from jausml.authoring.proposals.mapping.stopping import STOPS, stops_by_zeros
     from jausml.language.model.names import name_of
@@ -253,7 +253,7 @@ def tell_undecided(chosen: Sequence[Crossing]) -> None:
     )
 
 
-def tell_unanswered(chosen: Sequence[Crossing]) -> None:
+def show_unanswered(chosen: Sequence[Crossing]) -> None:
     """Says which queries of the services of a new bridge nothing answers."""
     from jausml.authoring.proposals.topics import unanswered_queries
 

@@ -101,7 +101,7 @@ class _Counted:
 def opened(path: str) -> Iterator[BinaryIO]:
     """Opens a file to be read from its beginning to its end.
 
-    How far it is stands on a terminal, if no output runs there (see `manners.step`).
+    How far it is stands on a terminal, if no output runs there (see `terminal.step`).
     """
     if path == STDIN:
         yield sys.stdin.buffer

@@ -65,13 +65,13 @@ def command(out: str, rest: tuple[str, ...], only: tuple[str, ...], duration: fl
     folder = _workspace(out)
     process, arguments = split_arguments(rest)
     entries = _chosen(_entries(folder), (*only, *process))
-    handed = handed_on(entries, arguments, is_named=bool(process))
+    passed = process_arguments(entries, arguments, is_named=bool(process))
     environment = _environment(folder)
     if any(entry["kind"] in _ROS_KINDS for entry in entries):
         _require_rclpy()
         require_packages(entries, folder, environment["PYTHONPATH"])
     supervisor = Supervisor(
-        [_command(entry, folder, more) for entry, more in zip(entries, handed, strict=True)],
+        [_command(entry, folder, more) for entry, more in zip(entries, passed, strict=True)],
         environment=environment,
         emit=click.echo,
     )
@@ -144,13 +144,13 @@ def _require_rclpy() -> None:
         )
 
 
-def _command(entry: Mapping[str, Any], folder: Path, handed: Handed) -> Command:
-    arguments = [*entry.get("arguments", ()), *handed.own]
+def _command(entry: Mapping[str, Any], folder: Path, passed: ProcessArguments) -> Command:
+    arguments = [*entry.get("arguments", ()), *passed.own]
     parameters = entry.get("parameters", "")
     if parameters:
         arguments += ["--ros-args", "--params-file", str(folder / parameters)]
     # What comes later goes before: an argument of the user before the generated file.
-    arguments += handed.ros
+    arguments += passed.ros
     return Command(
         entry["name"],
         (sys.executable, "-u", "-c", _MAIN, entry["module"], *arguments),
@@ -173,7 +173,7 @@ _IDENTITY = "--jaus-id"
 
 
 @dataclass(frozen=True, slots=True)
-class Handed:
+class ProcessArguments:
     """Arguments for one process.
 
     Attributes:
@@ -190,9 +190,9 @@ def split_arguments(rest: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ..
     return tuple(rest[:number]), tuple(rest[number:])
 
 
-def handed_on(
+def process_arguments(
     entries: Sequence[Mapping[str, Any]], arguments: Sequence[str], *, is_named: bool
-) -> list[Handed]:
+) -> list[ProcessArguments]:
     """Returns what each process gets."""
     at = arguments.index(_ROS_ARGUMENTS) if _ROS_ARGUMENTS in arguments else len(arguments)
     own, ros = tuple(arguments[:at]), tuple(arguments[at:])
@@ -208,7 +208,7 @@ def handed_on(
         names = ", ".join(jaus)
         raise click.UsageError(f"name the process that gets this {_IDENTITY}: one of {names}")
     return [
-        Handed(
+        ProcessArguments(
             own if is_named or entry["name"] in jaus else (), ros if entry["name"] in nodes else ()
         )
         for entry in entries

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.shared.terminal import manners
+from jausml.cli.shared.terminal import verbosity
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -87,7 +87,7 @@ def quiet_option(text: str) -> Decorator:
 
 
 def _quiet(_context: click.Context, _parameter: click.Parameter, value: bool) -> bool:
-    return value or manners().quiet
+    return value or verbosity().quiet
 
 
 def interface_option(

@@ -28,7 +28,7 @@ _CLEAR = "\r\x1b[K"
 
 
 @dataclass(frozen=True)
-class Manners:
+class Verbosity:
     """What the options in front of the verb ask for.
 
     Attributes:
@@ -39,10 +39,10 @@ class Manners:
     verbose: bool = False
 
 
-def manners() -> Manners:
-    """Returns what was asked for; the usual manners where nothing was."""
+def verbosity() -> Verbosity:
+    """Returns what was asked for; the usual where nothing was."""
     context = click.get_current_context(silent=True)
-    return (context and context.find_object(Manners)) or Manners()
+    return (context and context.find_object(Verbosity)) or Verbosity()
 
 
 def colour_allowed() -> bool:
@@ -66,7 +66,7 @@ def painted_findings(text: str) -> str:
 
 def remark(text: str) -> None:
     """Tells on stderr what is neither a result nor a problem, unless quiet is asked for."""
-    if not manners().quiet:
+    if not verbosity().quiet:
         click.echo(text, err=True)
 
 
@@ -106,7 +106,7 @@ def step(label: str, *, prints: bool = False) -> Iterator[Progress]:
         prints: Whether the step writes results; these are progress enough on a terminal.
     """
     progress = Progress()
-    asked = manners()
+    asked = verbosity()
     begun = time.monotonic()
     with _shown(label, progress, begun) if _is_watched(asked, prints) else _nothing():
         yield progress
@@ -119,7 +119,7 @@ def _nothing() -> Iterator[None]:
     yield
 
 
-def _is_watched(asked: Manners, prints: bool) -> bool:
+def _is_watched(asked: Verbosity, prints: bool) -> bool:
     if asked.quiet or os.environ.get("TERM") == "dumb" or not sys.stderr.isatty():
         return False
     return not (prints and sys.stdout.isatty())

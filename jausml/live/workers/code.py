@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import text_digest
+from jausml.generation.checks import find_problems
 from jausml.generation.errors import GenerationError
-from jausml.generation.paths import find_problems
 from jausml.generation.rendering import render
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.messages.target import TARGET as MESSAGES

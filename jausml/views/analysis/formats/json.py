@@ -11,7 +11,6 @@ from jausml.views.analysis.constants import runtime_constants
 if TYPE_CHECKING:
     from jausml.views.analysis.budgets import Budget
     from jausml.views.analysis.calls import CallReport
-    from jausml.views.analysis.datagrams import Wire
     from jausml.views.analysis.report import (
         ComponentReport,
         ConnectionReport,
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
         Report,
     )
     from jausml.views.analysis.sizes import Size
+    from jausml.views.analysis.streams import Wire
 
 FORMAT = 1
 """Version of the structure: keys are added under the same one."""

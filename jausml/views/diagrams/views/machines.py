@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.inherited_machines import CORE_STATES, DEEPEST, machine_with
 from jausml.views.diagrams.graph import Edge, End, Finding, Graph, Group, Node, Port
-from jausml.views.diagrams.views.building import Builder
-from jausml.views.diagrams.views.context import details, name_of
+from jausml.views.diagrams.views.context import Builder, details, name_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

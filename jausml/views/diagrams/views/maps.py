@@ -19,8 +19,7 @@ from jausml.views.diagrams.graph import (
     Node,
     Port,
 )
-from jausml.views.diagrams.views.building import Builder
-from jausml.views.diagrams.views.context import details, name_of, number
+from jausml.views.diagrams.views.context import Builder, details, name_of, number
 from jausml.views.diagrams.views.members import jaus_members, paths_of, plain, ros_members, rows
 
 if TYPE_CHECKING:

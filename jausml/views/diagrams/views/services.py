@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.services import lineage, query_name
 from jausml.views.diagrams.graph import Edge, End, Graph, Group, Node, Port
-from jausml.views.diagrams.views.building import Builder
-from jausml.views.diagrams.views.context import details, name_of
+from jausml.views.diagrams.views.context import Builder, details, name_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator

@@ -13,10 +13,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from jausml.views.diagrams.layout.settling import area_of, settle
-from jausml.views.diagrams.layout.surrounding import surrounding
+from jausml.views.diagrams.layout.settling import area_of, settle, surrounding
 from jausml.views.diagrams.writers import shapes
-from jausml.views.diagrams.writers.text_width import cut
+from jausml.views.diagrams.writers.shapes import cut
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

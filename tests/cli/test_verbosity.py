@@ -8,14 +8,14 @@ import sys
 import pytest
 from terminal import at_terminal
 
-from jausml.cli.shared.terminal import Manners, manners
+from jausml.cli.shared.terminal import Verbosity, verbosity
 
 # Waits until a line is typed, so that the step lasts as long as the test looks at it.
 STEP = """
 import sys
-from jausml.cli.shared import terminal as manners
-manners.PATIENCE = 0.0
-with manners.step("checking models") as progress:
+from jausml.cli.shared import terminal
+terminal.PATIENCE = 0.0
+with terminal.step("checking models") as progress:
     progress.at(0.25)
     sys.stdin.readline()
 print("done", file=sys.stderr)
@@ -89,5 +89,5 @@ def test_no_color_is_heeded(folder, monkeypatch, variables, coloured):
     assert (ESCAPE in shown) is coloured
 
 
-def test_outside_the_command_line_manners_are_the_usual():
-    assert manners() == Manners()
+def test_outside_the_command_line_verbosity_is_the_usual():
+    assert verbosity() == Verbosity()

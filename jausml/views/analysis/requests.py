@@ -22,7 +22,7 @@ _KINDS = {"everyChangeEvent": "change", "query": "query", "periodicEvent": "peri
 
 
 @dataclass(frozen=True)
-class Ask:
+class Request:
     """What a client asks a provider for.
 
     Attributes:
@@ -55,7 +55,7 @@ class Ask:
         return find_query(self.connection, provider)
 
 
-def asks_of(system: System) -> Iterator[tuple[jaus.Component | None, Ask]]:
+def requests_of(system: System) -> Iterator[tuple[jaus.Component | None, Request]]:
     """Yields whom clients ask for reports, and what for; None is a peer without a name."""
     for owner in system.bridges:
         for each in owner.bridgeConnections:
@@ -63,29 +63,29 @@ def asks_of(system: System) -> Iterator[tuple[jaus.Component | None, Ask]]:
                 kind = _KINDS[each.exchange.name]
                 rate = 0.0 if kind == "change" else float(each.rate or owner.frequency)
                 for peer in peers_of(each):
-                    yield peer, Ask(owner, each, each.map.message, kind, rate)
-            yield from _joined_asks(owner, each)
+                    yield peer, Request(owner, each, each.map.message, kind, rate)
+            yield from _joined_requests(owner, each)
     for component in (*system.components, *system.bridges):
         for wanted in component.connections:
             if wanted.exchange.name != "oneTime":
                 is_periodic = wanted.exchange.name == "periodic"
                 rate = float(wanted.rate) if is_periodic else 0.0
                 kind = "periodic" if is_periodic else "change"
-                yield wanted.provider, Ask(component, wanted, wanted.message, kind, rate)
+                yield wanted.provider, Request(component, wanted, wanted.message, kind, rate)
 
 
-def _joined_asks(
+def _joined_requests(
     owner: bridge.Bridge, connection: bridge.Connection
-) -> Iterator[tuple[jaus.Component | None, Ask]]:
+) -> Iterator[tuple[jaus.Component | None, Request]]:
     """Yields whom a connection asks for joined reports, and what for."""
     for report in joined_reports(connection):
         if report.exchange != "message":
             kind, message = _KINDS[report.exchange], report.join.message
-            ask = Ask(owner, connection, message, kind, report.rate, report)
+            request = Request(owner, connection, message, kind, report.rate, report)
             named: list[jaus.Component | None] = [
                 each for each in report.peers if isinstance(each, jaus.Component)
             ]
-            yield from ((peer, ask) for peer in named or [None])
+            yield from ((peer, request) for peer in named or [None])
 
 
 def peers_of(connection: bridge.Connection) -> list[jaus.Component | None]:
@@ -93,12 +93,12 @@ def peers_of(connection: bridge.Connection) -> list[jaus.Component | None]:
     return [*connection.peers] or [None]
 
 
-def by_way(asks: list[Ask]) -> Iterator[list[Ask]]:
+def alike_requests(requests: list[Request]) -> Iterator[list[Request]]:
     """Yields those that share an event; beside one of every change, a rate is served by queries."""
-    periodic = [each for each in asks if each.exchange == "periodic"]
-    others = [each for each in asks if each.exchange != "periodic"]
+    periodic = [each for each in requests if each.exchange == "periodic"]
+    others = [each for each in requests if each.exchange != "periodic"]
     if not (periodic and others):
-        yield asks
+        yield requests
         return
     yield others
     yield [replace(each, exchange="query") for each in periodic]
