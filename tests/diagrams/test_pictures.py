@@ -41,14 +41,28 @@ def hostile(text):
     """Returns a graph of each part of which a text is the text."""
     wrong = (Finding("error", "R", text), Finding("warning", "R", text))
     told = ((text, text),)
-    ports = tuple(Port(f"p{n}{text}", text, text, text, n, told, wrong) for n in range(2))
+    ports = tuple(
+        Port(f"p{n}{text}", text, text, text, n, details=told, findings=wrong) for n in range(2)
+    )
     nodes = tuple(
-        Node(f"{kind}{text}", kind, text, text, ports, f"g{text}", column, told, wrong)
+        Node(
+            f"{kind}{text}",
+            kind,
+            text,
+            text,
+            ports,
+            f"g{text}",
+            column,
+            details=told,
+            findings=wrong,
+        )
         for column, kind in enumerate(("component", "bridge", "node"))
     )
     edges = (
         Edge("e", End(nodes[0].id, ports[0].id), End(nodes[1].id), "message", text, (text,)),
-        Edge(f"f{text}", End(nodes[1].id), End(nodes[2].id), "call", text, (text, text), 1, told),
+        Edge(
+            f"f{text}", End(nodes[1].id), End(nodes[2].id), "call", text, (text, text), details=told
+        ),
     )
     groups = (Group(f"g{text}", "host", text),)
     return Graph("system", text, nodes, groups, edges, findings=wrong)

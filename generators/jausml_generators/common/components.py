@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_string
 from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.semantics import calls
 from jausml.language.semantics.core_services import CORE
 from jausml.language.semantics.hosts import endpoint_of, host_of
 from jausml.language.semantics.services import inputs_by_name, outputs_by_name, query_name
@@ -13,7 +14,7 @@ from jausml.language.semantics.standard_services import answers_for_subsystem, w
 from jausml_generators.python.statements import call
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
     from jausml.language.metamodel.classes.system import Host, System
 
@@ -241,3 +242,27 @@ def report_for(query: jaus.MessageDef, services: Iterable[jaus.Service]) -> jaus
         if report is not None:
             return report
     return None
+
+
+def services_of(
+    components: Iterable[jaus.Component], bridges: Iterable[bridge.Bridge]
+) -> Iterator[jaus.Service]:
+    """Yields the services that components and bridges provide, use, or have messages of."""
+    for component in components:
+        yield from component.provides
+        yield from component.uses
+        for connection in component.connections:
+            yield from _owners(connection.message, connection.query)
+    for owner in bridges:
+        for each in owner.bridgeConnections:
+            yield from _owners(each.map.message, each.query)
+        for each_call in owner.serviceConnections:
+            yield from _owners(*calls.messages(each_call))
+        for each_list in owner.actionConnections:
+            yield each_list.driver
+            yield from _owners(each_list.element.message)
+
+
+def _owners(*messages: jaus.MessageDef | None) -> Iterator[jaus.Service]:
+    owners = (message.eContainer() for message in messages if message is not None)
+    yield from (owner for owner in owners if owner is not None)

@@ -11,9 +11,8 @@ from jausml.generation.tasks import FileTask, Task, templates_beside
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.metamodel.classes import system as system_language
 from jausml.language.metamodel.filling import new_object
-from jausml.language.semantics import calls
 from jausml.language.semantics.core_services import CORE
-from jausml_generators.common.components import with_inherited
+from jausml_generators.common.components import services_of, with_inherited
 from jausml_generators.python.names import package_name
 from jausml_generators.ros_interfaces.definitions import package_files
 from jausml_generators.ros_interfaces.jaus_types import MessagesPackage
@@ -172,21 +171,4 @@ def _messages(services: Iterable[jaus.Service]) -> list[jaus.MessageDef]:
 
 
 def _used_services(model: Model) -> Iterator[jaus.Service]:
-    for component in model.instances(jaus.Component):
-        yield from component.provides
-        yield from component.uses
-        for connection in component.connections:
-            yield from _owners(connection.message, connection.query)
-    for owner in model.instances(bridge.Bridge):
-        for each in owner.bridgeConnections:
-            yield from _owners(each.map.message, each.query)
-        for each_call in owner.serviceConnections:
-            yield from _owners(*calls.messages(each_call))
-        for each_list in owner.actionConnections:
-            yield each_list.driver
-            yield from _owners(each_list.element.message)
-
-
-def _owners(*messages: jaus.MessageDef | None) -> Iterator[jaus.Service]:
-    owners = (message.eContainer() for message in messages if message is not None)
-    yield from (owner for owner in owners if owner is not None)
+    return services_of(model.instances(jaus.Component), model.instances(bridge.Bridge))

@@ -68,16 +68,24 @@ def _box(
     shown = {} if node.kind == "bridge" else within
     rows = (
         *(
-            Port(f"{node.id}!with {other}", f"with {nodes[other].title}", _words(count),
-                 key=f"{node.key}!with {nodes[other].key}")
+            Port(
+                f"{node.id}!with {other}",
+                f"with {nodes[other].title}",
+                _words(count),
+                key=f"{node.key}!with {nodes[other].key}",
+            )
             for other, count in shown.items()
         ),
         *(
-            Port(f"{node.id}!also {other}", f"also with {nodes[other].title}", _words(count),
-                 key=f"{node.key}!also {nodes[other].key}")
+            Port(
+                f"{node.id}!also {other}",
+                f"also with {nodes[other].title}",
+                _words(count),
+                key=f"{node.key}!also {nodes[other].key}",
+            )
             for other, count in across.items()
         ),
-    )  # fmt: skip
+    )
     host = hosts.get(node.group, "")
     subtitle = f"{node.subtitle}, {host}" if host else node.subtitle
     findings = dict.fromkeys([*node.findings, *(f for p in node.ports for f in p.findings)])
@@ -147,13 +155,19 @@ def framed(graph: Graph) -> Graph:
         groups=(
             *graph.groups,
             *(
-                Group(f"{each.id}{FRAME}", "bridge", each.title, each.group, each.element,
-                      f"{each.key}{FRAME}")
+                Group(
+                    f"{each.id}{FRAME}",
+                    "bridge",
+                    each.title,
+                    each.group,
+                    element=each.element,
+                    key=f"{each.key}{FRAME}",
+                )
                 for each in bridges
             ),
         ),
         is_crowded=True,
-    )  # fmt: skip
+    )
 
 
 def bridges_around(graph: Graph) -> dict[str, str]:

@@ -40,13 +40,35 @@ class Finding:
     message: str
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Part:
+    """A part of a diagram.
+
+    Attributes:
+        element: Reference to the element that it shows, empty for none.
+        key: What names it when positions of elements change.
+        state: What became of it since another state of the model, empty for nothing.
+    """
+
+    element: str = ""
+    key: str = ""
+    state: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Described(_Part):
+    """A part of which more is told on request."""
+
+    details: Details = ()
+    findings: tuple[Finding, ...] = ()
+
+
 @dataclass(frozen=True)
-class Port:
+class Port(_Described):
     """A row of a node, at which edges end.
 
     Attributes:
         mark: One word about it, such as `required` or `unmapped`; empty for none.
-        element: Reference to the element that it shows, empty for none.
     """
 
     id: str
@@ -54,22 +76,16 @@ class Port:
     note: str = ""
     mark: str = ""
     depth: int = 0
-    details: Details = ()
-    findings: tuple[Finding, ...] = ()
-    element: str = ""
-    key: str = ""
-    state: str = ""
 
 
 @dataclass(frozen=True)
-class Node:
+class Node(_Described):
     """A box.
 
     Attributes:
         kind: `component`, `bridge`, `node`, `others`, `message`, `type`, `service`, `messages`,
             `state`.
         group: Id of the group that it stands in, empty for none.
-        element: Reference to the element that it shows, empty for none.
     """
 
     id: str
@@ -79,30 +95,21 @@ class Node:
     ports: tuple[Port, ...] = ()
     group: str = ""
     column: int = BRIDGE_COLUMN
-    details: Details = ()
-    findings: tuple[Finding, ...] = ()
-    element: str = ""
-    key: str = ""
-    state: str = ""
 
 
 @dataclass(frozen=True)
-class Group:
+class Group(_Part):
     """A frame around nodes.
 
     Attributes:
         kind: `host`, `bridge`, `service` or `state`.
         parent: Id of the group around it, empty for none.
-        element: Reference to the element that it shows, empty for none.
     """
 
     id: str
     kind: str
     title: str
     parent: str = ""
-    element: str = ""
-    key: str = ""
-    state: str = ""
 
 
 @dataclass(frozen=True)
@@ -118,13 +125,12 @@ class End:
 
 
 @dataclass(frozen=True)
-class Edge:
+class Edge(_Described):
     """A line from where something comes to where it goes.
 
     Attributes:
         kind: `message`, `topic`, `call`, `control`, `to_ros`, `to_jaus`, `inherits`, `answers` or
             `transition`.
-        element: Reference to the element that it shows, empty for none.
     """
 
     id: str
@@ -134,11 +140,6 @@ class Edge:
     title: str = ""
     labels: tuple[str, ...] = ()
     count: int = 1
-    details: Details = ()
-    findings: tuple[Finding, ...] = ()
-    element: str = ""
-    key: str = ""
-    state: str = ""
 
 
 @dataclass(frozen=True)

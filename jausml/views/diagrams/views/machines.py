@@ -82,7 +82,7 @@ def _add_state(builder: Builder, machine: Machine, path: str, *, is_composite: b
     elements = found.elements if found is not None else []
     element = context.reference(elements[-1]) if elements else ""
     if is_composite:
-        builder.groups.append(Group(own, "state", name, around, element))
+        builder.groups.append(Group(own, "state", name, around, element=element))
     initial = machine.initial(outer) == path
     rows = [row for state in elements for row in _rows(context, machine, path, state)]
     if is_composite and not elements:

@@ -103,9 +103,9 @@ def _of_jaus(context: Context, place: JausPlace, before: str, depth: int) -> Ite
             _note(_jaus_type(found.field), attribute),
             "required" if needed else "optional" if attribute.optional else "",
             depth,
-            _details(part, attribute),
-            context.findings(part),
-            context.reference(part),
+            details=_details(part, attribute),
+            findings=context.findings(part),
+            element=context.reference(part),
         )
         yield Member(path, port, tuple(_of_jaus(context, found, path, depth + 1)))
 
