@@ -1,4 +1,4 @@
-"""Checks of rendered text: what no reader of its format would accept is never written."""
+"""Checks of what would be written: paths that lead elsewhere, texts that no reader accepts."""
 
 from __future__ import annotations
 

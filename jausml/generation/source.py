@@ -1,4 +1,4 @@
-"""Classes of a Python file, read from its syntax tree; nothing in the file is run."""
+"""Classes and names of Python files, read from their syntax trees; nothing in them is run."""
 
 from __future__ import annotations
 

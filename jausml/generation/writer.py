@@ -1,4 +1,4 @@
-"""Writer of plans: each file is either old or new at any moment, the manifest comes last.
+"""Writer of plans, under a lock: a file is either old or new, and the manifest comes last.
 
 Where the system can, each file is opened from its folder, and that from the one above: a link that
 takes the place of a folder after the plan was made is not followed.

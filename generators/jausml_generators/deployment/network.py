@@ -1,4 +1,4 @@
-"""Who of a deployed system exchanges what with whom, over which ports, as far as the model says."""
+"""Who of a deployed system exchanges what with whom over which ports, and what is left open."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""View of a state machine, its methods and its events, for templates."""
+"""View of a state machine for templates: its methods, its events and its diagram."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`jausml new bridge`: a bridge of topics."""
+"""`jausml new bridge` and `new connection`: topics that a bridge carries, named or running."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`jausml new service`: a JAUS service of one's own."""
+"""`jausml new component`, `new node` and `new service`: parts of a system without topics."""
 
 from __future__ import annotations
 

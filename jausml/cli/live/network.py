@@ -1,4 +1,4 @@
-"""Options of the live tools: who we are, and how the network is reached."""
+"""The network of the live verbs: its options, and an operator on it."""
 
 from __future__ import annotations
 

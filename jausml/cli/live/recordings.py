@@ -1,4 +1,4 @@
-"""Shared parts of the verbs that make and replay recordings: the model, the file."""
+"""Files of recordings and captures: opened, written, and what could not be used of them."""
 
 from __future__ import annotations
 

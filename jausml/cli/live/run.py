@@ -1,4 +1,4 @@
-"""`jausml run`: starts the processes of a generated workspace."""
+"""`jausml run`: starts the processes of a workspace, once all is there that they need."""
 
 from __future__ import annotations
 

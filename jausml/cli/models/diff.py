@@ -1,4 +1,4 @@
-"""`jausml diff`: what changed from one state of models to another."""
+"""`jausml diff`: what changed between two states of models, also those of git revisions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`jausml import`: makes models of foreign descriptions."""
+"""`jausml import`: makes models of JSIDL and of ROS interfaces."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Shared parts of the message verbs: catalogue, lines of input, JSON and text output."""
+"""Lines that the message verbs read and print: hex and JSON, from files, stdin and arguments."""
 
 from __future__ import annotations
 

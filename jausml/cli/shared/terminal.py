@@ -1,4 +1,4 @@
-"""How much the command line says besides its results, and what it shows while it works."""
+"""The terminal: remarks, colours, the progress of steps, questions, and keys that are pressed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Budgets of time: how old a value may be on the other side, in the worst case, step by step.
+"""Budgets of time: how old a value may be in the worst case, and times that do not go together.
 
 A budget has the times that the model and the runtime decide. The network, the processors and what
 happens before the source speaks are not in it: `jausml latency` measures them.

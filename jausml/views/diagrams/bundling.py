@@ -1,4 +1,4 @@
-"""Bundling: a system of many connections as a frame for each bridge, and one edge for each pair."""
+"""Crowded systems: a frame for each bridge, and one edge for all between the same two boxes."""
 
 from __future__ import annotations
 

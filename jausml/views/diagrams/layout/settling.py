@@ -1,4 +1,4 @@
-"""Places of boxes when a drawing changes: what stands stays, and what is new comes beside its peer.
+"""Places in a drawing that changes: what stands stays, new boxes find room, frames surround.
 
 An engine places a whole sheet anew whatever changed; this finds room for single boxes.
 """

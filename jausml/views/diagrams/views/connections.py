@@ -1,4 +1,4 @@
-"""Connections in the system view: a row of the bridge, and edges to both of its sides."""
+"""Connections in the system view: rows of the bridge, their words, and edges to both sides."""
 
 from __future__ import annotations
 

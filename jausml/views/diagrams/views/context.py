@@ -1,4 +1,4 @@
-"""What all views need of a model: ids, findings and texts of its elements."""
+"""What all views share: ids, findings and texts of elements, and a graph that is built up."""
 
 from __future__ import annotations
 

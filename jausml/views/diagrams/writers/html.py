@@ -1,4 +1,4 @@
-"""A page that stands alone: the picture with zoom, filter and details; it asks no host."""
+"""A page that stands alone, with picture, tables, filter and details; it asks no host."""
 
 from __future__ import annotations
 
