@@ -27,8 +27,12 @@ from jausml.language.semantics.inherited_machines import (
 )
 from jausml_generators.common import components
 from jausml_generators.jaus_component.handlers import Method, documented
-from jausml_generators.jaus_component.machine_views import EventView, MachineMethod, MachineView
-from jausml_generators.jaus_component.walks import walks
+from jausml_generators.jaus_component.machine_views import (
+    EventView,
+    MachineMethod,
+    MachineView,
+    walks,
+)
 from jausml_generators.python import names
 from jausml_generators.python.guards import condition
 from jausml_generators.python.statements import call, tuple_of

@@ -12,7 +12,6 @@ import click
 from jausml.cli.shared.files import (
     EnvironmentFault,
     counted,
-    find_files,
     say,
     write_document,
 )
@@ -93,7 +92,6 @@ def _check_paths(source: str, target: str) -> None:
         raise click.UsageError(f"TO must end with {_XMI} or {_TEXT}")
     if Path(source).is_dir():
         raise click.UsageError("FROM is a folder: convert one file at a time")
-    find_files([source], SUFFIXES)
     if os.path.realpath(source) == os.path.realpath(target):
         raise EnvironmentFault(f"{shown} is the file to convert")
     if Path(target).exists() and not Path(target).is_file():

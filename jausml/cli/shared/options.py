@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     Completing = Callable[[click.Context, click.Parameter, str], list[str]]
 
 
+# What options offer, without the modules that know more of it: they load slowly; tests compare.
 TEXT_OR_JSON = ("text", "json")
 """For people, and for programs."""
 

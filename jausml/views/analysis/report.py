@@ -6,19 +6,19 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
-from jausml.language.semantics import stops
+from jausml.language.semantics import calls, stops
 from jausml.language.semantics.hosts import host_of
+from jausml.language.semantics.list_drivers import driver_messages
 from jausml.language.semantics.report_joins import joined_reports
 from jausml.language.semantics.services import code
 from jausml.language.semantics.shaping import passed_rate
 from jausml.views.analysis.budgets import Budget, asked_rate, budgets_of, warnings_of
-from jausml.views.analysis.calls import CallReport, calls_of
 from jausml.views.analysis.cdr import ros_size
 from jausml.views.analysis.streams import Wire, is_to_ros
 from jausml.views.analysis.traffic import traffic_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
     from jausml.language.metamodel.classes import jaus
     from jausml.language.metamodel.classes.system import System
@@ -274,6 +274,8 @@ def _load_at(elements: set[jaus.Component | None], streams: Iterable[Stream]) ->
     return Load(counts[0], counts[1], out, come)
 
 
+# What messages cost a processor (docs/adr/0023-costs-of-a-bridge.md), rounded up from what
+# `make bench` writes: the figures tell bridges apart, and promise nothing about a computer.
 MESSAGE = 65e-6
 """Seconds for a message to come in, be translated and go out: a bridge carries 15,000 a second."""
 
@@ -294,3 +296,63 @@ def seconds_of(
     )
     each = MESSAGE + topics * PACKET + ros_size.expected * BYTE
     return arriving * each + packets * PACKET
+
+
+@dataclass(frozen=True)
+class CallReport:
+    """A connection with a ROS service or a ROS action; nobody knows its rate and load.
+
+    Attributes:
+        kind: `service` or `action`.
+        messages: Names of the JAUS messages that are exchanged; for an action those of the
+            list driver, and what an element of a list holds.
+    """
+
+    name: str
+    direction: str
+    kind: str
+    ros_name: str
+    type: str
+    messages: tuple[str, ...]
+    peers: tuple[str, ...]
+    seconds: float
+
+
+def calls_of(owner: bridge.Bridge) -> Iterator[CallReport]:
+    """Yields the connections of a bridge with services, then those with actions."""
+    for service in owner.serviceConnections:
+        yield CallReport(
+            str(service.name),
+            str(service.direction.name),
+            "service",
+            str(service.service),
+            str(service.type.name),
+            _names(calls.messages(service)),
+            _peers_of_call(service),
+            float(service.timeout),
+        )
+    for action in owner.actionConnections:
+        driver = driver_messages(action.driver)
+        known = (driver.execute, driver.query, driver.report) if driver is not None else ()
+        yield CallReport(
+            str(action.name),
+            str(action.direction.name),
+            "action",
+            str(action.action),
+            str(action.type.name),
+            _names((action.element.message, *known)),
+            _peers_of_call(action),
+            float(action.timeout),
+        )
+
+
+def _names(messages: Iterable[jaus.MessageDef]) -> tuple[str, ...]:
+    return tuple(str(each.name) for each in messages)
+
+
+def _peers_of_call(
+    connection: bridge.RosServiceConnection | bridge.RosActionConnection,
+) -> tuple[str, ...]:
+    if connection.search is not None:
+        return ("who is found",)
+    return tuple(str(each.name) for each in connection.peers)

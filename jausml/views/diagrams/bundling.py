@@ -139,6 +139,8 @@ def is_crowded(graph: Graph, most: int = MOST_EDGES) -> bool:
 def framed(graph: Graph) -> Graph:
     """Returns a graph with a frame around each bridge and what exchanges most with it.
 
+    It is for a page that is edited, where what is not shown could not be changed.
+
     What runs on another host than the bridge stays in the frame of its host.
     """
     homes = bridges_around(graph)

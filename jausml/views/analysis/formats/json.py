@@ -10,8 +10,8 @@ from jausml.views.analysis.constants import runtime_constants
 
 if TYPE_CHECKING:
     from jausml.views.analysis.budgets import Budget
-    from jausml.views.analysis.calls import CallReport
     from jausml.views.analysis.report import (
+        CallReport,
         ComponentReport,
         ConnectionReport,
         Flow,

@@ -141,6 +141,9 @@ def _line(edge: Edge, *, is_labelled: bool) -> Line:
     )
 
 
+# The advance widths of Helvetica, which Arial and Liberation Sans share, in thousandths of the font
+# size: the same on each machine. Texts are drawn with the width that this gives, so that one in
+# another font keeps within its box.
 _FIRST = 32
 _WIDTHS = (
     *(278, 278, 355, 556, 556, 889, 667, 191, 333, 333, 389, 584, 278, 333, 278, 278),
