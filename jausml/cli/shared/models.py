@@ -132,10 +132,10 @@ def checked(
     Raises:
         EnvironmentFault: A path cannot be read.
     """
-    from jausml.language.validation.project import USUAL, check_project
+    from jausml.language.validation.project import check_project
 
     with _usable_input(), step("checking the model" if is_one else "checking models"):
-        return check_project(paths, reading or USUAL, is_one=is_one, frequency=frequency)
+        return check_project(paths, reading, is_one=is_one, frequency=frequency)
 
 
 def read(
@@ -146,10 +146,10 @@ def read(
     Raises:
         EnvironmentFault: A path cannot be read.
     """
-    from jausml.language.validation.project import USUAL, read_project
+    from jausml.language.validation.project import read_project
 
     with _usable_input():
-        return read_project(paths, reading or USUAL, is_one=is_one)
+        return read_project(paths, reading, is_one=is_one)
 
 
 def valid_model(

@@ -47,12 +47,9 @@ class Reading:
     frequency: float | None = None
 
 
-USUAL = Reading()
-
-
 def check_project(
     paths: Iterable[str],
-    reading: Reading = USUAL,
+    reading: Reading | None = None,
     *,
     is_one: bool = False,
     frequency: float | None = None,
@@ -75,13 +72,14 @@ def check_project(
 
 
 def read_project(
-    paths: Iterable[str], reading: Reading = USUAL, *, is_one: bool = False
+    paths: Iterable[str], reading: Reading | None = None, *, is_one: bool = False
 ) -> ReadResult:
     """Reads models with all that they refer to: files, and those below folders.
 
     Raises:
         InputError: A path cannot be read, a folder holds no model, or there can be no such bridge.
     """
+    reading = reading or Reading()
     files = [_one_model(each) for each in paths] if is_one else find_models(paths)
     return read_models(
         files,
