@@ -161,7 +161,7 @@ def _flat(body: Iterable[ast.stmt]) -> Iterator[ast.stmt]:
 _FEWEST_PARTS = 3  # package folder, package, module
 
 
-class Offers:
+class GeneratedNames:
     """The modules of generated packages, and the names that packages export."""
 
     def __init__(self, artifacts: Iterable[Artifact]) -> None:
@@ -173,7 +173,7 @@ class Offers:
             if each.kind is Kind.GENERATED
         }
 
-    def lost(self, found: SourceImport) -> str:
+    def missing(self, found: SourceImport) -> str:
         """Says what became of the module that a user's file imports from, or nothing."""
         package = found.module.partition(".")[0]
         if package not in self._packages:

@@ -42,19 +42,23 @@ def apply(plan: Plan) -> None:
         reasons = "; ".join(f"{action.path}: {action.reason}" for action in plan.refused)
         raise RefusedError(f"nothing was written: {reasons}")
     changes = [each for each in plan.changes if each.path != PENDING_PATH]
-    with _told(PENDING_PATH):
+    with _faults_named(PENDING_PATH):
         if changes:
             plan.out.mkdir(parents=True, exist_ok=True)
             _announce(plan)
     for action in changes:
         if action.kind is ActionKind.DELETE:
-            with _told(action.path):
+            with _faults_named(action.path):
                 _delete(plan.out, action)
     for action in changes:
         if action.kind is not ActionKind.DELETE:
-            with _told(action.path):
+            with _faults_named(action.path):
                 _write(plan.out, action)
-    with _told(PENDING_PATH), suppress(FileNotFoundError), _opened(plan.out, PENDING_PATH) as file:
+    with (
+        _faults_named(PENDING_PATH),
+        suppress(FileNotFoundError),
+        _opened(plan.out, PENDING_PATH) as file,
+    ):
         file.unlink()
 
 
@@ -104,7 +108,7 @@ class _File:
 
 
 @contextmanager
-def _told(path: str) -> Iterator[None]:
+def _faults_named(path: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:

@@ -71,14 +71,14 @@ class MachineView:
     """A state machine.
 
     Attributes:
-        ways: Steps over each transition, as expressions, for the generated test.
+        walks: Steps over each transition, as expressions, for the generated test.
     """
 
     machine: Machine
     attribute: str
     table: str
     displays: tuple[str, ...]
-    ways: tuple[str, ...]
+    walks: tuple[str, ...]
 
     @property
     def name(self) -> str:
@@ -110,21 +110,21 @@ class MachineView:
         return diagram(self.machine)
 
     @property
-    def ways_constant(self) -> str:
+    def walks_constant(self) -> str:
         """Name of the constant of the generated test."""
         return f"WAYS_OF_{self.attribute.upper()}"
 
     @property
-    def ways_text(self) -> str:
-        """Assignment of the ways in the generated test."""
-        return f"{self.ways_constant}: _Ways = {tuple_of(*self.ways)}"
+    def walks_text(self) -> str:
+        """Assignment of the walks in the generated test."""
+        return f"{self.walks_constant}: _Ways = {tuple_of(*self.walks)}"
 
     @property
     def test_signature(self) -> str:
-        """First lines of the generated test of the ways."""
+        """First lines of the generated test of the walks."""
         name = f"test_{self.attribute}_goes_as_modelled"
         return (
-            f'@pytest.mark.parametrize("way", {self.ways_constant})\n'
+            f'@pytest.mark.parametrize("way", {self.walks_constant})\n'
             f"def {name}(way: tuple[tuple[str, int, str], ...]) -> None:"
         )
 
@@ -240,7 +240,7 @@ class _Place:
 
 
 def walks(machine: Machine, transitions: Listed) -> list[Walk]:
-    """Returns the ways from the start of a machine over each transition from each state.
+    """Returns the walks from the start of a machine over each transition from each state.
 
     The way to a state tells what its pushes have remembered, and so where a pop leads.
     """

@@ -196,8 +196,8 @@ class Machines:
         for machine in self._machines:
             name = self._scope.claim(_attribute(machine))
             displays = tuple(self._states(machine))
-            ways = tuple(self._ways(machine))
-            found.append(MachineView(machine, name, self._scope.claim(f"_{name}"), displays, ways))
+            walks = tuple(self._walks(machine))
+            found.append(MachineView(machine, name, self._scope.claim(f"_{name}"), displays, walks))
         return tuple(found)
 
     @functools.cached_property
@@ -267,7 +267,7 @@ class Machines:
             if len(items) > 1 or not is_core:
                 yield call("State", *items)
 
-    def _ways(self, machine: Machine) -> Iterator[str]:
+    def _walks(self, machine: Machine) -> Iterator[str]:
         listed = {
             path: (generated_transitions(node), generated_defaults(node))
             for path, node in machine.nodes.items()

@@ -171,7 +171,7 @@ def _begun(scope: Scope, owner: bridge.Bridge, wish: Wish, *, yes: bool) -> Begu
         )
     if begun.stops_by_zeros and not (yes or wish.zeros_stop) and can_ask() and _zeros_stop():
         begun = begin_map(scope, owner, replace(wish, zeros_stop=True))
-    _tell(begun)
+    _show_begun(begun)
     return begun
 
 
@@ -190,7 +190,7 @@ def _answered(wish: Wish, doubt: Doubt) -> Wish:
     return wish.with_answer(doubt, doubt.choices[chosen[0]]) if chosen else wish
 
 
-def _tell(begun: Begun) -> None:
+def _show_begun(begun: Begun) -> None:
     for table in (each for each in begun.tables if each.kind == "bridge.ValueTable"):
         entries = (
             f"{each.values['jaus'][0]} <-> {each.values['ros'][0]}" for each in table.children

@@ -76,11 +76,11 @@ def service(
     if service.feature == "serviceSets":
         [service] = service.children
     for each in service.children:
-        click.echo(_told(each))
+        click.echo(_message_line(each))
     report(place, files)
 
 
-def _told(message: Child) -> str:
+def _message_line(message: Child) -> str:
     """Returns a message in a line: its code, its name, and its fields."""
     fields = [each.values["name"][0] for body in message.children for each in body.children]
     way = "sends" if message.feature == "outputs" else "takes"

@@ -131,11 +131,11 @@ def _decided(crossing: Crossing, reasons: Mapping[str, str], *, yes: bool) -> Cr
         return crossing
     reason = reasons.get(crossing.topic.name, "")
     if not reason and not yes and can_ask():
-        reason = _asked(crossing)
+        reason = _ask_reason(crossing)
     return replace(crossing, hold_reason=reason)
 
 
-def _asked(crossing: Crossing) -> str:
+def _ask_reason(crossing: Crossing) -> str:
     from jausml.language.model.names import name_of
     from jausml.language.semantics.stops import is_reason
 
@@ -219,7 +219,7 @@ def show_chosen(chosen: Sequence[Crossing], topics: Sequence[TopicEnd]) -> None:
 
     fed: set[str] = set()
     for each in chosen:
-        click.echo(_told(each))
+        click.echo(_crossing_line(each))
         for join, topic in joins_of(each, topics, fed).items():
             used = name_of(each.map)
             click.echo(f"{topic}: ROS -> JAUS, {used}: read as {join} with {each.topic.name}")
@@ -272,7 +272,7 @@ def _assumed(chosen: Sequence[Crossing]) -> list[tuple[bridge.Quantity, str]]:
     return list(found.values())
 
 
-def _told(crossing: Crossing) -> str:
+def _crossing_line(crossing: Crossing) -> str:
     arrow = "JAUS -> ROS" if crossing.offer.to_ros else "ROS -> JAUS"
     reason = crossing.hold_reason
     held = f"; the last command stands when its source is lost: {reason}" if reason else ""

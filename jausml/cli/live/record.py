@@ -179,11 +179,11 @@ def command(
         click.echo(what, err=True)
         reader = UdpReader(port)
         with step("recording") as progress:
-            progress.told = partial(_so_far, recorder, parts)
+            progress.note = partial(_so_far, recorder, parts)
             for frame in _until(frames, duration, stop, recorder):
                 _take(frame, reader, recorder)
-    _tell(recorder, ros, reader, settings)
-    _tell_files(parts, recorder)
+    _show_counts(recorder, ros, reader, settings)
+    _show_files(parts, recorder)
 
 
 def _output(output: str | None, limits: Limits, *, force: bool) -> Path:
@@ -278,7 +278,7 @@ def _opened(settings: TransportSettings, stack: ExitStack) -> tuple[Iterator[Fra
     except TrafficError as error:
         what = f"{error}; of JAUS the multicast group alone is recorded"
     else:
-        stack.callback(_tell_lost, capture)
+        stack.callback(_show_lost, capture)
         return capture.frames(), f"recording what passes {settings.interface}"
     try:
         return _heard(stack.enter_context(MulticastListener(settings))), what
@@ -286,7 +286,7 @@ def _opened(settings: TransportSettings, stack: ExitStack) -> tuple[Iterator[Fra
         raise EnvironmentFault(str(error)) from error
 
 
-def _tell_lost(capture: InterfaceCapture) -> None:
+def _show_lost(capture: InterfaceCapture) -> None:
     lost = capture.lost()
     if lost:
         click.echo(f"{lost} frames were lost: the host was too busy", err=True)
@@ -300,7 +300,7 @@ def _heard(listener: MulticastListener) -> Iterator[Frame | None]:
         yield None
 
 
-def _tell(
+def _show_counts(
     recorder: Recorder, ros: RosTopics, reader: UdpReader, settings: TransportSettings
 ) -> None:
     from jausml.live.recording.recorder import CALLS
@@ -326,7 +326,7 @@ def _tell(
         click.echo(f"skipped {number}: {reason}", err=True)
 
 
-def _tell_files(parts: Parts, recorder: Recorder) -> None:
+def _show_files(parts: Parts, recorder: Recorder) -> None:
     """Tells which files there are, or why nothing more could be written."""
     if recorder.fault is None:
         names = ", ".join(click.format_filename(each) for each in parts.paths)

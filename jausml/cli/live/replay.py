@@ -201,11 +201,11 @@ def _again(recording: str, output: str | None, span: Span, *, force: bool, ros_o
     except RecordingError as error:
         raise EnvironmentFault(str(error)) from error
     click.echo(f"{count} messages", err=True)
-    if _told_cut(recording, source.fault, source.reached):
+    if _warn_if_cut(recording, source.fault, source.reached):
         raise click.exceptions.Exit(PROBLEMS)
 
 
-def _told_cut(path: str, fault: str, reached: int | None) -> bool:
+def _warn_if_cut(path: str, fault: str, reached: int | None) -> bool:
     """Tells how far a recording goes that does not go to its end; returns whether it is so."""
     if fault and reached is not None:
         until = shown_time(reached / _NANO)
@@ -248,7 +248,7 @@ def _to_wire(recording: str, model: Model, span: Span, options: dict[str, Any]) 
         click.echo(line, err=True)
     for encoding, number in sorted(bag.others.items()):
         click.echo(f"{number} messages in {encoding} are not of ROS", err=True)
-    is_cut = _told_cut(recording, bag.fault, bag.reached)
+    is_cut = _warn_if_cut(recording, bag.fault, bag.reached)
     return not (replay.refused or is_cut)
 
 
@@ -271,7 +271,7 @@ def _shown(
     messages: Iterable[RosMessage], pace: Pace, length: float | None, progress: Progress
 ) -> Iterator[RosMessage]:
     """Yields messages, and lets somebody at a terminal see how far they are."""
-    progress.told = lambda: "paused" if pace.is_paused else f"{pace.position:.1f} s of it"
+    progress.note = lambda: "paused" if pace.is_paused else f"{pace.position:.1f} s of it"
     for each in messages:
         if length:
             progress.at(pace.position / length)
@@ -309,7 +309,7 @@ def _to_file(
         writer = JausWriter(catalogue) if catalogue is not None else None
         replay = CaptureReplay(translator, file, writer)
         is_whole = _replayed(replay, recording, port, span)
-        is_complete = _told(replay, translator, writer, model)
+        is_complete = _show_results(replay, translator, writer, model)
     return is_whole and is_complete
 
 
@@ -345,7 +345,7 @@ def _counted(counts: dict[str, int]) -> Iterator[str]:
         yield f"skipped {number}: {reason}"
 
 
-def _told(
+def _show_results(
     replay: CaptureReplay, translator: Translator, jaus: JausWriter | None, model: str
 ) -> bool:
     """Tells what became of the messages; returns whether those that maps take all became topics."""

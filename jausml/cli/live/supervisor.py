@@ -75,7 +75,7 @@ class Heir:
     def __exit__(self, *_: object) -> None:
         """Leaves the shell nothing to do."""
         self._groups = []
-        self._tell()
+        self._report()
         assert self._shell.stdin is not None  # noqa: S101 - it was asked for
         with suppress(OSError):
             self._shell.stdin.close()
@@ -84,9 +84,9 @@ class Heir:
     def inherit(self, group: int) -> None:
         """Adds a process group."""
         self._groups.append(f"-{group}")
-        self._tell()
+        self._report()
 
-    def _tell(self) -> None:
+    def _report(self) -> None:
         assert self._shell.stdin is not None  # noqa: S101 - it was asked for
         with suppress(OSError):  # somebody ended the shell; there is nothing better to do
             self._shell.stdin.write(f"{' '.join(self._groups)}\n".encode())

@@ -80,12 +80,12 @@ class Progress:
 
     Attributes:
         share: Part of the step that is done, 0 to 1; None where nobody knows.
-        told: Returns what else is told of it, empty for nothing; called on another thread.
+        note: Returns what else is told of it, empty for nothing; called on another thread.
     """
 
     def __init__(self) -> None:
         self.share: float | None = None
-        self.told: Callable[[], str] = str
+        self.note: Callable[[], str] = str
 
     def at(self, share: float) -> None:
         """Takes how much is done.
@@ -130,7 +130,7 @@ def _shown(label: str, progress: Progress, begun: float) -> Iterator[None]:
     ended = threading.Event()
     stream = sys.stderr
     teller = threading.Thread(
-        target=_tell, args=(label, progress, begun, ended, stream), daemon=True
+        target=_show_progress, args=(label, progress, begun, ended, stream), daemon=True
     )
     teller.start()
     try:
@@ -140,7 +140,7 @@ def _shown(label: str, progress: Progress, begun: float) -> Iterator[None]:
         teller.join()
 
 
-def _tell(
+def _show_progress(
     label: str, progress: Progress, begun: float, ended: threading.Event, stream: TextIO
 ) -> None:
     """Tells of a step until it has ended, from its patience on, and wipes that away."""
@@ -149,7 +149,7 @@ def _tell(
     while True:
         seconds = int(time.monotonic() - begun)
         share = "" if progress.share is None else f" {progress.share:.0%},"
-        note = f" {told}," if (told := progress.told()) else ""
+        note = f" {said}," if (said := progress.note()) else ""
         _write(stream, f"{_CLEAR}{label} ...{share}{note} {seconds} s")
         if ended.wait(_PERIOD):
             break

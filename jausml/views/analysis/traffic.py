@@ -81,11 +81,11 @@ class _Streams:
             feeding = self._feeding(provider, requests[0].message)
             served.update(feeding)
             for alike in alike_requests(requests):
-                yield from self._asked(provider, alike, feeding)
+                yield from self._requested(provider, alike, feeding)
         for owner in self._system.bridges:
             for connection in owner.bridgeConnections:
                 if not (is_to_ros(connection) or is_single(connection) or connection in served):
-                    yield from self._unasked(owner, connection)
+                    yield from self._unrequested(owner, connection)
 
     def _feeding(
         self, provider: jaus.Component | None, message: jaus.MessageDef
@@ -99,7 +99,7 @@ class _Streams:
             if not (is_to_ros(each) or is_single(each)) and code(each.map.message) == code(message)
         ]
 
-    def _asked(
+    def _requested(
         self,
         provider: jaus.Component | None,
         requests: list[Request],
@@ -140,7 +140,7 @@ class _Streams:
         )
         yield from self._renewals(provider, first, is_periodic=bool(rates))
 
-    def _unasked(self, owner: bridge.Bridge, connection: bridge.Connection) -> Iterator[Stream]:
+    def _unrequested(self, owner: bridge.Bridge, connection: bridge.Connection) -> Iterator[Stream]:
         """Yields what one client would get that nobody has modelled."""
         size = self._message_size(connection)
         name, exchange = str(connection.map.message.name), connection.exchange.name

@@ -110,11 +110,11 @@ def _keep_routes(
     sheet: Sheet, corners: Mapping[str, Point], routes: Mapping[str, Route], standing: Standing
 ) -> None:
     standing.routes = {
-        way: routes[line.id] for line, way in _ways(sheet, corners) if line.id in routes
+        way: routes[line.id] for line, way in _line_ends(sheet, corners) if line.id in routes
     }
 
 
-def _ways(sheet: Sheet, corners: Mapping[str, Point]) -> list[tuple[Line, _Way]]:
+def _line_ends(sheet: Sheet, corners: Mapping[str, Point]) -> list[tuple[Line, _Way]]:
     """Returns where lines start and end; those that share both are numbered."""
     boxes = {each.id: each for each in sheet.boxes}
     rows = {(box.id, name): y for box in sheet.boxes for name, y in _rows(box, corners[box.id][1])}
@@ -144,7 +144,7 @@ def _values(
     graph: Graph, sheet: Sheet, corners: Mapping[str, Point], fixed: set[str], standing: Standing
 ) -> dict[str, Any]:
     boxes = {each.id: each for each in sheet.boxes}
-    routes = {line.id: standing.routes.get(way) for line, way in _ways(sheet, corners)}
+    routes = {line.id: standing.routes.get(way) for line, way in _line_ends(sheet, corners)}
     frames = surrounding(sheet, corners, routes)
     areas = [*frames.values(), *(area_of(each, corners[each.id]) for each in sheet.boxes)]
     return {
