@@ -17,7 +17,7 @@ def partition(sections: Mapping[str, Any]) -> Iterator[str]:
         return
     yield (
         "Single twists, while grids of 40 kB pass down at 5 MB a second, either through the same "
-        "bridge or through a separate one, as `jausml partition` splits them.\n"
+        "bridge or through a separate one.\n"
     )
     rows = [
         (WAY_NAMES[way], name, found.get("median"), found.get("tail"))

@@ -1,4 +1,4 @@
-"""Writes jausml/cli/known/: what `rules`, `explain` and `list` tell without reading the library."""
+"""Writes jausml/cli/shared/known/: what `rules`, `explain` and `list` print at once."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import json
 import sys
 from typing import TYPE_CHECKING, Any
 
-from jausml.cli import listed
-from jausml.cli.known import FOLDER, NAMES
+from jausml.cli.lookup import listed
+from jausml.cli.shared.known import FOLDER, NAMES
 from jausml.language.model import library_root
 
 if TYPE_CHECKING:

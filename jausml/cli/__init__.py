@@ -1,4 +1,4 @@
-"""The command line: one module for each verb, loaded when the verb is used.
+"""The command line: one module for each verb, in folders, loaded when the verb is used.
 
 Exit status of all verbs: 0 done and no errors, 1 problems of the models or of generated files,
 2 usage or environment, 3 internal error, 130 interrupted, 141 nobody reads the output any more.
@@ -21,45 +21,44 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml import __version__
-from jausml.cli.choices import COMPLETION
-from jausml.cli.manners import Manners, colour_allowed
+from jausml.cli.shared.options import COMPLETION
+from jausml.cli.shared.terminal import Verbosity, colour_allowed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 VERBS = {
-    "init": "Make a project of models.",
-    "new": "Add an element to a model: a bridge, a component, a node.",
-    "validate": "Check models.",
-    "generate": "Generate a workspace from the system in a model.",
-    "run": "Start the processes of a generated workspace.",
-    "report": "Report the load and the worst-case times of a system.",
-    "diagram": "Draw a system, a map, a service or a state machine.",
-    "studio": "Show and edit models in the browser.",
-    "partition": "Propose how to split a bridge into several.",
-    "diff": "Show what changed from one state of models to another.",
-    "merge": "Merge the changes of two sides to a model.",
-    "convert": "Write a model as ros2jaus text, or text as XMI.",
-    "format": "Lay out ros2jaus text.",
-    "import": "Make models from JSIDL and from ROS interfaces.",
-    "list": "List the JAUS services, messages and maps.",
-    "show": "Show one message, service or map.",
-    "decode": "Show JAUS messages: from hex, from captures, or live.",
-    "encode": "Turn messages in JSON into hex.",
-    "record": "Record both sides of a running system.",
-    "replay": "Replay recordings through the maps of a model.",
-    "ocu": "Operate running JAUS components from any vendor.",
-    "ping": "Ask a component repeatedly, and time its answers.",
-    "latency": "Measure the reports of a running system.",
-    "top": "Watch a running system.",
-    "conformance": "Check the conformance of a running component.",
-    "doctor": "Show what this machine lacks, and how to fix it.",
-    "rules": "List the rules.",
-    "explain": "Explain a rule.",
-    "language-server": "Serve editors that show ros2jaus text.",
-    "completion": "Print the script that lets a shell complete commands.",
+    "init": ("authoring", "Make a project of models."),
+    "new": ("authoring", "Add an element to a model: a bridge, a component, a node."),
+    "validate": ("models", "Check models."),
+    "generate": ("models", "Generate a workspace from the system in a model."),
+    "run": ("live", "Start the processes of a generated workspace."),
+    "report": ("models", "Report the load and the worst-case times of a system."),
+    "diagram": ("models", "Draw a system, a map, a service or a state machine."),
+    "studio": ("authoring", "Show and edit models in the browser."),
+    "diff": ("models", "Show what changed from one state of models to another."),
+    "merge": ("models", "Merge the changes of two sides to a model."),
+    "convert": ("models", "Write a model as ros2jaus text, or text as XMI."),
+    "format": ("models", "Lay out ros2jaus text."),
+    "import": ("models", "Make models from JSIDL and from ROS interfaces."),
+    "list": ("lookup", "List the JAUS services, messages and maps."),
+    "show": ("lookup", "Show one message, service or map."),
+    "decode": ("live", "Show JAUS messages: from hex, from captures, or live."),
+    "encode": ("live", "Turn messages in JSON into hex."),
+    "record": ("live", "Record both sides of a running system."),
+    "replay": ("live", "Replay recordings through the maps of a model."),
+    "ocu": ("live", "Operate running JAUS components from any vendor."),
+    "ping": ("live", "Ask a component repeatedly, and time its answers."),
+    "latency": ("live", "Measure the reports of a running system."),
+    "top": ("live", "Watch a running system."),
+    "conformance": ("live", "Check the conformance of a running component."),
+    "doctor": ("live", "Show what this machine lacks, and how to fix it."),
+    "rules": ("lookup", "List the rules."),
+    "explain": ("lookup", "Explain a rule."),
+    "language-server": ("authoring", "Serve editors that show ros2jaus text."),
+    "completion": ("lookup", "Print the script that lets a shell complete commands."),
 }
-"""The verbs in the order of use, with what `--help` says of them before their module is loaded."""
+"""The verbs in the order of use: their folder, and what `--help` says before they are loaded."""
 
 LASTING = {
     "run",
@@ -93,11 +92,7 @@ class Verbs(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Returns the verb that is meant and what stands behind it.
-
-        Raises:
-            click.UsageError: There is none; a verb that may be meant is named.
-        """
+        """Returns the verb that is meant and what stands behind it."""
         if args[0] not in VERBS:
             from difflib import get_close_matches
 
@@ -110,13 +105,14 @@ class Verbs(click.Group):
         if cmd_name not in VERBS:
             return None
         module = f"{cmd_name}_" if iskeyword(cmd_name) else cmd_name.replace("-", "_")
-        command: click.Command = import_module(f"jausml.cli.{module}").command
+        folder, _ = VERBS[cmd_name]
+        command: click.Command = import_module(f"jausml.cli.{folder}.{module}").command
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
         """Writes the list of verbs, without loading them."""
         with formatter.section("Commands"):
-            formatter.write_dl(list(VERBS.items()))
+            formatter.write_dl([(name, text) for name, (_, text) in VERBS.items()])
 
     def shell_complete(
         self, ctx: click.Context, incomplete: str
@@ -126,7 +122,7 @@ class Verbs(click.Group):
 
         verbs = [
             CompletionItem(name, help=text)
-            for name, text in VERBS.items()
+            for name, (_, text) in VERBS.items()
             if name.startswith(incomplete)
         ]
         return [*verbs, *click.Command.shell_complete(self, ctx, incomplete)]
@@ -164,11 +160,7 @@ class Verbs(click.Group):
 
 @contextmanager
 def _written_out() -> Iterator[None]:
-    """Sees to it that what is printed reaches its reader, and ends the program where it cannot.
-
-    Raises:
-        click.exceptions.Exit: The reader has gone, or there is no room.
-    """
+    """Sees to it that what is printed reaches its reader, and ends the program where it cannot."""
     try:
         try:
             yield
@@ -202,7 +194,7 @@ def main(context: click.Context, quiet: bool, verbose: bool, debug: bool) -> Non
     """
     if quiet and verbose:
         raise click.UsageError("--quiet and --verbose exclude each other")
-    context.obj = Manners(quiet, verbose)
+    context.obj = Verbosity(quiet, verbose)
     if not colour_allowed():
         context.color = False
 
@@ -215,7 +207,7 @@ def program() -> None:
     """
     _open_closed_streams()
     if COMPLETION in os.environ:
-        from jausml.cli.completion import offer_files
+        from jausml.cli.lookup.completion import offer_files
 
         offer_files()
     if LASTING.isdisjoint(sys.argv):

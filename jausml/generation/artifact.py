@@ -21,11 +21,9 @@ class MethodContract:
     """A method that the generated base calls and the user's class may override.
 
     Attributes:
-        name: Method name, e.g. `on_report_velocity_state`.
         parameters: Names of the positional parameters in order, without `self`.
         identity: What stays when the model element is renamed, e.g. the message code `0x4404`;
             empty when nothing does.
-        stub: Ready text that the user may paste into the class.
         optional: True when the base has a complete default, so that absence is not reported.
     """
 
@@ -38,15 +36,7 @@ class MethodContract:
 
 @dataclass(frozen=True)
 class SkeletonContract:
-    """What the generated base expects of the class in a skeleton file.
-
-    Attributes:
-        class_name: The user's class.
-        base_name: The generated class from which it derives.
-        methods: The methods that the base calls, in model order.
-        prefixes: A method of the user is compared with the contract under these prefixes, or
-            when an earlier contract had it.
-    """
+    """What the generated base expects of the class in a skeleton file."""
 
     class_name: str
     base_name: str
@@ -61,12 +51,7 @@ class Artifact:
     Attributes:
         path: Posix path relative to the output folder.
         text: The whole text with LF line ends, header included.
-        kind: Who owns the file after it was written.
         element_id: Identity of the model element it comes from, e.g. `component:vehicle`.
-        source: Model file, relative path.
-        target: Name of the target that produced it.
-        executable: Whether the file gets the executable bits when it is written.
-        contract: For a Python skeleton, what its base expects.
         is_shared: Whether it is the same for every model, so that those of a workspace share it.
     """
 

@@ -32,11 +32,7 @@ def sentence(text: str) -> str:
 
 
 def described(text: str) -> str:
-    """Returns any text as a clean sentence, even one without a printable character.
-
-    Args:
-        text: Text of the model.
-    """
+    """Returns any text as a clean sentence, even one without a printable character."""
     return sentence(clean(text) or "unnamed")
 
 
@@ -48,7 +44,6 @@ def model_docstring(value: object, indent: int = 4) -> str:
     a slash, so that no text can end the literal.
 
     Args:
-        value: The text; blank lines separate paragraphs.
         indent: Columns before the docstring; the first line is not indented here.
     """
     texts = [clean(text) for text in paragraphs(str(value))] or ["Not documented in the model."]
@@ -65,10 +60,7 @@ def docstring(
     """Returns a docstring with its quotes.
 
     Args:
-        summary: Clean text of the first line.
         column: Column at which it will stand; the lines themselves begin at 0.
-        further: Clean texts that follow.
-        attributes: Names and clean descriptions for a section `Attributes`.
     """
     width = LINE_WIDTH - column
     if not further and not attributes and len(summary) + 6 <= width:

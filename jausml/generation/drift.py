@@ -12,12 +12,12 @@ from enum import Enum
 from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import Artifact, Kind, MethodContract, SkeletonContract
+from jausml.generation.checks import path_problem
 from jausml.generation.folder import inspect
-from jausml.generation.offers import Offers
-from jausml.generation.paths import path_problem
 from jausml.generation.source import (
     Definition,
     Function,
+    GeneratedNames,
     SourceClass,
     SourceProblem,
     read_classes,
@@ -55,10 +55,8 @@ class Finding:
     """One difference between a user's file and the model.
 
     Attributes:
-        kind: What is different.
         path: The file, relative to the output folder.
         line: Line in the file, from 1.
-        message: What to do, for people.
         stub: Ready text of the method that the model expects, or empty.
     """
 
@@ -79,14 +77,12 @@ def drift(artifacts: Sequence[Artifact], out: Path, manifest: Manifest) -> list[
 
     Args:
         artifacts: The files of this run; skeletons with a contract are looked at.
-        out: The output folder.
-        manifest: What earlier runs wrote; knows former method names.
 
     Returns:
         The findings by path and line.
     """
     findings: list[Finding] = []
-    offers = Offers(artifacts)
+    generated = GeneratedNames(artifacts)
     for artifact in artifacts:
         if artifact.kind is not Kind.SKELETON or path_problem(artifact.path) is not None:
             continue
@@ -94,7 +90,7 @@ def drift(artifacts: Sequence[Artifact], out: Path, manifest: Manifest) -> list[
             entry = manifest.files.get(artifact.path)
             known = entry.methods if entry else {}
             findings += _compare_file(out, artifact.path, artifact.contract, known)
-            findings += _lost_imports(out, artifact.path, offers, manifest)
+            findings += _lost_imports(out, artifact.path, generated, manifest)
     return sorted(findings, key=lambda f: (f.path, f.line, f.kind.value, f.message))
 
 
@@ -117,14 +113,16 @@ def _compare_file(
     return findings
 
 
-def _lost_imports(out: Path, path: str, offers: Offers, manifest: Manifest) -> Iterator[Finding]:
+def _lost_imports(
+    out: Path, path: str, generated: GeneratedNames, manifest: Manifest
+) -> Iterator[Finding]:
     """Yields imports from generated modules that this run no longer writes."""
     try:
         imports = read_imports(read_input(out / path))
     except (SourceProblem, OSError):
         return  # told by the comparison of classes
     for each in imports:
-        message = offers.lost(each)
+        message = generated.missing(each)
         if message and not _is_users(each.module, out, manifest):
             yield Finding(FindingKind.IMPORT, path, each.line, message)
 

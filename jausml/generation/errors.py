@@ -21,13 +21,7 @@ class OwnershipError(GenerationError):
 
 
 class NoSystemError(GenerationError):
-    """The file to generate from does not hold exactly one system.
-
-    Args:
-        path: The file, as it was named.
-        systems: Names of its systems.
-        maps: Names of the attribute maps that the user's files hold.
-    """
+    """The file to generate from does not hold exactly one system."""
 
     def __init__(self, path: str, systems: Sequence[str], maps: Sequence[str]) -> None:
         found = f"{len(systems)} systems" if systems else "no system"
@@ -42,12 +36,7 @@ class TooLargeError(GenerationError):
 
 
 class InternalError(GenerationError):
-    """A target is wrong (template, view or its output), not the user's model.
-
-    Args:
-        where: `file:line` of the template, or what stands nearest to the fault.
-        reason: What is wrong there.
-    """
+    """A target is wrong (template, view or its output), not the user's model."""
 
     def __init__(self, where: str, reason: str) -> None:
         super().__init__(f"{where}: {reason}")
@@ -63,7 +52,6 @@ class WriteError(GenerationError):
 
     Args:
         path: The file, relative to the output folder.
-        reason: What the operating system said.
     """
 
     def __init__(self, path: str, reason: str) -> None:

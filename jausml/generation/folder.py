@@ -24,7 +24,6 @@ class FileState:
     """What stands at a path of the output folder.
 
     Attributes:
-        exists: Whether a regular file is there.
         text: Its text with LF line ends; None when there is none or it is not UTF-8.
         obstacle: Why the path cannot be used (symbolic link, folder in the way), or empty.
     """
@@ -35,12 +34,7 @@ class FileState:
 
 
 def inspect(out: Path, path: str) -> FileState:
-    """Looks at one path.
-
-    Args:
-        out: The output folder; it may be missing.
-        path: A safe path relative to it.
-    """
+    """Looks at one path."""
     current = out
     segments = path.split("/")
     for depth, segment in enumerate(segments):
@@ -63,9 +57,6 @@ def find_generated(out: Path) -> list[str]:
 
     Folders that are hidden, ignored by colcon (its own build, install and log) or that have a
     manifest of their own are left out.
-
-    Args:
-        out: The output folder.
     """
     return sorted(
         path.relative_to(out).as_posix()

@@ -45,11 +45,6 @@ _SEARCHED_LINES = 4
 def add_header(text: str, path: str, source: str) -> str:
     """Puts the header into a generated text.
 
-    Args:
-        text: The text as a template produced it.
-        path: Path of the file; its name decides the comment style.
-        source: The model file it comes from.
-
     Returns:
         The text with the header, or unchanged when it is empty or its format has no comments.
     """

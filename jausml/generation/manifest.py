@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from jausml import __version__
 from jausml.generation.artifact import Artifact, Kind, text_digest
+from jausml.generation.checks import path_problem
 from jausml.generation.header import has_valid_header
-from jausml.generation.paths import path_problem
 from jausml.language.model.inputs import read_input
 
 if TYPE_CHECKING:
@@ -31,11 +31,6 @@ class Entry:
     """One written file.
 
     Attributes:
-        kind: Who owns it.
-        sha256: Hash of the text as written, for a generated file that has no header to keep it.
-        source: Model file, relative path.
-        element: Identity of the model element.
-        target: The target that produced it.
         models: Names of the models that have the file; empty when the schema knew none.
         methods: For a skeleton, identity by method name, names of former models included; tells
             a renamed message from a new one.
@@ -60,11 +55,9 @@ class Manifest:
     """What earlier runs wrote.
 
     Attributes:
-        files: Entries by path.
         models: What other verbs want to know of each model (JSON values), by the model's name, e.g.
             `processes` for `jausml run`.
         problem: Why nothing is known of earlier runs (missing, conflicted), or empty.
-        unfinished: The files of a run that was killed; they are among `files`.
     """
 
     files: Mapping[str, Entry] = field(default_factory=dict)
@@ -83,12 +76,7 @@ class Manifest:
         return sorted(each for each in unknown if PurePath(each).stem != stem)
 
     def adopted(self, model: str, former: str = "") -> Manifest:
-        """Returns the manifest with files given to a model.
-
-        Args:
-            model: It gets the files of which no model is known.
-            former: And those of the model of this name, which it had before.
-        """
+        """Returns the manifest with files given to a model."""
         files = {path: _adopted(entry, model, former) for path, entry in self.files.items()}
         models = dict(self.models)
         known = [models.pop(name, {}) for name in ("", former, model)]
@@ -109,9 +97,6 @@ class Manifest:
 def read_manifest(out: Path) -> Manifest:
     """Reads the manifest of an output folder; never raises for its content.
 
-    Args:
-        out: The output folder; it may be missing.
-
     Returns:
         The manifest, or an empty one with `problem` set: callers then treat skeletons as the
         user's and files with a valid header as generated.
@@ -125,11 +110,7 @@ def read_manifest(out: Path) -> Manifest:
 
 
 def temporary(path: str) -> str:
-    """Returns the path under which a file is written before it takes its place.
-
-    Args:
-        path: Path of the file.
-    """
+    """Returns the path under which a file is written before it takes its place."""
     place = PurePosixPath(path)
     return place.with_name(f".{place.name}.jausml-tmp").as_posix()
 
@@ -151,9 +132,7 @@ def new_entry(artifact: Artifact, old: Entry | None, model: str) -> Entry:
     """Returns the entry for a file of this run.
 
     Args:
-        artifact: The file.
         old: Its entry of earlier runs, whose models it keeps; a skeleton its method names, too.
-        model: Name of the model of this run.
     """
     has_hash = artifact.kind is Kind.GENERATED and not has_valid_header(artifact.text)
     methods: dict[str, str] = {}

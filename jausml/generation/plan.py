@@ -8,6 +8,7 @@ from enum import Enum
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.artifact import Artifact, Kind, text_digest
+from jausml.generation.checks import find_problems
 from jausml.generation.folder import FileState, find_generated, inspect
 from jausml.generation.header import has_valid_header
 from jausml.generation.manifest import (
@@ -18,7 +19,6 @@ from jausml.generation.manifest import (
     new_entry,
     temporary,
 )
-from jausml.generation.paths import find_problems
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -41,13 +41,11 @@ class Action:
     """What happens to one file, and why.
 
     Attributes:
-        kind: What happens.
         path: The file, relative to the output folder.
         reason: Why, for people.
         old: Text that stands there now (LF line ends); None for no file or no text.
         new: Text to be written; None when nothing is written.
         backup: Where the old bytes are copied before an overwrite, or empty.
-        executable: Whether the written file gets the executable bits.
     """
 
     kind: ActionKind
@@ -61,13 +59,7 @@ class Action:
 
 @dataclass(frozen=True)
 class Plan:
-    """All actions of a run; the manifest's is the last.
-
-    Attributes:
-        out: The output folder.
-        actions: In the order of their paths.
-        manifest: Text of the manifest when all is done.
-    """
+    """All actions of a run; the manifest's is the last."""
 
     out: Path
     actions: tuple[Action, ...]
@@ -111,15 +103,10 @@ def make_plan(
     """Compares rendered files with the output folder. Reads only.
 
     Args:
-        artifacts: The files of this run.
-        out: The output folder; it may be missing.
-        manifest: What earlier runs wrote there, each file with the models that have it.
-        model: Name of the model; files of other models stay as they are.
         targets: Names of the targets that were run, so that files of others stay; None means all:
             each file that is not among the artifacts is no longer produced.
         force: Overwrite edited generated files after a copy to `<file>.orig`. Skeletons are never
             overwritten.
-        known: Replaces the keys that it names of what the manifest knows of the model.
 
     Returns:
         The plan.

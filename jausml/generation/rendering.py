@@ -12,7 +12,7 @@ import jinja2
 from multigen.jinja import JinjaGenerator, JinjaTask
 
 from jausml import __version__
-from jausml.generation import docstrings, literals, lua_literals
+from jausml.generation import docstrings, literals
 from jausml.generation.artifact import Artifact, Kind
 from jausml.generation.checks import CANNOT_PARSE, syntax_problem
 from jausml.generation.errors import InternalError, TooLargeError
@@ -45,17 +45,13 @@ FILTERS: Mapping[str, Callable[..., str]] = {
     "yamlstr": literals.yaml_string,
     "docstring": docstrings.model_docstring,
     "comment": literals.comment,
-    "lua": lua_literals.lua_literal,
+    "lua": literals.lua_literal,
 }
 """What templates may put text through."""
 
 
 def render(model: ModelT, targets: Sequence[Target[ModelT]]) -> list[Artifact]:
     """Renders all files of some targets to memory; nothing is written.
-
-    Args:
-        model: A valid model.
-        targets: The targets.
 
     Returns:
         The files in the order of their paths.

@@ -1,11 +1,14 @@
-"""Classes of a Python file, read from its syntax tree; nothing in the file is run."""
+"""Classes and names of Python files, read from their syntax trees; nothing in them is run."""
 
 from __future__ import annotations
 
 import ast
 import warnings
 from dataclasses import dataclass
+from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
+
+from jausml.generation.artifact import Artifact, Kind
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -17,7 +20,6 @@ class SourceProblem(Exception):  # noqa: N818 - a finding, not a failure of jaus
     """The file is not Python.
 
     Args:
-        message: What the parser said.
         line: Where, from 1.
     """
 
@@ -44,9 +46,7 @@ class SourceClass:
     """A class of the file.
 
     Attributes:
-        name: Class name.
         line: Where, from 1.
-        methods: Definitions by name, those of base classes in the same file included.
         ancestors: Names of the base classes, as they were called where they were imported from;
             with those of base classes in the same file.
     """
@@ -62,8 +62,6 @@ class SourceImport:
     """An import of names from a module, `from module import name`.
 
     Attributes:
-        module: The module, with its whole path.
-        names: The names.
         line: Where, from 1.
     """
 
@@ -77,9 +75,6 @@ def read_imports(data: bytes) -> list[SourceImport]:
 
     Args:
         data: The file's bytes, in any encoding that it declares.
-
-    Raises:
-        SourceProblem: It is not Python.
     """
     return [
         SourceImport(node.module, tuple(alias.name for alias in node.names), node.lineno)
@@ -93,9 +88,6 @@ def read_classes(data: bytes) -> dict[str, SourceClass]:
 
     Args:
         data: The file's bytes, in any encoding that it declares.
-
-    Raises:
-        SourceProblem: It is not Python.
     """
     statements = list(_flat(_tree(data).body))
     aliases = {
@@ -164,3 +156,83 @@ def _flat(body: Iterable[ast.stmt]) -> Iterator[ast.stmt]:
             for block in ("body", "handlers", "orelse", "finalbody"):
                 for part in getattr(statement, block, ()):
                     yield from _flat(part.body if isinstance(part, ast.ExceptHandler) else [part])
+
+
+_FEWEST_PARTS = 3  # package folder, package, module
+
+
+class GeneratedNames:
+    """The modules of generated packages, and the names that packages export."""
+
+    def __init__(self, artifacts: Iterable[Artifact]) -> None:
+        python = [each for each in artifacts if each.path.endswith(".py")]
+        self._modules = {module: each for each in python if (module := module_of(each.path))}
+        self._packages = {
+            module.partition(".")[0]
+            for module, each in self._modules.items()
+            if each.kind is Kind.GENERATED
+        }
+
+    def missing(self, found: SourceImport) -> str:
+        """Says what became of the module that a user's file imports from, or nothing."""
+        package = found.module.partition(".")[0]
+        if package not in self._packages:
+            return ""
+        message = f"there is no module {found.module} any more"
+        if found.module in self._modules:
+            missing = self._missing(found)
+            if not missing:
+                return ""
+            message = f"{found.module} has no {' and no '.join(missing)} any more"
+        exported = exports(self._modules[package].text) if package in self._modules else frozenset()
+        if exported.issuperset(found.names):
+            message += f"; write `from {package} import {', '.join(found.names)}`"
+        return message
+
+    def _missing(self, found: SourceImport) -> list[str]:
+        module = self._modules[found.module]
+        if module.kind is not Kind.GENERATED:
+            return []  # the user's own file
+        known = bound(module.text)
+        if "*" in known | {*found.names}:
+            return []
+        inside = {each.rpartition(".") for each in self._modules}
+        return [
+            name
+            for name in found.names
+            if name not in known and (found.module, ".", name) not in inside
+        ]
+
+
+def module_of(path: str) -> str:
+    """Returns the dotted name of a module, or nothing for what is outside of a package.
+
+    Args:
+        path: Path of the file in the workspace, e.g. `vehicle/vehicle/main.py`.
+    """
+    parts = PurePosixPath(path).with_suffix("").parts
+    if len(parts) < _FEWEST_PARTS or parts[0] != parts[1]:
+        return ""
+    return ".".join(parts[1:]).removesuffix(".__init__")
+
+
+def bound(text: str) -> frozenset[str]:
+    """Returns the names that a module binds, with `*` for those of an import of everything."""
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+            names.add(node.name)
+        elif isinstance(node, (ast.Import, ast.ImportFrom)):
+            names |= {alias.asname or alias.name for alias in node.names}
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            names.add(node.id)
+    return frozenset(names)
+
+
+def exports(text: str) -> frozenset[str]:
+    """Returns the names in `__all__` of a module."""
+    for node in ast.parse(text).body:
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
+            values = node.value.elts if isinstance(node.value, (ast.List, ast.Tuple)) else ()
+            return frozenset(str(each.value) for each in values if isinstance(each, ast.Constant))
+    return frozenset()

@@ -17,9 +17,6 @@ def system_of(model: Model) -> system.System:
 
     Systems of other files have their own workspaces; here they are only referred to.
 
-    Args:
-        model: A valid model.
-
     Raises:
         NoSystemError: There is none, or more than one: a workspace is made of one system.
     """

@@ -21,12 +21,7 @@ ModelT = TypeVar("ModelT")
 
 @dataclass(frozen=True)
 class WholeLibrary(Generic[ModelT]):
-    """That a target can describe more than a system uses (`--all`).
-
-    Attributes:
-        help: What it describes then, e.g. `every message of the library`.
-        tasks: The files to be made then.
-    """
+    """That a target can describe more than a system uses (`--all`)."""
 
     help: str
     tasks: Callable[[ModelT], Sequence[Task]]
@@ -37,17 +32,9 @@ class Target(Generic[ModelT]):
     """One kind of output, in a folder of its own with views and templates.
 
     Attributes:
-        name: The name on the command line, equal to the name of the entry point.
-        description: One line for the list of targets.
-        tasks: Returns the files to be made for a valid model.
-        template_folders: Folders of templates in search order.
         is_on_request: Whether it runs only when it is named: what it makes is no part of the
             workspace.
-        is_renewed: Whether it runs again with the workspace once it was asked for, since its files
-            are wrong beside those of another state of the model.
         is_shared: Whether its files are the same for every model; those of a workspace share them.
-        needs_system: Whether it makes something of a system alone, and nothing of mere messages or
-            types.
         whole_library: What it does with `--all`, or None when it has no such option.
         processes: Returns what `jausml run` starts, as the manifest records it; None for a target
             that knows no processes.

@@ -40,12 +40,7 @@ class FileTask(Generic[ViewT]):
     """One file for each view, made from a template.
 
     Attributes:
-        template: Template name, found in the target's template folders.
-        views: The elements of the model, seen through the target's views.
         path: Path of the file for a view, relative to the output folder.
-        kind: Who owns the files.
-        executable: Whether the files get the executable bits.
-        contract: For a Python skeleton, what its base expects.
         imports: For Python, what a file may import; its template has no import statements then.
         words: For Python, names in which functions and methods of a file may differ alone; where
             it has many that do, it is made faster.
@@ -72,9 +67,6 @@ class TextFile:
 
     Attributes:
         path: Path relative to the output folder.
-        content: The text without the header.
-        element_id: Identity of what it comes from.
-        source: The file it comes from, relative path.
     """
 
     path: str
@@ -85,14 +77,7 @@ class TextFile:
 
 @dataclass(frozen=True)
 class TextTask:
-    """Files of ready text.
-
-    Attributes:
-        views: The files.
-        kind: Who owns them.
-        executable: Whether they get the executable bits.
-        contract: For a Python skeleton, what its base expects.
-    """
+    """Files of ready text."""
 
     views: Sequence[TextFile]
     _: KW_ONLY
@@ -115,9 +100,5 @@ Task: TypeAlias = FileTask[Any] | TextTask
 
 
 def templates_beside(module_file: str) -> Path:
-    """Returns the folder `templates` beside a target's module.
-
-    Args:
-        module_file: The `__file__` of the module.
-    """
+    """Returns the folder `templates` beside a target's module."""
     return Path(module_file).resolve().parent / "templates"

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.generation.drift import Finding, drift
 from jausml.generation.errors import GenerationError, OwnershipError, SelectionError
-from jausml.generation.lock import locked
 from jausml.generation.manifest import Manifest, read_manifest
 from jausml.generation.plan import Plan, make_plan
 from jausml.generation.rendering import render
 from jausml.generation.system import name_of, source_of, system_of
-from jausml.generation.writer import apply
+from jausml.generation.writer import apply, locked
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
@@ -29,9 +28,7 @@ class Selection:
     """The targets of a run.
 
     Attributes:
-        targets: They run, in this order.
         kept: Names of targets that do not run and whose files stay; None means every other.
-        renewed: Of these, targets that do run where the folder has files of theirs.
     """
 
     targets: tuple[Target[Any], ...]
@@ -41,13 +38,7 @@ class Selection:
 
 @dataclass(frozen=True)
 class Result:
-    """What a run did, or would do.
-
-    Attributes:
-        plan: What happens to each file.
-        drift: Where the user's files no longer fit the model.
-        is_written: Whether the plan was carried out.
-    """
+    """What a run did, or would do."""
 
     plan: Plan
     drift: tuple[Finding, ...]
@@ -63,9 +54,7 @@ def select(
     """Chooses targets.
 
     Args:
-        installed: All targets by name.
         names: Those that are meant; all that do not run on request alone when there is none.
-        whole_library: Whether they describe the whole library where they can.
 
     Raises:
         SelectionError: There is no such target, or none that can describe the whole library.
@@ -101,16 +90,9 @@ def generate(
     """Generates a workspace; writes nothing when a file is refused.
 
     Args:
-        model: A valid model.
-        targets: The targets that run.
-        out: The folder; it may be missing.
         kept: Names of targets that do not run and whose files stay; None means every other.
-        renewed: Of these, targets that do run where the folder has files that they made of the
-            model.
-        adopt: Name of the model that the workspace knows this one by, when it was renamed.
         force: Overwrite edited generated files after a copy to `<file>.orig`. Skeletons are never
             overwritten.
-        write: Whether to write; else the result tells what would happen.
 
     Raises:
         NoSystemError: A target needs one system, and the model's file holds none or several.
@@ -133,11 +115,7 @@ def generate(
 
 
 def _check_again(model: Model, again: Sequence[Target[Any]]) -> None:
-    """Looks whether targets that nobody named in this run can generate the model.
-
-    Raises:
-        GenerationError: One cannot; the message says how to go without it.
-    """
+    """Looks whether targets that nobody named in this run can generate the model."""
     for target in again:
         try:
             target.tasks(model)

@@ -1,4 +1,4 @@
-"""Writer of plans: each file is either old or new at any moment, the manifest comes last.
+"""Writer of plans, under a lock: a file is either old or new, and the manifest comes last.
 
 Where the system can, each file is opened from its folder, and that from the one above: a link that
 takes the place of a folder after the plan was made is not followed.
@@ -7,6 +7,7 @@ takes the place of a folder after the plan was made is not followed.
 from __future__ import annotations
 
 import os
+import sys
 from contextlib import contextmanager, suppress
 from itertools import count
 from pathlib import PurePath, PurePosixPath
@@ -33,9 +34,6 @@ def apply(plan: Plan) -> None:
     on a file system that does not tell them apart. After a failure the same run, repeated, ends
     in the same tree; another one knows what was meant to be written, and tidies up.
 
-    Args:
-        plan: A fresh plan.
-
     Raises:
         RefusedError: The plan has a refusal; nothing was written.
         WriteError: The operating system refused, or a new file appeared since the plan was made.
@@ -44,29 +42,28 @@ def apply(plan: Plan) -> None:
         reasons = "; ".join(f"{action.path}: {action.reason}" for action in plan.refused)
         raise RefusedError(f"nothing was written: {reasons}")
     changes = [each for each in plan.changes if each.path != PENDING_PATH]
-    with _told(PENDING_PATH):
+    with _faults_named(PENDING_PATH):
         if changes:
             plan.out.mkdir(parents=True, exist_ok=True)
             _announce(plan)
     for action in changes:
         if action.kind is ActionKind.DELETE:
-            with _told(action.path):
+            with _faults_named(action.path):
                 _delete(plan.out, action)
     for action in changes:
         if action.kind is not ActionKind.DELETE:
-            with _told(action.path):
+            with _faults_named(action.path):
                 _write(plan.out, action)
-    with _told(PENDING_PATH), suppress(FileNotFoundError), _opened(plan.out, PENDING_PATH) as file:
+    with (
+        _faults_named(PENDING_PATH),
+        suppress(FileNotFoundError),
+        _opened(plan.out, PENDING_PATH) as file,
+    ):
         file.unlink()
 
 
 class _File:
-    """A file by its name and its open folder; without such folders by its path alone.
-
-    Args:
-        name: The name, or the path.
-        folder: Descriptor of the folder.
-    """
+    """A file by its name and its open folder; without such folders by its path alone."""
 
     def __init__(self, name: str, folder: int | None) -> None:
         self._name = name
@@ -111,7 +108,7 @@ class _File:
 
 
 @contextmanager
-def _told(path: str) -> Iterator[None]:
+def _faults_named(path: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
@@ -201,3 +198,37 @@ def _delete(out: Path, action: Action) -> None:
     except OSError:
         if os.path.lexists(out / action.path):
             raise  # else a folder that holds something
+
+
+if sys.platform != "win32":
+    import fcntl
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+
+@contextmanager
+def locked(out: Path) -> Iterator[None]:
+    """Waits until no other run writes into a folder, and keeps others out.
+
+    The folder itself is locked, so that no file is left; it is made when it is missing, and removed
+    when it stays empty. Windows has no such lock.
+    """
+    if sys.platform == "win32":
+        yield
+        return
+    is_new = not out.exists()
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        descriptor = os.open(out, os.O_RDONLY)
+    except OSError as error:
+        raise WriteError(str(out), error.strerror or str(error)) from error
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(descriptor)
+        if is_new:
+            with suppress(OSError):
+                out.rmdir()

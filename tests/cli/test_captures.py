@@ -13,10 +13,11 @@ DATAGRAM = bytes.fromhex("02 00 1000 01 0201c800 01016500 0220 0700")
 # Results go elsewhere; waits until a line is typed, as the test looks at what is shown.
 HALF = """
 import os, sys
-from jausml.cli import captures, manners
-manners.PATIENCE = 0.0
+from jausml.cli.live import recordings
+from jausml.cli.shared import terminal
+terminal.PATIENCE = 0.0
 sys.stdout = open(os.devnull, "w")
-with captures.opened("day.pcap") as stream:
+with recordings.opened("day.pcap") as stream:
     stream.read(50)
     sys.stdin.readline()
     left = len(stream.read())

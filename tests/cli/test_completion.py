@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from terminal import at_terminal
 
-from jausml.cli.choices import SHELLS
+from jausml.cli.shared.options import SHELLS
 
 PROGRAMS = Path(sys.executable).parent
 WITH_JAUSML = {"PATH": f"{PROGRAMS}{os.pathsep}{os.environ['PATH']}"}

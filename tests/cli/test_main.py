@@ -11,7 +11,7 @@ import click
 import pytest
 
 from jausml.cli import VERBS, main
-from jausml.language.validation import engine
+from jausml.language.validation import project
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -26,7 +26,7 @@ def test_help_lists_the_verbs_without_loading_them():
     )
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert result.returncode == 0, result.stderr
-    for verb, text in VERBS.items():
+    for verb, (_, text) in VERBS.items():
         assert f"  {verb}" in result.stdout
         assert text in result.stdout
 
@@ -120,7 +120,7 @@ def test_each_verb_has_help_that_begins_with_its_text(jausml, verb):
     result = jausml(verb, "--help")
     assert result.exit_code == 0
     assert result.stdout.startswith(f"Usage: main {verb}")
-    first_words = VERBS[verb].rstrip(".").split()[:2]
+    first_words = VERBS[verb][1].rstrip(".").split()[:2]
     assert " ".join(first_words) in result.stdout
 
 
@@ -138,7 +138,7 @@ def test_internal_error_is_3_and_short(jausml, monkeypatch):
     def fail(*_, **__):
         raise KeyError("inside")
 
-    monkeypatch.setattr(engine, "validate", fail)
+    monkeypatch.setattr(project, "check_project", fail)
     result = jausml("validate", "good.xmi")
     assert result.exit_code == 3
     assert (

@@ -7,7 +7,8 @@ import sys
 
 import pytest
 
-from jausml.cli import VERBS, choices
+from jausml.cli import VERBS
+from jausml.cli.shared import options
 from jausml.language.validation import formats
 from jausml.live.peers import console, measuring, network
 from jausml.live.peers.conformance import formats as conformance_formats
@@ -49,11 +50,11 @@ def test_help_loads_nothing_heavy(verb):
 
 
 def test_options_offer_what_there_is():
-    assert tuple(formats.RENDERERS) == choices.REPORT_FORMATS
-    assert tuple(conformance_formats.RENDERERS) == choices.CONFORMANCE_FORMATS
-    assert tuple(measuring.QUESTIONS) == choices.QUESTIONS
-    assert choices.AUTHORITY == console.DEFAULT_AUTHORITY
-    assert choices.TRANSPORTS == network.TRANSPORTS
-    assert choices.INTERFACE == network.DEFAULT_INTERFACE
-    assert choices.PORT == network.DEFAULT_PORT
-    assert choices.GROUP == network.DEFAULT_GROUP
+    assert tuple(formats.RENDERERS) == options.REPORT_FORMATS
+    assert tuple(conformance_formats.RENDERERS) == options.CONFORMANCE_FORMATS
+    assert tuple(measuring.QUESTIONS) == options.QUESTIONS
+    assert options.AUTHORITY == console.DEFAULT_AUTHORITY
+    assert options.TRANSPORTS == network.TRANSPORTS
+    assert options.INTERFACE == network.DEFAULT_INTERFACE
+    assert options.PORT == network.DEFAULT_PORT
+    assert options.GROUP == network.DEFAULT_GROUP

@@ -14,8 +14,8 @@ from pathlib import Path
 import pytest
 
 from jausml import __version__
-from jausml.cli import run as run_verb
-from jausml.cli import supervisor
+from jausml.cli.live import run as run_verb
+from jausml.cli.live import supervisor
 
 READY = """\
 import signal, sys, time

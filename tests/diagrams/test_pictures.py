@@ -14,7 +14,7 @@ from jausml.views.diagrams.graph import BRIDGE_COLUMN, Edge, End, Finding, Graph
 from jausml.views.diagrams.layout.graphviz import Graphviz
 from jausml.views.diagrams.views import graph_of
 from jausml.views.diagrams.writers import dot, mermaid, shapes, svg
-from jausml.views.diagrams.writers.text_width import cut, width
+from jausml.views.diagrams.writers.shapes import cut, width
 
 pygraphviz = pytest.importorskip("pygraphviz", reason="layout needs jausml[diagram]")
 
@@ -41,14 +41,28 @@ def hostile(text):
     """Returns a graph of each part of which a text is the text."""
     wrong = (Finding("error", "R", text), Finding("warning", "R", text))
     told = ((text, text),)
-    ports = tuple(Port(f"p{n}{text}", text, text, text, n, told, wrong) for n in range(2))
+    ports = tuple(
+        Port(f"p{n}{text}", text, text, text, n, details=told, findings=wrong) for n in range(2)
+    )
     nodes = tuple(
-        Node(f"{kind}{text}", kind, text, text, ports, f"g{text}", column, told, wrong)
+        Node(
+            f"{kind}{text}",
+            kind,
+            text,
+            text,
+            ports,
+            f"g{text}",
+            column,
+            details=told,
+            findings=wrong,
+        )
         for column, kind in enumerate(("component", "bridge", "node"))
     )
     edges = (
         Edge("e", End(nodes[0].id, ports[0].id), End(nodes[1].id), "message", text, (text,)),
-        Edge(f"f{text}", End(nodes[1].id), End(nodes[2].id), "call", text, (text, text), 1, told),
+        Edge(
+            f"f{text}", End(nodes[1].id), End(nodes[2].id), "call", text, (text, text), details=told
+        ),
     )
     groups = (Group(f"g{text}", "host", text),)
     return Graph("system", text, nodes, groups, edges, findings=wrong)

@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from test_pictures import large
 
-from jausml.views.diagrams.framing import framed, is_crowded
+from jausml.views.diagrams.bundling import framed, is_crowded
 from jausml.views.diagrams.graph import Edge, End, Finding, Graph, Group, Node, Port
 from jausml.views.diagrams.layout.columns import Columns
 from jausml.views.diagrams.layout.graphviz import Graphviz

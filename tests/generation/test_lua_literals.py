@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lupa import lua52, lua54
 
-from jausml.generation.lua_literals import lua_literal, lua_string
+from jausml.generation.literals import lua_literal, lua_string
 
 HOSTILE = ['"', "\\", "\\\n", "]]--[[", '"..os.execute("true").."', "\x00", "9", "\u202e", "\ud800"]
 texts = st.one_of(st.sampled_from(HOSTILE), st.text(st.characters(), max_size=200))

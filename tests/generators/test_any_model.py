@@ -24,7 +24,7 @@ from hypothesis import strategies as st
 from workspaces import packages_of, python_path
 
 from jausml.generation import GenerationError, NoSystemError, load_targets, render
-from jausml.generation.paths import find_problems
+from jausml.generation.checks import find_problems
 from jausml.language.interfaces.parsing import PARTS, parse_definition
 from jausml.language.text.notation import NOTATIONS
 from jausml.language.validation.engine import validate

@@ -20,7 +20,7 @@ from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml.runtime.transports.udp.shared_port import neighbour_ports
 from jausml_generators.bringup.target import TARGET as BRINGUP
-from jausml_generators.deployment.ports import HIGHEST_SHARED_PORT, dds_ports
+from jausml_generators.deployment.network import HIGHEST_SHARED_PORT, dds_ports
 from jausml_generators.deployment.target import TARGET as DEPLOYMENT
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -20,7 +20,7 @@ from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component.modelled import ModelledComponent
 from jausml.runtime.transports.selecting import create_transport
-from jausml_generators.jaus_component.diagrams import guard_text
+from jausml_generators.jaus_component.machine_views import guard_text
 from jausml_generators.jaus_component.machines import COMPONENT_NAMES, STANDARD_GUARDS
 from jausml_generators.jaus_component.target import TARGET
 from jausml_generators.messages.target import TARGET as MESSAGES

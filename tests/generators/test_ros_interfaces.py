@@ -17,8 +17,12 @@ from jausml.language.interfaces.definitions import PRIMITIVES, FieldType
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model import library_root, read_models
 from jausml_generators.ros_interfaces.definitions import ConstantLine, FieldLine
-from jausml_generators.ros_interfaces.jaus_types import MessagesPackage
-from jausml_generators.ros_interfaces.names import constant_name, field_name, type_name
+from jausml_generators.ros_interfaces.jaus_types import (
+    MessagesPackage,
+    constant_name,
+    field_name,
+    type_name,
+)
 from jausml_generators.ros_interfaces.target import DECLARED, TARGET
 
 HERE = Path(__file__).parent

@@ -11,7 +11,7 @@ from ports import free_domain
 pytest.importorskip("rclpy")
 
 from jausml.authoring.studio.live import LiveSystem, NotWatchedError, Watched
-from jausml.cli.messages import open_catalogue
+from jausml.cli.shared.models import open_catalogue
 from jausml.language.model import read_models
 from jausml.live.peers.network import make_network
 from jausml.live.peers.operator import running_operator

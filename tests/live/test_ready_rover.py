@@ -25,7 +25,7 @@ from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from workspaces import packages_of
 
-from jausml.cli.messages import open_catalogue
+from jausml.cli.shared.models import open_catalogue
 from jausml.live.peers.network import make_network
 from jausml.live.peers.operator import running_operator
 from jausml.runtime.base.address import JausAddress

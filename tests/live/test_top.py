@@ -12,7 +12,7 @@ from ports import free_domain, free_port
 
 pytest.importorskip("rclpy")
 
-from jausml.cli.messages import open_catalogue, read_model
+from jausml.cli.shared.models import open_catalogue, read_model
 from jausml.live.peers.network import make_network
 from jausml.live.peers.operator import running_operator
 from jausml.live.systems.declared import components_of, declarations_of

@@ -14,8 +14,8 @@ pytestmark = pytest.mark.timeout(60)
 
 OWN_DATA = {
     "views/analysis/constants.py",
-    "cli/known/__init__.py",
-    "cli/maps.py",
+    "cli/shared/known/__init__.py",
+    "cli/lookup/listed.py",
     "views/diagrams/writers/html.py",
     "generators/jausml_generators/common/runtime.py",
     "generators/jausml_generators/runtime/target.py",
@@ -28,11 +28,10 @@ OWN_DATA = {
 """Modules that read what is shipped with them."""
 
 STREAMS = {
-    "cli/captures.py": "captures, large and by pipes",
-    "cli/decode.py": "lines, after is_file",
-    "cli/messages.py": "lines of bounded length, by pipes too",
-    "cli/recordings.py": "writes",
-    "live/recording/files.py": "writes",
+    "cli/live/decode.py": "lines, after is_file",
+    "cli/shared/lines.py": "lines of bounded length, by pipes too",
+    "cli/live/recordings.py": "writes, and captures, large and by pipes",
+    "live/recording/parts.py": "writes",
     "live/machine/network.py": "a setting of the kernel",
 }
 

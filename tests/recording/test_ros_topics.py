@@ -12,7 +12,7 @@ pytest.importorskip("rclpy")
 from ports import free_domain
 from recordings import by_mcap
 
-from jausml.cli.messages import open_catalogue
+from jausml.cli.shared.models import open_catalogue
 from jausml.live.recording.files import RecordingFiles, SplitLimits
 from jausml.live.recording.filters import TrafficFilter
 from jausml.live.recording.recorder import Recorder

@@ -47,7 +47,6 @@ class Grant:
 
     Attributes:
         element: Element of the policy: `topic`, `service` or `action`.
-        use: Attribute that allows it, e.g. `publish`.
         names: Full names, sorted.
     """
 

@@ -56,9 +56,6 @@ class Setting:
 
     Attributes:
         name: Launch argument, e.g. `jaus_port`; the option of a process is `--jaus-port`.
-        feature: Feature of a host that has the value.
-        default: Value of the runtime.
-        description: What it is, for `ros2 launch --show-args`.
     """
 
     name: str
@@ -90,13 +87,7 @@ SETTINGS = (
 
 @dataclass(frozen=True)
 class Argument:
-    """A launch argument.
-
-    Attributes:
-        name: Its name.
-        default: Default value as a Python expression.
-        description: What it is.
-    """
+    """A launch argument."""
 
     name: str
     default: str
@@ -115,14 +106,10 @@ class ProcessView:
     """A process of the system.
 
     Attributes:
-        name: Name of the component, node or bridge.
         kind: `component`, `node` or `bridge`.
         namespace: ROS namespace; empty for the root and for JAUS components.
         host: Name of the host that it runs on; empty when the model has no hosts.
-        transport: Values of SETTINGS on that host.
-        parameters: ROS parameters with their default values.
         address: JAUS address; empty for nodes.
-        bridge: The bridge, when it is one.
     """
 
     name: str
@@ -180,13 +167,7 @@ class LaunchView:
     """A launch file: the whole system, or what runs on one host.
 
     Attributes:
-        name: Name of the launch file without its suffix.
-        documentation: What it starts.
-        package: The bring-up package.
-        source: Model file.
-        ros_domain: ROS domain of the system.
         transport: Values of SETTINGS that the launch arguments have by default.
-        processes: What it starts.
     """
 
     name: str
@@ -314,13 +295,7 @@ class ConfigView:
 
 @dataclass(frozen=True)
 class BringupView:
-    """The bring-up package of a system.
-
-    Args:
-        system: The system.
-        source: Model file.
-        bridges: Its bridges.
-    """
+    """The bring-up package of a system."""
 
     system: System
     source: str

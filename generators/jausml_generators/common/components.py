@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_string
 from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.semantics.connections import calls
 from jausml.language.semantics.hosts import endpoint_of, host_of
 from jausml.language.semantics.jaus.core_services import CORE, answers_for_subsystem, with_standard
 from jausml.language.semantics.jaus.services import inputs_by_name, outputs_by_name, query_name
 from jausml_generators.python.statements import call
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
     from jausml.language.metamodel.classes.system import Host, System
 
@@ -42,11 +43,7 @@ def own_bridges(system: System) -> list[bridge.Bridge]:
 
 
 def with_inherited(services: Iterable[jaus.Service]) -> list[jaus.Service]:
-    """Returns services and those that they inherit, the inherited ones first, each once.
-
-    Args:
-        services: The services.
-    """
+    """Returns services and those that they inherit, the inherited ones first, each once."""
     found: list[jaus.Service] = []
     for service in services:
         chain = [service]
@@ -57,22 +54,12 @@ def with_inherited(services: Iterable[jaus.Service]) -> list[jaus.Service]:
 
 
 def inherits(service: jaus.Service, name: str) -> bool:
-    """Tells whether a service is, or inherits, a core service.
-
-    Args:
-        service: The service.
-        name: Name of the core service, e.g. `Management`.
-    """
+    """Tells whether a service is, or inherits, a core service."""
     return any(each.urn == CORE + name for each in with_inherited([service]))
 
 
 def provides(component: jaus.Component, name: str) -> bool:
-    """Tells whether a component provides a core service.
-
-    Args:
-        component: The component.
-        name: Name of the core service, e.g. `Management`.
-    """
+    """Tells whether a component provides a core service."""
     return any(inherits(each, name) for each in with_standard(component))
 
 
@@ -82,9 +69,6 @@ def service_identities(component: jaus.Component) -> tuple[str, ...]:
     Service sets of different age may inherit different versions of a core service; the component
     speaks the newest of them. Standard services raise no version of what the model names: peers
     of core 1.0 do not know, for example, that events of 1.1 lapse.
-
-    Args:
-        component: The component.
     """
     versions: dict[str, tuple[int, int]] = {}
     for service in with_inherited(component.provides):
@@ -104,12 +88,7 @@ def _version(service: jaus.Service) -> tuple[int, int]:
 
 
 def component_settings(system: System, component: jaus.Component) -> str:
-    """Returns the modelled behaviour of a component as a Python expression.
-
-    Args:
-        system: The system.
-        component: The component.
-    """
+    """Returns the modelled behaviour of a component as a Python expression."""
     arguments = [
         f"default_authority={int(component.defaultAuthority)}",
         f"control_timeout={int(component.controlTimeout)}",
@@ -129,20 +108,12 @@ def component_settings(system: System, component: jaus.Component) -> str:
 
 
 def address_call(component: jaus.Component) -> str:
-    """Returns the address of a component as a Python expression.
-
-    Args:
-        component: The component.
-    """
+    """Returns the address of a component as a Python expression."""
     return call("JausAddress", *(str(int(part)) for part in component.address.split(".")))
 
 
 def search_call(search: jaus.PeerSearch) -> str:
-    """Returns a search for peers as a Python expression.
-
-    Args:
-        search: The search.
-    """
+    """Returns a search for peers as a Python expression."""
     urns = [python_string(str(service.urn)) for service in search.services]
     arguments = [f"({', '.join(urns)},)" if len(urns) == 1 else f"({', '.join(urns)})"]
     arguments += [
@@ -173,12 +144,7 @@ _TRANSPORT_KINDS = {"jtcp": "JTCP", "nodeManager": "NODE_MANAGER"}
 
 
 def transport_settings(system: System, component: jaus.Component) -> str:
-    """Returns the transport settings of a component: of its host, of its peers, and its own.
-
-    Args:
-        system: The system.
-        component: The component.
-    """
+    """Returns the transport settings of a component: of its host, of its peers, and its own."""
     arguments = [*_host_arguments(system, component), *_source_arguments(component)]
     return call("TransportSettings", *arguments)
 
@@ -257,24 +223,14 @@ def _elements(system: System) -> list[jaus.Component]:
 
 
 def query_for(report: jaus.MessageDef, services: Iterable[jaus.Service]) -> jaus.MessageDef | None:
-    """Returns the query that a report answers: QueryX for ReportX, or X.
-
-    Args:
-        report: The report.
-        services: Where to look for the query.
-    """
+    """Returns the query that a report answers: QueryX for ReportX, or X."""
     wanted = query_name(report)
     found = (inputs_by_name(service).get(wanted) for service in services)
     return next((each for each in found if each is not None), None)
 
 
 def report_for(query: jaus.MessageDef, services: Iterable[jaus.Service]) -> jaus.MessageDef | None:
-    """Returns the report that answers a query: ReportX, or X, for QueryX.
-
-    Args:
-        query: The query.
-        services: Where to look for the report.
-    """
+    """Returns the report that answers a query: ReportX, or X, for QueryX."""
     name = str(query.name)
     if not name.startswith("Query"):
         return None
@@ -285,3 +241,27 @@ def report_for(query: jaus.MessageDef, services: Iterable[jaus.Service]) -> jaus
         if report is not None:
             return report
     return None
+
+
+def services_of(
+    components: Iterable[jaus.Component], bridges: Iterable[bridge.Bridge]
+) -> Iterator[jaus.Service]:
+    """Yields the services that components and bridges provide, use, or have messages of."""
+    for component in components:
+        yield from component.provides
+        yield from component.uses
+        for connection in component.connections:
+            yield from _owners(connection.message, connection.query)
+    for owner in bridges:
+        for each in owner.bridgeConnections:
+            yield from _owners(each.map.message, each.query)
+        for each_call in owner.serviceConnections:
+            yield from _owners(*calls.messages(each_call))
+        for each_list in owner.actionConnections:
+            yield each_list.driver
+            yield from _owners(each_list.element.message)
+
+
+def _owners(*messages: jaus.MessageDef | None) -> Iterator[jaus.Service]:
+    owners = (message.eContainer() for message in messages if message is not None)
+    yield from (owner for owner in owners if owner is not None)

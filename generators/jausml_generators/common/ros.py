@@ -34,9 +34,7 @@ class RosType:
     """A ROS 2 interface type.
 
     Attributes:
-        package: Package that defines it, e.g. `nav_msgs`.
         kind: Module of the package: `msg`, `srv` or `action`.
-        name: Class name, e.g. `Odometry`.
     """
 
     package: str
@@ -69,10 +67,6 @@ def local_names(types: Iterable[RosType], taken: Iterable[str]) -> dict[RosType,
 
     It is the type's own, e.g. `Pose`, unless two types share it, the module has it already or it
     hides a builtin; then it is that of package and type, e.g. `TurtlesimPose`.
-
-    Args:
-        types: The types that the module imports.
-        taken: Other names of the module.
     """
     unique, reserved = sorted(set(types)), frozenset(taken)
     uses = Counter(kind.class_name for kind in unique)
@@ -89,11 +83,7 @@ def local_names(types: Iterable[RosType], taken: Iterable[str]) -> dict[RosType,
 
 @dataclass(frozen=True)
 class Qos:
-    """A quality of service profile as Python text.
-
-    Attributes:
-        arguments: Arguments of QoSProfile, e.g. `depth=10`.
-    """
+    """A quality of service profile as Python text."""
 
     arguments: tuple[str, ...]
 

@@ -1,4 +1,4 @@
-"""Who of a deployed system exchanges what with whom, over which ports, as far as the model says."""
+"""Who of a deployed system exchanges what with whom over which ports, and what is left open."""
 
 from __future__ import annotations
 
@@ -9,13 +9,17 @@ from typing import TYPE_CHECKING
 from jausml.generation.errors import GenerationError
 from jausml.generation.system import system_of
 from jausml.language.semantics.hosts import endpoint_of, host_of, is_ipv4
-from jausml_generators.deployment.ports import jaus_ports
-from jausml_generators.deployment.questions import bridges_on, questions
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from jausml.language.metamodel.classes import jaus
+    from jausml.language.metamodel.classes.bridge import (
+        Bridge,
+        Connection,
+        RosActionConnection,
+        RosServiceConnection,
+    )
     from jausml.language.metamodel.classes.system import Host, System
     from jausml.language.model.model import Model
     from jausml_generators.bringup.views import ProcessView
@@ -23,13 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Peer:
-    """A JAUS component of another host.
-
-    Attributes:
-        name: Its name in the model.
-        address: Its JAUS address.
-        endpoint: IPv4 address and port of its host, as `192.168.0.7:3794`.
-    """
+    """A JAUS component of another host."""
 
     name: str
     address: str
@@ -38,16 +36,7 @@ class Peer:
 
 @dataclass(frozen=True)
 class Deployed:
-    """A host that processes of the system run on, and what passes to and from it.
-
-    Attributes:
-        host: The host.
-        processes: What runs there.
-        peers: JAUS components of other hosts, by address.
-        jaus_hosts: IPv4 addresses and networks that JAUS is taken from, this host left out.
-        ros_hosts: IPv4 addresses of the other hosts on which the system has ROS 2 nodes.
-        questions: What the model does not say, and what stands in its place.
-    """
+    """A host that processes of the system run on, and what passes to and from it."""
 
     host: Host
     processes: tuple[ProcessView, ...]
@@ -85,10 +74,6 @@ class Deployed:
 
 def deployed_hosts(model: Model, processes: Sequence[ProcessView]) -> tuple[Deployed, ...]:
     """Returns the hosts that processes of a system run on, in the order of the model.
-
-    Args:
-        model: A valid model.
-        processes: All processes of its system.
 
     Raises:
         GenerationError: The model has no host, or one that the others cannot reach.
@@ -193,3 +178,100 @@ def _networks(texts: Iterable[str]) -> tuple[str, ...]:
         if not any(each != other and each.subnet_of(other) for other in all_of_them)
     ]
     return tuple(str(each).removesuffix("/32") for each in found)
+
+
+NEIGHBOURS_OFFSET = 50_000
+"""How far above the port of a host those of processes are that do not own it."""
+
+NEIGHBOURS = 32
+"""How many such ports there are."""
+
+HIGHEST_SHARED_PORT = 0xFFFF - NEIGHBOURS_OFFSET - NEIGHBOURS + 1
+"""Above it the system picks the ports of such processes."""
+
+# RTPS 2.5, section 9.6.2.3: PB, DG and d1; the unicast ports of a domain fill the rest of it.
+_DDS_BASE, _DDS_DOMAIN, _DDS_UNICAST = 7400, 250, 10
+
+
+def jaus_ports(host: Host, processes: int) -> tuple[str, ...]:
+    """Returns the ports at which the JAUS processes of a host are reached, ranges as `1-2`.
+
+    Over UDP each process but the one that owns the port has one of its neighbours.
+    """
+    port = int(host.port)
+    if host.transport.name != "judp" or processes < 2 or port > HIGHEST_SHARED_PORT:
+        return (str(port),)
+    first = port + NEIGHBOURS_OFFSET
+    return (str(port), f"{first}-{first + NEIGHBOURS - 1}")
+
+
+def dds_ports(domain: int) -> str:
+    """Returns the unicast ports of a ROS domain, as `7410-7649`."""
+    first = _DDS_BASE + _DDS_DOMAIN * domain
+    return f"{first + _DDS_UNICAST}-{first + _DDS_DOMAIN - 1}"
+
+
+_UNKNOWN_MAINTAINER = "maintainer@example.com"
+
+
+def bridges_on(system: System, host: Host) -> list[Bridge]:
+    """Returns the bridges of a system that run on a host."""
+    return [each for each in system.bridges if host_of(system, each) is host]
+
+
+def questions(system: System, host: Host, processes: Sequence[ProcessView]) -> Iterator[str]:
+    """Asks what the model leaves open, and says what stands in its place."""
+    speaking = sum(each.speaks_jaus for each in processes)
+    if speaking:
+        yield from _of_strangers(system, host)
+        yield from _of_connections(bridges_on(system, host))
+    if speaking > 1 and host.transport.name == "judp" and host.port > HIGHEST_SHARED_PORT:
+        yield (
+            f"Which ports have the processes that do not own port {host.port}? Above"
+            f" {HIGHEST_SHARED_PORT} the system picks them, and no firewall knows them: choose a"
+            " lower `port`."
+        )
+    if speaking and host.transport.name == "nodeManager":
+        yield (
+            "Which node manager has this host, and who starts it? It is no part of the model; the"
+            " processes wait for it, and look for its sockets in `/tmp`."
+        )
+    if system.maintainerEmail == _UNKNOWN_MAINTAINER:
+        yield (
+            "Who maintains the packages? `maintainer` and `maintainerEmail` of the system have"
+            " their defaults, which bloom takes and nobody should publish."
+        )
+    yield (
+        "Who administers this computer? The firewall lets nobody in by SSH;"
+        " say in `firewall.local.nft` from where they come."
+    )
+
+
+def _of_strangers(system: System, host: Host) -> Iterator[str]:
+    """Asks where components are that somebody else has put somewhere."""
+    if any(each.allowedHosts for each in bridges_on(system, host)):
+        return
+    for each in (*system.components, *system.bridges):
+        place = endpoint_of(system, each)
+        if each.external and (place is None or not is_ipv4(place[0])):
+            yield (
+                f"Where is `{each.name}` ({each.address})? Place it on a host, or name its network"
+                " in `allowedHosts` of a bridge: until then the firewall keeps it out."
+            )
+
+
+def _of_connections(bridges: Sequence[Bridge]) -> Iterator[str]:
+    """Asks where the peers of connections may be that name none."""
+    for each in bridges:
+        connections: list[Connection | RosServiceConnection | RosActionConnection] = [
+            *each.bridgeConnections,
+            *each.serviceConnections,
+            *each.actionConnections,
+        ]
+        names = [f"`{one.name}`" for one in connections if not one.peers]
+        if names and not each.allowedHosts:
+            yield (
+                f"Where are the peers of {', '.join(names)} of `{each.name}`? No component is"
+                " named; `allowedHosts` of the bridge says where they may be: until then the"
+                " firewall lets in the other hosts of the system alone."
+            )

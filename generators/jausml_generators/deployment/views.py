@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.language.semantics.connections.topics import resolve_topic
-from jausml_generators.deployment.ports import dds_ports
+from jausml_generators.deployment.network import dds_ports
 from jausml_generators.python.names import package_name
 
 if TYPE_CHECKING:
@@ -24,14 +24,7 @@ USER_NUMBER = 3794
 
 @dataclass(frozen=True)
 class DeploymentView:
-    """A system and the computers that it runs on.
-
-    Attributes:
-        system: The system.
-        source: Model file.
-        deployed: Its hosts.
-        policies: Enclave and path in the workspace of each SROS 2 policy.
-    """
+    """A system and the computers that it runs on."""
 
     system: System
     source: str
@@ -111,12 +104,7 @@ class DeploymentView:
 
 @dataclass(frozen=True)
 class HostView:
-    """A computer of the system.
-
-    Attributes:
-        deployment: The system.
-        deployed: What runs there, and what passes to and from it.
-    """
+    """A computer of the system."""
 
     deployment: DeploymentView
     deployed: Deployed
@@ -227,12 +215,7 @@ class HostView:
 
 @dataclass(frozen=True)
 class UnitView:
-    """A process of a host, as systemd or a container runs it.
-
-    Attributes:
-        host: The host.
-        process: The process.
-    """
+    """A process of a host, as systemd or a container runs it."""
 
     host: HostView
     process: ProcessView

@@ -26,15 +26,7 @@ _BODY = 8
 
 @dataclass(frozen=True)
 class Method:
-    """A method that the base calls and the user's class overrides.
-
-    Attributes:
-        name: Its name.
-        parameters: Parameters after self as (name, type).
-        result: Type of the result in the base.
-        documentation: Clean text.
-        identity: What stays when the model element is renamed.
-    """
+    """A method that the base calls and the user's class overrides."""
 
     name: str
     parameters: tuple[tuple[str, str], ...]
@@ -79,13 +71,7 @@ class Method:
 
 @dataclass(frozen=True)
 class Handler:
-    """An input message that is no query.
-
-    Attributes:
-        message: The message.
-        method: The method that acts on it.
-        when: Whom it is obeyed from, as an expression.
-    """
+    """An input message that is no query."""
 
     message: MessageView
     method: Method
@@ -100,13 +86,7 @@ class Handler:
 
 @dataclass(frozen=True)
 class Answer:
-    """A query and its report.
-
-    Attributes:
-        query: The query.
-        report: The report.
-        method: The method that makes the report.
-    """
+    """A query and its report."""
 
     query: MessageView
     report: MessageView
@@ -124,9 +104,6 @@ class Peer:
     """Another component that this one controls or receives reports from.
 
     Attributes:
-        constant: Name of the class constant with its address.
-        address: The address, as an expression.
-        name: Its name in the model, clean.
         control: Name of the attribute with the control session; empty when not controlled.
     """
 
@@ -138,16 +115,7 @@ class Peer:
 
 @dataclass(frozen=True)
 class Received:
-    """A report that a service connection brings.
-
-    Attributes:
-        connection: The connection.
-        query: The query for the report.
-        report: The report.
-        provider: Who sends it, as an expression: an address or a search.
-        method: The method that takes it.
-        silent: The method that is told of the provider's silence.
-    """
+    """A report that a service connection brings."""
 
     connection: jaus.ServiceConnection
     query: MessageView
@@ -188,10 +156,5 @@ class Received:
 
 
 def documented(element: jaus.NamedElement, otherwise: str) -> str:
-    """Returns what the model says of an element, as a sentence.
-
-    Args:
-        element: The element.
-        otherwise: Clean text for an element without documentation.
-    """
+    """Returns what the model says of an element, as a sentence."""
     return sentence(clean(element.documentation) or otherwise)

@@ -1,18 +1,32 @@
-"""View of a state machine, its methods and its events, for templates."""
+"""View of a state machine for templates: methods, events, diagram, and walks for its test."""
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.docstrings import clean, docstring
 from jausml.generation.literals import python_string
-from jausml_generators.jaus_component.diagrams import diagram
+from jausml.language.attributes.guards import AllOf, AnyOf, Condition, Guard, Negation, parse_guard
+from jausml.language.semantics.jaus.inherited_machines import (
+    CORE_LEAVES,
+    CORE_STATES,
+    Machine,
+    core_leaf,
+    event_name,
+)
 from jausml_generators.jaus_component.handlers import Method
 from jausml_generators.python.statements import call, tuple_of
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+    from typing import TypeAlias
+
+    from jausml.language.metamodel.classes import jaus
     from jausml.language.semantics.jaus.inherited_machines import Machine
+
+    Listed: TypeAlias = Mapping[str, tuple[Sequence[jaus.Transition], Sequence[jaus.Transition]]]
 
 _BODY = 8
 
@@ -34,13 +48,7 @@ class MachineMethod(Method):
 
 @dataclass(frozen=True)
 class EventView:
-    """An internal event of the component's services.
-
-    Attributes:
-        method: The method that raises it.
-        name: Its name in the model.
-        documentation: What it means, a sentence.
-    """
+    """An internal event of the component's services."""
 
     method: str
     name: str
@@ -63,18 +71,14 @@ class MachineView:
     """A state machine.
 
     Attributes:
-        machine: The machine of the model.
-        attribute: Attribute of the component that holds it.
-        table: Method of the component that returns its states.
-        displays: The states, as expressions.
-        ways: Steps over each transition, as expressions, for the generated test.
+        walks: Steps over each transition, as expressions, for the generated test.
     """
 
     machine: Machine
     attribute: str
     table: str
     displays: tuple[str, ...]
-    ways: tuple[str, ...]
+    walks: tuple[str, ...]
 
     @property
     def name(self) -> str:
@@ -106,21 +110,21 @@ class MachineView:
         return diagram(self.machine)
 
     @property
-    def ways_constant(self) -> str:
+    def walks_constant(self) -> str:
         """Name of the constant of the generated test."""
         return f"WAYS_OF_{self.attribute.upper()}"
 
     @property
-    def ways_text(self) -> str:
-        """Assignment of the ways in the generated test."""
-        return f"{self.ways_constant}: _Ways = {tuple_of(*self.ways)}"
+    def walks_text(self) -> str:
+        """Assignment of the walks in the generated test."""
+        return f"{self.walks_constant}: _Ways = {tuple_of(*self.walks)}"
 
     @property
     def test_signature(self) -> str:
-        """First lines of the generated test of the ways."""
+        """First lines of the generated test of the walks."""
         name = f"test_{self.attribute}_goes_as_modelled"
         return (
-            f'@pytest.mark.parametrize("way", {self.ways_constant})\n'
+            f'@pytest.mark.parametrize("way", {self.walks_constant})\n'
             f"def {name}(way: tuple[tuple[str, int, str], ...]) -> None:"
         )
 
@@ -128,3 +132,187 @@ class MachineView:
     def states(self) -> str:
         """Statement that returns the states."""
         return f"return {tuple_of(*self.displays)}"
+
+
+_INDENT = "    "
+
+
+def diagram(machine: Machine) -> str:
+    """Returns the lines of a diagram: the modelled states, each inside what encloses it.
+
+    A transition that only acts leads from its state to itself and says so.
+    """
+    keys = {path: f"s{number}" for number, path in enumerate(_shown(machine), 1)}
+    inside: dict[str, list[str]] = {}
+    for path in keys:
+        inside.setdefault(path.rpartition(".")[0], []).append(path)
+    lines = ["stateDiagram-v2", *_states(machine, keys, inside, "", 1)]
+    for path, node in machine.nodes.items():
+        for state in node.elements:
+            for transition in [*state.transitions, *state.defaults]:
+                lines.append(_INDENT + _arrow(machine, keys, path, transition))
+    return "\n".join(lines)
+
+
+def guard_text(guard: Guard) -> str:
+    """Returns a guard as text again, without what stands before names and in parentheses."""
+    if isinstance(guard, Condition):
+        return guard.name
+    if isinstance(guard, Negation):
+        inner = guard_text(guard.operand)
+        return f"!{inner}" if isinstance(guard.operand, Condition) else f"!({inner})"
+    sign = " && " if isinstance(guard, AllOf) else " || "
+    return sign.join(
+        f"({guard_text(each)})" if isinstance(each, AnyOf) else guard_text(each)
+        for each in guard.operands
+    )
+
+
+def _shown(machine: Machine) -> list[str]:
+    """Returns the modelled states and the targets of their transitions, enclosing ones too."""
+    paths = dict.fromkeys(machine.nodes)
+    for path, node in machine.nodes.items():
+        for state in node.elements:
+            for transition in [*state.transitions, *state.defaults]:
+                target = machine.resolve(path, transition.target) if transition.target else None
+                names = (target or "").split(".")
+                paths.update(
+                    dict.fromkeys(".".join(names[:end]) for end in range(1, len(names) + 1))
+                )
+    paths.pop("", None)
+    return list(paths)
+
+
+def _states(
+    machine: Machine, keys: dict[str, str], inside: dict[str, list[str]], outer: str, depth: int
+) -> Iterator[str]:
+    margin = _INDENT * depth
+    initial = machine.initial(outer)
+    # Which core state is entered first is not for this machine to say.
+    if initial in keys and not (machine.extends_core and initial in CORE_STATES):
+        yield f"{margin}[*] --> {keys[initial]}"
+    for path in inside[outer]:
+        name = path.rpartition(".")[2]
+        if path in inside:
+            yield f'{margin}state "{name}" as {keys[path]} {{'
+            yield from _states(machine, keys, inside, path, depth + 1)
+            yield f"{margin}}}"
+        else:
+            yield f'{margin}state "{name}" as {keys[path]}'
+
+
+def _arrow(machine: Machine, keys: dict[str, str], path: str, transition: jaus.Transition) -> str:
+    message = transition.message
+    label = message.name if message is not None else event_name(transition.event) or "anything else"
+    guard = parse_guard(transition.guard)
+    if guard is not None:
+        label += f" [{guard_text(guard)}]"
+    if transition.actions:
+        label += " / " + ", ".join(a.name.rpartition(".")[2] for a in transition.actions)
+    kind = transition.kind.name
+    label += {"internal": " (stays)", "push": " (push)", "pop": " (pop)"}.get(kind, "")
+    target = machine.resolve(path, transition.target) if transition.target else path
+    return f"{keys[path]} --> {keys[target or path]} : {label}"
+
+
+LONGEST = 200
+"""Ways of one machine; a test of more would say nothing new."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """What happens to a machine, and the state that it is in then."""
+
+    trigger: jaus.MessageDef | str
+    refused: int
+    state: str
+
+
+Walk = tuple[Step, ...]
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where a way has led: a state, and the states that pushes have remembered, the last last."""
+
+    state: str
+    remembered: tuple[str, ...] = ()
+
+
+def walks(machine: Machine, transitions: Listed) -> list[Walk]:
+    """Returns the walks from the start of a machine over each transition from each state.
+
+    The way to a state tells what its pushes have remembered, and so where a pop leads.
+    """
+    found: list[Walk] = []
+    reached: set[str] = set()
+    pending: deque[tuple[Walk, _Place]] = deque()
+    if machine.extends_core:
+        for leaf in (path for path in CORE_STATES if path in CORE_LEAVES):
+            state = machine.innermost(leaf)
+            pending.append(((Step(leaf, 0, state),), _Place(state)))
+            found.append(pending[-1][0])
+    else:
+        pending.append(((), _Place(machine.innermost(""))))
+    while pending and len(found) < LONGEST:
+        way, place = pending.popleft()
+        if place.state in reached:
+            continue
+        reached.add(place.state)
+        for step, after in _steps(machine, place, transitions):
+            found.append((*way, step))
+            pending.append((found[-1], after))
+    return found[:LONGEST]
+
+
+def _steps(machine: Machine, place: _Place, transitions: Listed) -> Iterator[tuple[Step, _Place]]:
+    listed = list(_listed(place.state, transitions))
+    triggers = {_trigger(transition): None for _, transition in listed}
+    for trigger in triggers:
+        refused = 0
+        for path, transition in listed:
+            if trigger is None or _trigger(transition) != trigger:
+                continue
+            after = _after(machine, place, path, transition)
+            if after is not None:
+                yield Step(trigger, refused, after.state), after
+            if parse_guard(transition.guard) is None:
+                break
+            refused += 1
+
+
+def _listed(state: str, transitions: Listed) -> Iterator[tuple[str, jaus.Transition]]:
+    """Yields transitions in the order in which they are tried, with the paths of their states."""
+    path = state
+    while path:
+        own, defaults = transitions.get(path, ((), ()))
+        for transition in (*own, *defaults) if path == state else (*defaults, *own):
+            yield path, transition
+        path = path.rpartition(".")[0]
+
+
+def _trigger(transition: jaus.Transition) -> jaus.MessageDef | str | None:
+    return transition.message or event_name(transition.event) or None
+
+
+def _after(
+    machine: Machine, place: _Place, path: str, transition: jaus.Transition
+) -> _Place | None:
+    """Returns where a transition leads, None when the core services have a say in it."""
+    kind = transition.kind.name
+    if kind == "pop":
+        # The runtime ignores a pop without a push.
+        *rest, last = place.remembered or (None,)
+        return None if last is None else _Place(last, tuple(rest))
+    if kind == "internal" or not transition.target:
+        return place
+    target = machine.resolve(path, transition.target)
+    if target is None:
+        return None
+    entered = machine.innermost(target)
+    if machine.extends_core and not core_leaf(entered):
+        return None
+    if core_leaf(entered) != core_leaf(place.state):
+        return _Place(entered)
+    remembered = (*place.remembered, place.state) if kind == "push" else place.remembered
+    return _Place(entered, remembered)

@@ -27,8 +27,12 @@ from jausml.language.semantics.jaus.inherited_machines import (
 )
 from jausml_generators.common import components
 from jausml_generators.jaus_component.handlers import Method, documented
-from jausml_generators.jaus_component.machine_views import EventView, MachineMethod, MachineView
-from jausml_generators.jaus_component.walks import walks
+from jausml_generators.jaus_component.machine_views import (
+    EventView,
+    MachineMethod,
+    MachineView,
+    walks,
+)
 from jausml_generators.python import names
 from jausml_generators.python.guards import condition
 from jausml_generators.python.statements import call, tuple_of
@@ -89,13 +93,7 @@ class _Use:
 
 
 class Machines:
-    """All machines of a component.
-
-    Args:
-        services: Provided services that the component itself handles, bases first.
-        messages: Views of the messages by model element.
-        scope: Names of methods that are taken.
-    """
+    """All machines of a component."""
 
     def __init__(
         self,
@@ -198,8 +196,8 @@ class Machines:
         for machine in self._machines:
             name = self._scope.claim(_attribute(machine))
             displays = tuple(self._states(machine))
-            ways = tuple(self._ways(machine))
-            found.append(MachineView(machine, name, self._scope.claim(f"_{name}"), displays, ways))
+            walks = tuple(self._walks(machine))
+            found.append(MachineView(machine, name, self._scope.claim(f"_{name}"), displays, walks))
         return tuple(found)
 
     @functools.cached_property
@@ -216,11 +214,7 @@ class Machines:
         )
 
     def takes(self, code: int) -> bool:
-        """Tells whether a machine takes a message.
-
-        Args:
-            code: Message code.
-        """
+        """Tells whether a machine takes a message."""
         return code in self._taken
 
     def registration(
@@ -229,13 +223,7 @@ class Machines:
         service: jaus.Service,
         provided: tuple[jaus.Service, ...],
     ) -> str:
-        """Returns the statement of the constructor that gives a message to the machines.
-
-        Args:
-            message: The message.
-            service: The service that takes it.
-            provided: All services that the component provides.
-        """
+        """Returns the statement of the constructor that gives a message to the machines."""
         view = self._view(message)
         report = components.report_for(message, components.with_inherited([service]))
         if report is not None:
@@ -279,7 +267,7 @@ class Machines:
             if len(items) > 1 or not is_core:
                 yield call("State", *items)
 
-    def _ways(self, machine: Machine) -> Iterator[str]:
+    def _walks(self, machine: Machine) -> Iterator[str]:
         listed = {
             path: (generated_transitions(node), generated_defaults(node))
             for path, node in machine.nodes.items()
@@ -332,11 +320,7 @@ class Machines:
 
 
 def messages_of(services: Iterable[jaus.Service]) -> list[jaus.MessageDef]:
-    """Returns the messages that trigger transitions of services or that actions send.
-
-    Args:
-        services: Services, each after those that it inherits.
-    """
+    """Returns the messages that trigger transitions of services or that actions send."""
     found: dict[jaus.MessageDef | None, None] = {}
     for machine in machines_of(services):
         for state in (state for node in machine.nodes.values() for state in node.elements):

@@ -65,13 +65,7 @@ _TAKEN = (
 
 @dataclass(frozen=True)
 class ComponentView:
-    """A modelled component.
-
-    Args:
-        component: The component.
-        system: The system that owns it.
-        source: Model file.
-    """
+    """A modelled component."""
 
     component: jaus.Component
     system: System
@@ -109,11 +103,7 @@ class ComponentView:
         return sentence(known or f"component {self.name} of the system {clean(self.system.name)}")
 
     def docstring(self, column: int) -> str:
-        """Returns the docstring of a module or class of the component.
-
-        Args:
-            column: Column at which it will stand.
-        """
+        """Returns the docstring of a module or class of the component."""
         return docstring(self.documentation, column)
 
     # -- messages --------------------------------------------------------------------------------

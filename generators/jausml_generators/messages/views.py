@@ -46,12 +46,7 @@ class User(Protocol):
 
 @dataclass(frozen=True)
 class UsedMessages:
-    """The module `messages` of a package: names of classes that stand in the package of messages.
-
-    Attributes:
-        user: The component or bridge.
-        names: Where the classes come from, by name.
-    """
+    """The module `messages` of a package: class names from the package of messages."""
 
     user: User
     names: Mapping[str, Origin]
@@ -86,10 +81,6 @@ class SystemMessages:
     """The package of the messages of a system.
 
     A message that several services define in the same way is one class.
-
-    Args:
-        system: The system.
-        source: Model file.
     """
 
     def __init__(self, system: System, source: str) -> None:

@@ -14,12 +14,7 @@ CURRENT_COMMAND = 0
 
 
 def condition(message: jaus.MessageDef, guard: str) -> str:
-    """Returns the expression that says whom to obey: a guard, or a function of the message.
-
-    Args:
-        message: The message.
-        guard: What `guard_of` says of it.
-    """
+    """Returns the expression that says whom to obey: a guard, or a function of the message."""
     # Limits may be set in Standby, the current command in Ready alone (AS6009, 0415h).
     if guard == "READY" and may_set_limits(message):
         current = f"message.command_type == {CURRENT_COMMAND}"
@@ -28,11 +23,7 @@ def condition(message: jaus.MessageDef, guard: str) -> str:
 
 
 def may_set_limits(message: jaus.MessageDef) -> bool:
-    """Tells whether a message moves the component or sets limits, as its CommandType says.
-
-    Args:
-        message: The message.
-    """
+    """Tells whether a message moves the component or sets limits, as its CommandType says."""
     owner = message.eContainer()
     is_of_driver = owner is not None and owner.urn == _VELOCITY_DRIVER
     return is_of_driver and message.name == "SetVelocityCommand"

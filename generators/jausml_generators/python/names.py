@@ -13,11 +13,7 @@ from jausml.language.model import words as split
 
 
 def names_in(text: str) -> frozenset[str]:
-    """Returns the words of a text.
-
-    Args:
-        text: Names with white space between them.
-    """
+    """Returns the words of a text."""
     return frozenset(text.split())
 
 
@@ -94,11 +90,7 @@ RESERVED_CLASSES = names_in(
 
 
 def snake_case(name: str) -> str:
-    """Returns an attribute, argument or module name, e.g. `request_id` for RequestID.
-
-    Args:
-        name: Any text.
-    """
+    """Returns an attribute, argument or module name, e.g. `request_id` for RequestID."""
     text = split.snake_case(name) or "unnamed"
     if text[0].isdigit():
         text = f"n{text}"
@@ -106,11 +98,7 @@ def snake_case(name: str) -> str:
 
 
 def class_name(name: str) -> str:
-    """Returns the name of a class, e.g. `NodeSeq` for NodeSeq, `PowerPlantID` for powerPlantID.
-
-    Args:
-        name: Any text.
-    """
+    """Returns the name of a class, e.g. `NodeSeq` for NodeSeq, `PowerPlantID` for powerPlantID."""
     capital = "".join(part[0].upper() + part[1:] for part in split.parts(name))
     text = capital[: split.LONGEST] or "Unnamed"
     if text[0].isdigit():
@@ -119,11 +107,7 @@ def class_name(name: str) -> str:
 
 
 def constant_name(name: str) -> str:
-    """Returns the name of a constant, e.g. `PERIODIC_SC` for "Periodic (SC)".
-
-    Args:
-        name: Any text.
-    """
+    """Returns the name of a constant, e.g. `PERIODIC_SC` for "Periodic (SC)"."""
     text = "_".join(split.words(name)).upper()[: split.LONGEST].rstrip("_") or "UNNAMED"
     return f"N{text}" if text[0].isdigit() else text
 
@@ -134,9 +118,6 @@ def package_name(name: str) -> str:
     A name that would hide a module of the standard library, or a package that generated code
     imports, gets the ending `_jaus`: a component may well be called `operator`. So does that of
     a module that each package has, as a package's skeleton is called like it.
-
-    Args:
-        name: Any text.
     """
     text = snake_case(name).rstrip("_") or "unnamed"
     hidden = _OWN_MODULES | _PASSING_MODULES | _FOREIGN_PACKAGES | sys.stdlib_module_names
@@ -145,12 +126,7 @@ def package_name(name: str) -> str:
 
 
 class Scope:
-    """Names that stand side by side, e.g. the attributes of one class.
-
-    Args:
-        reserved: Names that are taken from the start.
-        separator: What stands between a name and its number.
-    """
+    """Names that stand side by side, e.g. the attributes of one class."""
 
     def __init__(self, reserved: frozenset[str] = frozenset(), separator: str = "_") -> None:
         self._reserved = reserved
@@ -166,12 +142,7 @@ class Scope:
         return other
 
     def claim(self, name: str, otherwise: str = "") -> str:
-        """Returns the name, changed when it is taken: `x`, `x_2`, `x_3`; a reserved one: `x_`.
-
-        Args:
-            name: A valid Python name.
-            otherwise: A name that says more, to take instead of a changed one.
-        """
+        """Returns the name, changed when it is taken: `x`, `x_2`, `x_3`; a reserved one: `x_`."""
         if otherwise and (name in self._taken or name in self._reserved):
             return self.claim(otherwise)
         first = name + self._separator if name in self._reserved else name

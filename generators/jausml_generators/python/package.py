@@ -26,20 +26,7 @@ class PackageView:
     """An ament_python package.
 
     Attributes:
-        name: Package name.
-        element_id: Identity of the model element that it is made for.
-        source: Model file.
-        description: What the package is for.
-        version: Version of the package.
-        maintainer: Maintainer.
-        maintainer_email: Address of the maintainer.
-        license: SPDX identifier.
         dependencies: Packages that it needs at run time, sorted.
-        test_dependencies: Packages that its tests need.
-        executables: Console scripts as (name, module with a function `main`).
-        data: Installed files as (folder below share/<package>, pattern).
-        python: Whether it holds a Python package of its name.
-        has_own_init: Whether the target makes the `__init__.py` of that package itself.
     """
 
     name: str
@@ -79,9 +66,6 @@ def package_view(
     """Returns the package of an element of a system, with the system's version and maintainer.
 
     Args:
-        system: The system.
-        name: Package name.
-        dependencies: Packages that the generated code needs at run time.
         element: The component or node; what its skeleton needs joins the dependencies.
         **attributes: The other attributes of PackageView; they precede what the system says.
     """
@@ -96,11 +80,7 @@ def package_view(
 
 
 def package_tasks(packages: Sequence[PackageView]) -> list[Task]:
-    """Returns the tasks for package.xml, setup.py, setup.cfg, `__init__.py` and empty markers.
-
-    Args:
-        packages: The packages.
-    """
+    """Returns the tasks for package.xml, setup.py, setup.cfg, `__init__.py` and empty markers."""
     with_code = [package for package in packages if package.python]
     markers = [_text(package, f"resource/{package.name}") for package in packages]
     markers += [_text(package, f"{package.name}/py.typed") for package in with_code]
@@ -119,15 +99,7 @@ def package_tasks(packages: Sequence[PackageView]) -> list[Task]:
 
 @dataclass(frozen=True)
 class EntryPoint:
-    """How the module `main` of a package runs the user's class.
-
-    Attributes:
-        title: What it runs, e.g. `component vehicle`.
-        runner: Function of the runtime.
-        arguments: Its arguments.
-        end: What ends it.
-        needs_program: Whether the arguments name the PROGRAM of the base.
-    """
+    """How the module `main` of a package runs the user's class."""
 
     title: str
     runner: str
@@ -191,14 +163,7 @@ def program_tasks(
     skeleton: str,
     words: Callable[[ViewT], Collection[str]] | None = None,
 ) -> list[Task]:
-    """Returns the tasks for what runs: the base, the user's skeleton and the entry point.
-
-    Args:
-        views: The components, bridges or nodes.
-        base: Template of the base, which is always rewritten.
-        skeleton: Template of the skeleton, which is written once.
-        words: Names in which methods of a base may differ alone, see FileTask.
-    """
+    """Returns the tasks for what runs: the base, the user's skeleton and the entry point."""
     return [
         FileTask(
             base,
@@ -225,11 +190,7 @@ def program_tasks(
 
 
 def laid_out(stub: str) -> str:
-    """Returns a method that users may paste, laid out as it stands in its class.
-
-    Args:
-        stub: The method, indented for a class.
-    """
+    """Returns a method that users may paste, laid out as it stands in its class."""
     return layout(f"class _:\n{stub}").partition("\n")[2]
 
 

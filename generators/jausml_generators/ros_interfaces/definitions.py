@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import printable
 from jausml.language.interfaces.definitions import FieldType
 from jausml.language.interfaces.literals import ValueTextError, write_value
+from jausml.language.metamodel.classes import ros
+from jausml.language.semantics.installed import kind_of, package_of, parts_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.language.semantics.installed import InterfaceType
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,9 +23,6 @@ class FieldLine:
     """A field of a definition.
 
     Attributes:
-        name: Its name.
-        type: Its type.
-        comment: What is said about it.
         default: Its default as models write it, None without one.
     """
 
@@ -28,11 +33,7 @@ class FieldLine:
 
     @property
     def code(self) -> str:
-        """The line without comments.
-
-        Raises:
-            GenerationError: A definition cannot say the default.
-        """
+        """The line without comments."""
         if self.default is None:
             return f"{self.type} {self.name}"
         text = _value_text(self.default, self.type, self.name, is_default=True)
@@ -41,14 +42,7 @@ class FieldLine:
 
 @dataclass(frozen=True, slots=True)
 class ConstantLine:
-    """A constant of a definition.
-
-    Attributes:
-        name: Its name.
-        type: A primitive type.
-        value: Its value as models write it.
-        comment: What is said about it.
-    """
+    """A constant of a definition."""
 
     name: str
     type: str
@@ -57,24 +51,14 @@ class ConstantLine:
 
     @property
     def code(self) -> str:
-        """The line without comments.
-
-        Raises:
-            GenerationError: A definition cannot say the value.
-        """
+        """The line without comments."""
         value = _value_text(self.value, FieldType(self.type), self.name)
         return f"{self.type} {self.name}={value}"
 
 
 @dataclass(slots=True)
 class DefinitionSection:
-    """A message, or a part of a service or an action.
-
-    Attributes:
-        comment: What is said about it.
-        constants: Its constants.
-        fields: Its fields.
-    """
+    """A message, or a part of a service or an action."""
 
     comment: str = ""
     constants: list[ConstantLine] = field(default_factory=list)
@@ -101,12 +85,7 @@ class DefinitionFile:
     """A .msg, .srv or .action file.
 
     Attributes:
-        package: Name of the package.
-        name: Name of the interface.
         kind: `msg`, `srv` or `action`.
-        sections: Its sections.
-        element_id: Identity of the element that it is made of.
-        source: Model file.
     """
 
     package: str
@@ -134,11 +113,7 @@ class DefinitionFile:
 
 
 def comment_lines(text: str) -> list[str]:
-    """Returns a text as the lines of a comment.
-
-    Args:
-        text: Text of the model.
-    """
+    """Returns a text as the lines of a comment."""
     lines = [line.strip() for line in printable(text).splitlines()]
     return [f"# {line}".rstrip() for line in lines]
 
@@ -148,3 +123,71 @@ def _value_text(value: str, kind: FieldType, name: str, *, is_default: bool = Fa
         return write_value(value, kind, is_default=is_default)
     except ValueTextError as error:
         raise GenerationError(f"value {value!a} of '{name}' {error}") from error
+
+
+def package_files(package: ros.InterfacePackage, source: str) -> Iterator[DefinitionFile]:
+    """Yields the definition files of a package."""
+    name = str(package.name)
+    elements: list[InterfaceType] = [*package.messages, *package.services, *package.actions]
+    for element in elements:
+        kind = kind_of(element)
+        sections = [section_of(part, name) for part in parts_of(element)]
+        if kind != "msg" and element.documentation:
+            # What stands at the head of the file is said of the whole.
+            texts = (str(element.documentation), sections[0].comment)
+            sections[0].comment = "\n\n".join(filter(None, texts))
+        identity = f"interface:{name}/{element.name}"
+        yield DefinitionFile(name, str(element.name), kind, tuple(sections), identity, source)
+
+
+def section_of(message: ros.MessageType, package: str = "") -> DefinitionSection:
+    """Returns a message, or a part of a service or an action, as definition files have it.
+
+    Args:
+        package: Package of the file, whose types need no package in it; empty names all packages.
+    """
+    constants = [
+        ConstantLine(
+            str(each.name), each.type.name, str(each.value or ""), str(each.documentation or "")
+        )
+        for each in message.constants
+    ]
+    fields = [_field(each, package) for each in message.fields]
+    return DefinitionSection(str(message.documentation or ""), constants, fields)
+
+
+def _field(field: ros.Field, package: str) -> FieldLine:
+    common = (field.arrayKind.name, field.arraySize)
+    if isinstance(field, ros.PrimitiveField):
+        kind = FieldType(field.type.name, "", field.stringBound, *common)
+        comment = described(field.documentation, field.units, limits_of(field))
+        return FieldLine(str(field.name), kind, comment, field.defaultValue)
+    if not isinstance(field, ros.MessageField):
+        raise TypeError(f"{field.name} is a field of no known kind")
+    target = field.messageType
+    owner = package_of(target)
+    kind = FieldType(str(target.name), owner if owner != package else "", 0, *common)
+    return FieldLine(str(field.name), kind, described(field.documentation, field.units))
+
+
+def limits_of(field: ros.PrimitiveField) -> str:
+    """Returns the range of a field in words, empty without one."""
+    if field.minimum < field.maximum:
+        return f"{field.minimum:.15g} to {field.maximum:.15g}"
+    return ""
+
+
+def described(documentation: str | None, units: str | None, limits: str = "") -> str:
+    """Returns what is said about a field: its documentation, its unit and its range.
+
+    The unit stands in square brackets, from where rosidl and the importer take it; brackets of the
+    documentation would hide it.
+
+    Args:
+        documentation: Text of the model, or None.
+        units: Its unit, or None.
+    """
+    text = str(documentation or "")
+    unit = f"[{units}]" if units and f"[{units}]" not in text else ""
+    facts = " ".join(part for part in (unit, limits) if part)
+    return "\n".join(part for part in (text, facts) if part)

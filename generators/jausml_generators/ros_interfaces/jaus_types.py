@@ -7,20 +7,23 @@ field `has_<name>` before it. Scaled integers become the real numbers that they 
 
 from __future__ import annotations
 
+import keyword
+import re
 from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
 from jausml.language import wire
 from jausml.language.interfaces.definitions import BOUNDED, FIXED, SINGLE, UNBOUNDED, FieldType
+from jausml.language.model import words
+from jausml_generators.python import names
 from jausml_generators.python import names as common_names
 from jausml_generators.ros_interfaces.definitions import (
     ConstantLine,
     DefinitionFile,
     DefinitionSection,
     FieldLine,
+    described,
 )
-from jausml_generators.ros_interfaces.names import constant_name, field_name, type_name
-from jausml_generators.ros_interfaces.ros_types import described
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -32,12 +35,7 @@ _LONGEST_SEQUENCE = 2**16 - 1
 
 
 class MessagesPackage:
-    """The messages of one package, and the types nested in them.
-
-    Args:
-        package: Name of the package.
-        source: Model file.
-    """
+    """The messages of one package, and the types nested in them."""
 
     def __init__(self, package: str, source: str) -> None:
         self._package = package
@@ -47,9 +45,6 @@ class MessagesPackage:
 
     def add(self, message: jaus.MessageDef) -> None:
         """Adds a message.
-
-        Args:
-            message: The message.
 
         Raises:
             GenerationError: The message cannot be encoded; validation tells users before.
@@ -68,13 +63,7 @@ class MessagesPackage:
         self._file(name, section, f"message:{message.code}:{layout.name}")
 
     def nested(self, name: str, documentation: str, fill: Callable[[_Fields], None]) -> FieldType:
-        """Adds a type that is nested in another one.
-
-        Args:
-            name: The name that it would have.
-            documentation: What stands at its head.
-            fill: Adds its fields.
-        """
+        """Adds a type that is nested in another one."""
         claimed = self._names.claim(type_name(name))
         section = DefinitionSection(documentation)
         fill(_Fields(self, claimed, section))
@@ -239,3 +228,38 @@ def _bound(count: wire.Count) -> int:
 
 def _sequence(name: str, size: int, string_bound: int = 0) -> FieldType:
     return FieldType(name, "", string_bound, BOUNDED if size else UNBOUNDED, size)
+
+
+# Words of C and C++ that a struct's member cannot have; those of Python come from `keyword`.
+_RESERVED = frozenset(
+    """
+    alignas alignof and and_eq asm auto bitand bitor bool break case catch char class compl concept
+    const consteval constexpr constinit const_cast continue co_await co_return co_yield decltype
+    default delete do double dynamic_cast else enum explicit export extern false float for friend
+    goto if inline int long mutable namespace new noexcept not not_eq nullptr operator or or_eq
+    private protected public register reinterpret_cast requires restrict return short signed sizeof
+    static static_assert static_cast struct switch template this thread_local throw true try typedef
+    typeid typename union unsigned using virtual void volatile wchar_t while xor xor_eq
+    """.split()  # noqa: SIM905 -- a list of words is read more easily
+)
+
+
+def type_name(name: str) -> str:
+    """Returns the name of a message type, e.g. `ReportVelocityState`."""
+    text = names.class_name(name)
+    return text[0].upper() + text[1:]
+
+
+def field_name(name: str) -> str:
+    """Returns the name of a field, e.g. `velocity_x`."""
+    text = re.sub("__+", "_", words.snake_case(name)).strip("_") or "unnamed"
+    text = f"n{text}" if text[0].isdigit() else text
+    is_reserved = text in _RESERVED or keyword.iskeyword(text)
+    return f"{text}_value" if is_reserved else text
+
+
+def constant_name(*parts: str) -> str:
+    """Returns the name of a constant, e.g. `GEAR_PARK`."""
+    text = "_".join(word for part in parts for word in words.words(part)).upper()
+    text = re.sub("__+", "_", text).strip("_") or "UNNAMED"
+    return f"N{text}" if text[0].isdigit() else text

@@ -8,23 +8,21 @@ from typing import TYPE_CHECKING
 from jausml.generation.system import source_of, system_of
 from jausml.generation.target import Target, WholeLibrary
 from jausml.generation.tasks import FileTask, Task, templates_beside
-from jausml.language.metamodel.classes import jaus, ros
+from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.metamodel.classes import system as system_language
 from jausml.language.metamodel.filling import new_object
+from jausml.language.semantics.jaus.core_services import CORE
+from jausml_generators.common.components import services_of, with_inherited
 from jausml_generators.python.names import package_name
+from jausml_generators.ros_interfaces.definitions import package_files
 from jausml_generators.ros_interfaces.jaus_types import MessagesPackage
-from jausml_generators.ros_interfaces.ros_types import package_files
-from jausml_generators.ros_interfaces.selection import (
-    all_messages,
-    declared_packages,
-    unmapped_messages,
-)
-from jausml_generators.ros_interfaces.views import InterfacesView
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
+    from jausml.language.metamodel.classes.system import System
     from jausml.language.model.model import Model
+    from jausml_generators.ros_interfaces.definitions import DefinitionFile
 
 
 def declared_tasks(model: Model) -> list[Task]:
@@ -105,3 +103,72 @@ DECLARED = Target(
 
 Those of files that it refers to are elsewhere: they were imported from what is installed.
 """
+
+
+class InterfacesView:
+    """An ament_cmake package of interfaces."""
+
+    def __init__(
+        self,
+        system: System,
+        name: str,
+        description: str,
+        files: Sequence[DefinitionFile],
+        source: str,
+    ) -> None:
+        self.name = name
+        self.description = description
+        self.files = sorted(files, key=lambda file: file.place)
+        self.source = source
+        self.element_id = f"interfaces:{name}"
+        self.version = system.version
+        self.maintainer = system.maintainer
+        self.maintainer_email = system.maintainerEmail
+        self.license = system.license
+
+    @property
+    def dependencies(self) -> list[str]:
+        """The packages whose types its definitions use, sorted."""
+        found = {name for file in self.files for name in file.packages}
+        if any(file.kind == "action" for file in self.files):
+            found.add("action_msgs")
+        return sorted(found)
+
+
+def declared_packages(model: Model) -> list[ros.InterfacePackage]:
+    """Returns the interface packages that stand in the files that the user named."""
+    packages = model.instances(ros.InterfacePackage, library=False)
+    documents = [(package, model.document_of(package)) for package in packages]
+    return [package for package, place in documents if place is not None and place.given]
+
+
+def all_messages(model: Model) -> list[jaus.MessageDef]:
+    """Returns the messages of all services of a model and of those that it uses."""
+    own = model.instances(jaus.Service, library=False)
+    return _messages([*own, *with_inherited(_used_services(model))])
+
+
+def unmapped_messages(model: Model) -> list[jaus.MessageDef]:
+    """Returns messages that no attribute map of the model is about.
+
+    They are those of services that the model declares, and of the library's services that a
+    component, a bridge or a connection uses, core services apart: the runtime speaks
+    these.
+    """
+    mapped = {each.message for each in model.instances(bridge.AttributeMap)}
+    own = model.instances(jaus.Service, library=False)
+    used = [each for each in _used_services(model) if not str(each.urn).startswith(CORE)]
+    return [each for each in _messages([*own, *used]) if each not in mapped]
+
+
+def _messages(services: Iterable[jaus.Service]) -> list[jaus.MessageDef]:
+    """Returns the messages of services, each once, those of one name and code by the first."""
+    found: dict[tuple[str, str], jaus.MessageDef] = {}
+    for service in dict.fromkeys(services):
+        for message in (*service.inputs, *service.outputs):
+            found.setdefault((str(message.name), str(message.code)), message)
+    return list(found.values())
+
+
+def _used_services(model: Model) -> Iterator[jaus.Service]:
+    return services_of(model.instances(jaus.Component), model.instances(bridge.Bridge))

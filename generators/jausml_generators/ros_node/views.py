@@ -57,11 +57,6 @@ class EndpointView:
 
     Attributes:
         name: End of its names in Python, e.g. `pose` of `on_pose` and `publisher_pose`.
-        ros_name: Topic or service.
-        type: Its type.
-        type_name: Name of the type in the module.
-        qos: Quality of service of a topic; that of services is rclpy's.
-        documentation: What the model says of it.
     """
 
     name: str
@@ -95,12 +90,7 @@ class ParameterView:
 
     Attributes:
         name: End of the property that returns the value, e.g. `gain` of `parameter_gain`.
-        ros_name: Name in ROS.
-        default: Default value.
-        documentation: What the model says of it.
         range_class: Class of the range; empty when there is none.
-        limits: Smallest and largest value.
-        read_only: Whether it cannot change after the start.
     """
 
     name: str
@@ -145,13 +135,7 @@ class ParameterView:
 
 @dataclass(frozen=True)
 class NodeView:
-    """A modelled node.
-
-    Args:
-        node: The node.
-        system: Name of the system, which is the default of documentation.
-        source: Model file.
-    """
+    """A modelled node."""
 
     node: ros.Node
     system: str

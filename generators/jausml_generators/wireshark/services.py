@@ -7,13 +7,10 @@ from typing import TYPE_CHECKING
 from jausml.generation.system import system_of
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import library_root, read_models
-from jausml.language.semantics.connections import calls
 from jausml.language.semantics.jaus.core_services import CORE, NEWEST_SET
-from jausml_generators.common.components import with_inherited
+from jausml_generators.common.components import services_of, with_inherited
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from jausml.language.model.model import Model
 
 
@@ -25,7 +22,8 @@ def used_services(model: Model) -> list[jaus.Service]:
     Args:
         model: A valid model.
     """
-    found = list(dict.fromkeys(_services(model)))
+    system = system_of(model)
+    found = list(dict.fromkeys(services_of((*system.components, *system.bridges), system.bridges)))
     own = [service for service in with_inherited(found) if not _is_core(service)]
     old = [service for service in with_inherited(found) if _is_core(service)]
     return [*own, *library_services(NEWEST_SET), *old]
@@ -39,28 +37,6 @@ def library_services(pattern: str = "*.xmi") -> list[jaus.Service]:
     """
     paths = sorted((library_root() / "jaus").glob(pattern))
     return list(read_models(paths).model.instances(jaus.Service))
-
-
-def _services(model: Model) -> Iterator[jaus.Service]:
-    system = system_of(model)
-    for component in (*system.components, *system.bridges):
-        yield from component.provides
-        yield from component.uses
-        for connection in component.connections:
-            yield from _owners(connection.message, connection.query)
-    for owner in system.bridges:
-        for each in owner.bridgeConnections:
-            yield from _owners(each.map.message, each.query)
-        for each_call in owner.serviceConnections:
-            yield from _owners(*calls.messages(each_call))
-        for each_list in owner.actionConnections:
-            yield each_list.driver
-            yield from _owners(each_list.element.message)
-
-
-def _owners(*messages: jaus.MessageDef | None) -> Iterator[jaus.Service]:
-    owners = (message.eContainer() for message in messages if message is not None)
-    yield from (owner for owner in owners if owner is not None)
 
 
 def _is_core(service: jaus.Service) -> bool:

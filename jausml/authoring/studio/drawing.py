@@ -8,7 +8,7 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from jausml.views.diagrams.framing import framed, is_crowded
+from jausml.views.diagrams.bundling import framed, is_crowded
 from jausml.views.diagrams.layout.columns import Columns
 from jausml.views.diagrams.layout.graphviz import Graphviz
 from jausml.views.diagrams.layout.sheet import LayoutError

@@ -2,7 +2,7 @@
 
 A link to a device, or a pipe in a folder that is checked, would otherwise stop a tool or fill the
 memory of its machine. Recordings and captures are large on purpose, and may come by a pipe:
-they are read as streams, in bounded pieces, by `cli/captures.py` and `recording`.
+they are read as streams, in bounded pieces, by `cli/live/recordings.py` and `recording`.
 """
 
 from __future__ import annotations

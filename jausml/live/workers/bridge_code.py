@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.artifact import text_digest
+from jausml.generation.checks import find_problems
 from jausml.generation.errors import GenerationError
-from jausml.generation.paths import find_problems
 from jausml.generation.rendering import render
 from jausml.language.metamodel.filling import link, new_object, set_value
 from jausml_generators.bridge.target import TARGET as BRIDGE

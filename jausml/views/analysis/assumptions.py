@@ -24,10 +24,8 @@ class Assumptions:
     """What stands in where a model says nothing.
 
     Attributes:
-        rate: Messages each second.
         length: Elements of lists and bytes of octets.
         rates: Rates of some connections, by `connection` or `bridge.connection`.
-        lengths: Lengths of some connections, by the same names.
     """
 
     rate: float = DEFAULT_RATE

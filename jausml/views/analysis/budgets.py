@@ -1,4 +1,4 @@
-"""Budgets of time: how old a value may be on the other side, in the worst case, step by step.
+"""Budgets of time: how old a value may be in the worst case, and times that do not go together.
 
 A budget has the times that the model and the runtime decide. The network, the processors and what
 happens before the source speaks are not in it: `jausml latency` measures them.
@@ -15,21 +15,17 @@ from jausml.views.analysis.constants import runtime_constants
 from jausml.views.analysis.streams import ASSUMED, is_single, is_to_ros, keeps_control
 
 if TYPE_CHECKING:
-    from jausml.language.metamodel.classes import bridge
-    from jausml.views.analysis.streams import Stream
+    from collections.abc import Iterator
 
+    from jausml.language.metamodel.classes import bridge, jaus
+    from jausml.views.analysis.streams import Stream
 
 _HELD = "the last message stands, for a reason that the model gives"
 
 
 @dataclass(frozen=True)
 class Step:
-    """A part of a budget.
-
-    Attributes:
-        name: What takes the time.
-        seconds: How long at most.
-    """
+    """A part of a budget."""
 
     name: str
     seconds: float
@@ -42,7 +38,6 @@ class Budget:
     Attributes:
         case: The situation: `normal`, `queue_full`, `one_lost_packet`, `source_dead` or
             `controller_dead`.
-        steps: The times.
         never: Why there is no bound, empty where there is one.
     """
 
@@ -62,8 +57,6 @@ def budgets_of(
     """Returns the budgets of a connection.
 
     Args:
-        connection: The connection.
-        streams: What flows through it.
         topic_rate: Messages each second of its topics, where these are the source.
     """
     carried = [each for each in streams if each.kind in ("message", "event", "report")]
@@ -191,3 +184,65 @@ def _repeated() -> Step:
     constants = runtime_constants()
     number = constants.acknowledge_retries
     return Step(f"the stop, repeated up to {number} times", number * constants.acknowledge_timeout)
+
+
+FEWEST_PERIODS = 2
+"""Periods that a silence time-out must hold: one message may be lost."""
+
+
+def warnings_of(
+    connection: bridge.Connection, streams: list[Stream], topic_rate: float
+) -> Iterator[str]:
+    """Yields what does not go together in a connection.
+
+    Args:
+        topic_rate: Messages each second of its topics, where these are the source.
+    """
+    yield from _rates(connection)
+    yield from _times(connection, streams, topic_rate)
+    held = runtime_constants().held_by_peers
+    for stream in streams:
+        if stream.packets > held:
+            yield (
+                f"{stream.message} takes {stream.packets} packets; some peers hold no more than "
+                f"{held} of an unfinished message"
+            )
+
+
+def _rates(connection: bridge.Connection) -> Iterator[str]:
+    owner = connection.eContainer()
+    if not is_to_ros(connection) or connection.exchange.name != "periodicEvent" or owner is None:
+        return
+    rate = float(connection.rate or owner.frequency)
+    for peer in connection.peers:
+        yield from asked_rate(peer, rate)
+
+
+def asked_rate(provider: jaus.Component, rate: float) -> Iterator[str]:
+    """Yields what is wrong with the rate that a client asks of a provider."""
+    constants = runtime_constants()
+    if rate > constants.highest_event_rate:
+        yield f"{rate:g} Hz is more than an event can have, {constants.highest_event_rate:g} Hz"
+    elif not provider.external and rate < constants.event_rate_min:
+        lowest = constants.event_rate_min
+        yield f"{provider.name} gives {lowest:g} Hz at least, {rate:g} Hz are asked"
+
+
+def _times(
+    connection: bridge.Connection, streams: list[Stream], topic_rate: float
+) -> Iterator[str]:
+    arriving = [each for each in streams if each.kind in ("message", "event", "report")]
+    if not is_to_ros(connection):
+        rate, is_assumed = topic_rate, True
+    elif arriving:
+        slowest = min(arriving, key=lambda each: each.hertz)
+        rate, is_assumed = slowest.hertz, slowest.basis == ASSUMED
+    else:
+        return
+    how = f"{'assumed ' if is_assumed else ''}period of {1 / rate:g} s"
+    timeout = stops.silence_timeout(connection)
+    if 0 < timeout < FEWEST_PERIODS / rate:
+        yield f"silence time-out of {timeout:g} s is shorter than {FEWEST_PERIODS} times the {how}"
+    freshness = freshness_of(connection)
+    if 0 < freshness < 1 / rate:
+        yield f"freshness of {freshness:g} s is shorter than the {how}"

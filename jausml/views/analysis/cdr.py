@@ -37,13 +37,7 @@ class _UnboundedError(Exception):
 
 
 def ros_size(kind: ros.MessageType, length: int) -> Size:
-    """Returns the size of a message of a type.
-
-    Args:
-        kind: The type.
-        length: Assumed elements of sequences without a bound, and of bounded ones as far as their
-            bounds allow.
-    """
+    """Returns the size of a message of a type."""
     least = _Writer(_nothing, _nothing).message(kind, 0)
     expected = _Writer(
         lambda bound: min(length, bound) if bound else length,
@@ -68,12 +62,7 @@ def _bound(bound: int) -> int:
 
 
 class _Writer:
-    """Tells how far the serialized form of a message reaches.
-
-    Args:
-        elements: Returns the elements of a sequence with a bound, 0 for none.
-        characters: Returns the characters of a text with a bound, 0 for none.
-    """
+    """Tells how far the serialized form of a message reaches."""
 
     def __init__(self, elements: Callable[[int], int], characters: Callable[[int], int]) -> None:
         self._elements = elements

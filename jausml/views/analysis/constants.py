@@ -19,22 +19,7 @@ class RuntimeConstants:
     """Sizes in bytes, times in seconds, rates in hertz.
 
     Attributes:
-        empty_message: Bytes of a message without payload (AS5669A): header and sequence number.
-        largest_fragment: Largest payload of one packet.
-        most_small_fragments: Packets of a message from which on they are larger than wished for.
         at_once: Packets of a message that go out without acknowledgement; more are acknowledged.
-        held_by_peers: Packets of an unfinished message that peers of other makes hold.
-        largest_message: Bytes of a message that receivers put together.
-        event_header: Bytes before the report in an Event.
-        acknowledge_timeout: Time after which a packet is repeated.
-        acknowledge_retries: Repetitions of a packet.
-        event_rate_min: Slowest periodic event that a component offers.
-        highest_event_rate: Fastest periodic event, of the standard and of components.
-        check_interval: Longest time between two renewals of an every-change event.
-        watch_interval: Longest time between two renewals of control.
-        renewals: Renewals of control within the time in which it lapses.
-        queue_age_limit: Time after which a ROS message that waits is too old.
-        least_depth: Messages that the queue of a topic holds at least, unless it is latched.
     """
 
     empty_message: int
@@ -83,11 +68,7 @@ def runtime_constants() -> RuntimeConstants:
 
 
 class _File:
-    """A file of the runtime.
-
-    Args:
-        path: Its path below the runtime.
-    """
+    """A file of the runtime."""
 
     def __init__(self, path: str) -> None:
         text = (Path(jausml.__file__).parent / "runtime" / path).read_text("utf-8")

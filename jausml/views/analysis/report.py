@@ -5,24 +5,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.language.metamodel.classes import bridge, jaus
-from jausml.language.semantics.connections import stops
+from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics.connections import calls, stops
 from jausml.language.semantics.connections.freshness import passed_rate
+from jausml.language.semantics.connections.list_drivers import driver_messages
 from jausml.language.semantics.connections.report_joins import joined_reports
 from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.jaus.services import code
-from jausml.views.analysis.budgets import Budget, budgets_of
-from jausml.views.analysis.calls import CallReport, calls_of
+from jausml.views.analysis.budgets import Budget, asked_rate, budgets_of, warnings_of
 from jausml.views.analysis.cdr import ros_size
-from jausml.views.analysis.costs import seconds_of
-from jausml.views.analysis.datagrams import Wire
-from jausml.views.analysis.streams import is_to_ros
+from jausml.views.analysis.streams import Wire, is_to_ros
 from jausml.views.analysis.traffic import traffic_of
-from jausml.views.analysis.warnings import asked_rate, warnings_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
+    from jausml.language.metamodel.classes import jaus
     from jausml.language.metamodel.classes.system import System
     from jausml.views.analysis.assumptions import Assumptions
     from jausml.views.analysis.sizes import Size
@@ -31,14 +29,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Load:
-    """What passes in a second.
-
-    Attributes:
-        messages_sent: JAUS messages that are sent.
-        messages_received: JAUS messages that are received.
-        sent: Their packets and acknowledgements on the network.
-        received: Those that come.
-    """
+    """What passes in a second."""
 
     messages_sent: float
     messages_received: float
@@ -51,16 +42,7 @@ class Flow:
     """A stream as a connection sees it.
 
     Attributes:
-        sender: Who sends.
-        receiver: Who receives.
-        message: Name of the message.
         kind: `message`, `event`, `query`, `report` or `upkeep`.
-        size: Bytes of the message with its code.
-        packets: Packets of an expected message.
-        datagram_bytes: Bytes of UDP payload of an expected message.
-        hertz: Messages each second.
-        basis: Where the rate is from.
-        is_acknowledged: Whether each packet is acknowledged.
     """
 
     sender: str
@@ -80,23 +62,7 @@ class ConnectionReport:
     """A connection of a bridge.
 
     Attributes:
-        name: Its name.
-        direction: Literal of `bridge.Direction`.
         exchange: `command`, `message`, `periodic event`, `every-change event` or `query`.
-        message: Name of the JAUS message.
-        code: Its code.
-        type: Name of the ROS type.
-        topics: Its topics.
-        joins: The joined topics, or the joined reports.
-        peers: Who is at the other end.
-        fan_out: Datagrams or topics that one message becomes, packets counted once.
-        flows: What flows.
-        load: What passes in a second.
-        ros_size: Bytes of the ROS message.
-        ros_rate: ROS messages each second, of all topics.
-        share: Share of a processor that it takes.
-        budgets: Worst-case times.
-        warnings: What does not go together.
     """
 
     name: str
@@ -123,16 +89,7 @@ class ComponentReport:
     """A component or bridge.
 
     Attributes:
-        name: Its name.
-        address: Its JAUS id.
-        is_bridge: Whether it is a bridge.
         host: Name of its host, empty when it has none.
-        load: What passes in a second, upkeep included.
-        upkeep: The part of it that keeps control and events.
-        share: Share of a processor that its connections take.
-        warnings: What does not go together.
-        connections: The connections of a bridge.
-        calls: Its connections with ROS services and actions.
     """
 
     name: str
@@ -149,14 +106,7 @@ class ComponentReport:
 
 @dataclass(frozen=True)
 class HostReport:
-    """A host.
-
-    Attributes:
-        name: Its name.
-        transport: Literal of `system.Transport`.
-        components: Names of the components and bridges on it.
-        load: What all of them send and receive.
-    """
+    """A host."""
 
     name: str
     transport: str
@@ -166,14 +116,7 @@ class HostReport:
 
 @dataclass(frozen=True)
 class Report:
-    """A system.
-
-    Attributes:
-        system: Its name.
-        assumptions: What stood in where the model says nothing.
-        hosts: Its hosts.
-        components: Its components and bridges, bridges last.
-    """
+    """A system."""
 
     system: str
     assumptions: Assumptions
@@ -187,12 +130,7 @@ class Report:
 
 
 def report_of(system: System, assumptions: Assumptions) -> Report:
-    """Returns the report of a system.
-
-    Args:
-        system: A valid system.
-        assumptions: What stands in where it says nothing.
-    """
+    """Returns the report of a system."""
     traffic = traffic_of(system, assumptions)
     elements = [*system.components, *system.bridges]
     components = tuple(_component(each, system, traffic, assumptions) for each in elements)
@@ -240,13 +178,7 @@ def _component(
 def connection_report(
     connection: bridge.Connection, traffic: Traffic, assumptions: Assumptions
 ) -> ConnectionReport:
-    """Returns what is told of a connection.
-
-    Args:
-        connection: The connection.
-        traffic: The streams of its system.
-        assumptions: What stands in where the model says nothing.
-    """
+    """Returns what is told of a connection."""
     streams, owner = traffic.of(connection), connection.eContainer()
     topics = [str(each.name) for each in connection.topics if each.join is None]
     carried = [each for each in streams if each.kind in ("message", "event", "report")]
@@ -340,3 +272,87 @@ def _load_at(elements: set[jaus.Component | None], streams: Iterable[Stream]) ->
             counts[1] += each.hertz
             out, come = out + each.back, come + each.forth
     return Load(counts[0], counts[1], out, come)
+
+
+# What messages cost a processor (docs/adr/0023-costs-of-a-bridge.md), rounded up from what
+# `make bench` writes: the figures tell bridges apart, and promise nothing about a computer.
+MESSAGE = 65e-6
+"""Seconds for a message to come in, be translated and go out: a bridge carries 15,000 a second."""
+
+PACKET = 15e-6
+"""Seconds for each further packet, acknowledgement or topic: a grid of 40 kB has ten."""
+
+BYTE = 1.5e-9
+"""Seconds for each byte of a ROS message besides: 60 kB take a tenth of a millisecond."""
+
+
+def seconds_of(
+    connection: bridge.Connection, streams: list[Stream], ros_size: Size, arriving: float
+) -> float:
+    """Returns the processor time of a connection in each second: the share of one processor."""
+    topics = sum(each.join is None for each in connection.topics)
+    packets = sum(
+        each.hertz * each.packets * (2 if each.is_acknowledged else 1) for each in streams
+    )
+    each = MESSAGE + topics * PACKET + ros_size.expected * BYTE
+    return arriving * each + packets * PACKET
+
+
+@dataclass(frozen=True)
+class CallReport:
+    """A connection with a ROS service or a ROS action; nobody knows its rate and load.
+
+    Attributes:
+        kind: `service` or `action`.
+        messages: Names of the JAUS messages that are exchanged; for an action those of the
+            list driver, and what an element of a list holds.
+    """
+
+    name: str
+    direction: str
+    kind: str
+    ros_name: str
+    type: str
+    messages: tuple[str, ...]
+    peers: tuple[str, ...]
+    seconds: float
+
+
+def calls_of(owner: bridge.Bridge) -> Iterator[CallReport]:
+    """Yields the connections of a bridge with services, then those with actions."""
+    for service in owner.serviceConnections:
+        yield CallReport(
+            str(service.name),
+            str(service.direction.name),
+            "service",
+            str(service.service),
+            str(service.type.name),
+            _names(calls.messages(service)),
+            _peers_of_call(service),
+            float(service.timeout),
+        )
+    for action in owner.actionConnections:
+        driver = driver_messages(action.driver)
+        known = (driver.execute, driver.query, driver.report) if driver is not None else ()
+        yield CallReport(
+            str(action.name),
+            str(action.direction.name),
+            "action",
+            str(action.action),
+            str(action.type.name),
+            _names((action.element.message, *known)),
+            _peers_of_call(action),
+            float(action.timeout),
+        )
+
+
+def _names(messages: Iterable[jaus.MessageDef]) -> tuple[str, ...]:
+    return tuple(str(each.name) for each in messages)
+
+
+def _peers_of_call(
+    connection: bridge.RosServiceConnection | bridge.RosActionConnection,
+) -> tuple[str, ...]:
+    if connection.search is not None:
+        return ("who is found",)
+    return tuple(str(each.name) for each in connection.peers)

@@ -21,7 +21,6 @@ class Size:
 
     Attributes:
         least: Fewest bytes.
-        expected: Bytes with the assumed length of what varies, every field there that may be.
         most: Most bytes; None where nothing but the receiver limits them.
     """
 
@@ -40,7 +39,6 @@ def jaus_size(message: wire.Message, length: int, present: Container[str] | None
     """Returns the size of a JAUS message without the header of the transport (AS5684).
 
     Args:
-        message: The message.
         length: Assumed elements of lists and bytes of octets, as far as their counts allow.
         present: Optional fields of the body that may be there; None means all.
     """
@@ -52,11 +50,7 @@ def jaus_size(message: wire.Message, length: int, present: Container[str] | None
 
 
 class _Walk:
-    """Sums the sizes of fields.
-
-    Args:
-        length: Assumed length of what varies.
-    """
+    """Sums the sizes of fields."""
 
     def __init__(self, length: int) -> None:
         self._length = length

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from jausml.language.semantics.jaus.commands import needs_control
 from jausml.views.analysis.constants import runtime_constants
-from jausml.views.analysis.datagrams import Wire, acknowledgements, on_wire, packet_count
 
 if TYPE_CHECKING:
     from jausml.language.metamodel.classes import bridge, jaus
@@ -26,14 +25,8 @@ class Stream:
     Attributes:
         sender: Who sends; None for whoever it is.
         receiver: Who receives; None for whoever it is.
-        message: Name of the message.
         kind: `message`, `event`, `query`, `report` or `upkeep`.
         size: Bytes of the message with its code, that of an event with its header.
-        hertz: Messages each second.
-        basis: Where the rate is from.
-        fragment_size: Payload of one packet that the sender wishes for.
-        wants_acknowledgement: Whether each message is acknowledged.
-        connections: The connections that it belongs to.
     """
 
     sender: jaus.Component | None
@@ -70,12 +63,7 @@ class Stream:
 
 @dataclass(frozen=True)
 class Traffic:
-    """All streams of a system.
-
-    Attributes:
-        streams: The streams.
-        by_connection: Those of each connection.
-    """
+    """All streams of a system."""
 
     streams: tuple[Stream, ...]
     by_connection: dict[Asking, list[Stream]]
@@ -101,3 +89,80 @@ def keeps_control(connection: bridge.Connection) -> bool:
         return False
     service = connection.map.message.eContainer()
     return service is not None and needs_control(connection.map.message, service)
+
+
+VERSION_BYTE = 1
+"""Byte before the packet of a datagram (AS5669A, JUDP)."""
+
+UDP_HEADER = 8
+IP_HEADER = 20
+"""Bytes of an IPv4 header without options; each fragment of a datagram has one."""
+
+ETHERNET_PAYLOAD = 1500
+"""Most bytes of an IP packet in an Ethernet frame; larger datagrams are cut by IP."""
+
+ETHERNET_OVERHEAD = 38
+"""Bytes of a frame besides its payload: preamble 8, header 14, check sum 4, gap 12."""
+
+_SHORTEST_PAYLOAD = 46
+_FRAGMENT_STEP = 8  # offsets of IP fragments are counted in eight bytes
+
+
+@dataclass(frozen=True)
+class Wire:
+    """Bytes of messages, one layer around the other."""
+
+    packets: float = 0
+    judp: float = 0
+    ip: float = 0
+    ethernet: float = 0
+
+    def __add__(self, other: Wire) -> Wire:
+        """Returns the sum of two."""
+        return Wire(
+            self.packets + other.packets,
+            self.judp + other.judp,
+            self.ip + other.ip,
+            self.ethernet + other.ethernet,
+        )
+
+    def times(self, factor: float) -> Wire:
+        """Returns as much of it."""
+        return Wire(
+            self.packets * factor, self.judp * factor, self.ip * factor, self.ethernet * factor
+        )
+
+
+def packet_count(payload: int, fragment_size: int) -> int:
+    """Returns how many packets a message takes."""
+    return 1 if payload <= fragment_size else -(-payload // _step(payload, fragment_size))
+
+
+def on_wire(payload: int, fragment_size: int) -> Wire:
+    """Returns what a message to one component is on the network."""
+    count, step = packet_count(payload, fragment_size), _step(payload, fragment_size)
+    return _datagram(step).times(count - 1) + _datagram(payload - (count - 1) * step)
+
+
+def acknowledgements(packets: float) -> Wire:
+    """Returns what the acknowledgements of packets are on the network."""
+    return _datagram(0).times(packets)
+
+
+def _step(payload: int, fragment_size: int) -> int:
+    """Returns the payload of one packet, as the runtime chooses it."""
+    constants = runtime_constants()
+    if payload <= fragment_size:
+        return fragment_size
+    needed = -(-payload // constants.most_small_fragments)
+    return max(fragment_size, min(constants.largest_fragment, needed))
+
+
+def _datagram(payload: int) -> Wire:
+    judp = VERSION_BYTE + runtime_constants().empty_message + payload
+    whole = judp + UDP_HEADER
+    room = (ETHERNET_PAYLOAD - IP_HEADER) // _FRAGMENT_STEP * _FRAGMENT_STEP
+    frames = -(-whole // room)
+    ip = whole + frames * IP_HEADER
+    padding = max(0, _SHORTEST_PAYLOAD - (whole - (frames - 1) * room + IP_HEADER))
+    return Wire(1, judp, ip, ip + frames * ETHERNET_OVERHEAD + padding)

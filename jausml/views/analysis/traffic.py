@@ -17,8 +17,8 @@ from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.jaus.core_services import standard_services
 from jausml.language.semantics.jaus.services import code, with_inherited
 from jausml.language.semantics.paths.scopes import parse_path, target_paths
-from jausml.views.analysis.asks import Ask, asks_of, by_way, peers_of
 from jausml.views.analysis.constants import runtime_constants
+from jausml.views.analysis.requests import Request, alike_requests, peers_of, requests_of
 from jausml.views.analysis.sizes import Size, jaus_size
 from jausml.views.analysis.streams import (
     ASSUMED,
@@ -41,12 +41,7 @@ _PRESENCE_VECTOR = "PresenceVector"
 
 
 def traffic_of(system: System, assumptions: Assumptions) -> Traffic:
-    """Returns the streams of a system.
-
-    Args:
-        system: A valid system.
-        assumptions: What stands in where it says nothing.
-    """
+    """Returns the streams of a system."""
     streams = _Streams(system, assumptions).all()
     by_connection: dict[Asking, list[Stream]] = defaultdict(list)
     for stream in streams:
@@ -56,12 +51,7 @@ def traffic_of(system: System, assumptions: Assumptions) -> Traffic:
 
 
 class _Streams:
-    """Makes the streams of a system.
-
-    Args:
-        system: The system.
-        assumptions: What stands in where it says nothing.
-    """
+    """Makes the streams of a system."""
 
     def __init__(self, system: System, assumptions: Assumptions) -> None:
         self._system = system
@@ -80,22 +70,22 @@ class _Streams:
     # ------------------------------------------------------------------ reports
 
     def _reports(self) -> Iterator[Stream]:
-        groups: dict[tuple[object, object, int, bool], list[Ask]] = defaultdict(list)
-        for provider, ask in asks_of(self._system):
-            is_query = ask.exchange == "query"
-            key = provider or ask.connection, ask.client, code(ask.message), is_query
-            groups[key].append(ask)
+        groups: dict[tuple[object, object, int, bool], list[Request]] = defaultdict(list)
+        for provider, request in requests_of(self._system):
+            is_query = request.exchange == "query"
+            key = provider or request.connection, request.client, code(request.message), is_query
+            groups[key].append(request)
         served = set()
-        for (found, *_), asks in groups.items():
+        for (found, *_), requests in groups.items():
             provider = found if isinstance(found, jaus.Component) else None
-            feeding = self._feeding(provider, asks[0].message)
+            feeding = self._feeding(provider, requests[0].message)
             served.update(feeding)
-            for alike in by_way(asks):
-                yield from self._asked(provider, alike, feeding)
+            for alike in alike_requests(requests):
+                yield from self._requested(provider, alike, feeding)
         for owner in self._system.bridges:
             for connection in owner.bridgeConnections:
                 if not (is_to_ros(connection) or is_single(connection) or connection in served):
-                    yield from self._unasked(owner, connection)
+                    yield from self._unrequested(owner, connection)
 
     def _feeding(
         self, provider: jaus.Component | None, message: jaus.MessageDef
@@ -109,20 +99,23 @@ class _Streams:
             if not (is_to_ros(each) or is_single(each)) and code(each.map.message) == code(message)
         ]
 
-    def _asked(
-        self, provider: jaus.Component | None, asks: list[Ask], feeding: list[bridge.Connection]
+    def _requested(
+        self,
+        provider: jaus.Component | None,
+        requests: list[Request],
+        feeding: list[bridge.Connection],
     ) -> Iterator[Stream]:
-        first = asks[0]
-        connections: list[Asking] = [*(each.connection for each in asks), *feeding]
+        first = requests[0]
+        connections: list[Asking] = [*(each.connection for each in requests), *feeding]
         length = max(self._assumptions.length_of(each) for each in connections)
         size = self._report_size(first, feeding, length)
-        rates = [each.hertz for each in asks if each.exchange != "change"]
+        rates = [each.hertz for each in requests if each.exchange != "change"]
         source = feeding[0] if feeding else first.connection
         hertz = max(rates) if rates else self._changes_of(source)
         basis = DECLARED if rates else ASSUMED
         if first.exchange == "query":
             # Each connection asks by itself.
-            for each in asks:
+            for each in requests:
                 query = self._query_size(each, provider)
                 yield self._stream(
                     first.client, provider, query[0], "query", query[1], each.hertz, DECLARED,
@@ -147,7 +140,7 @@ class _Streams:
         )
         yield from self._renewals(provider, first, is_periodic=bool(rates))
 
-    def _unasked(self, owner: bridge.Bridge, connection: bridge.Connection) -> Iterator[Stream]:
+    def _unrequested(self, owner: bridge.Bridge, connection: bridge.Connection) -> Iterator[Stream]:
         """Yields what one client would get that nobody has modelled."""
         size = self._message_size(connection)
         name, exchange = str(connection.map.message.name), connection.exchange.name
@@ -155,8 +148,8 @@ class _Streams:
         if exchange == "everyChangeEvent":
             rate = self._changes_of(connection)
         if exchange == "query":
-            ask = Ask(owner, connection, connection.map.message, "query", rate)
-            query = self._query_size(ask, owner)
+            request = Request(owner, connection, connection.map.message, "query", rate)
+            query = self._query_size(request, owner)
             yield self._stream(
                 None, owner, query[0], "query", query[1], rate, ASSUMED, [connection]
             )
@@ -171,21 +164,23 @@ class _Streams:
             return min(hertz, self._constants.highest_event_rate)
         return min(max(hertz, self._constants.event_rate_min), self._constants.highest_event_rate)
 
-    def _report_size(self, ask: Ask, feeding: list[bridge.Connection], length: int) -> Size:
+    def _report_size(self, request: Request, feeding: list[bridge.Connection], length: int) -> Size:
         present: frozenset[str] | None = None
         if feeding:
             present = frozenset().union(*map(_assigned_fields, feeding))
-        if isinstance(ask.connection, bridge.Connection) and isinstance(ask.client, bridge.Bridge):
-            query = ask.query_of(ask.named_provider)
+        if isinstance(request.connection, bridge.Connection) and isinstance(
+            request.client, bridge.Bridge
+        ):
+            query = request.query_of(request.named_provider)
             if query is not None and _has_presence_vector(query):
-                asked = requested_fields(ask.client).get(ask.message, frozenset())
+                asked = requested_fields(request.client).get(request.message, frozenset())
                 present = asked if present is None else present & asked
-        return jaus_size(wire.resolve(ask.message), length, present)
+        return jaus_size(wire.resolve(request.message), length, present)
 
-    def _query_size(self, ask: Ask, provider: jaus.Component | None) -> tuple[str, Size]:
-        search = getattr(ask.connection, "search", None)
+    def _query_size(self, request: Request, provider: jaus.Component | None) -> tuple[str, Size]:
+        search = getattr(request.connection, "search", None)
         from_ = provider or search
-        query = ask.query_of(from_)
+        query = request.query_of(from_)
         if query is None:
             return "its query", Size(2, 2, 2)
         return str(query.name), jaus_size(wire.resolve(query), self._assumptions.length)
@@ -263,7 +258,7 @@ class _Streams:
     # ------------------------------------------------------------------ upkeep
 
     def _renewals(
-        self, provider: jaus.Component | None, ask: Ask, *, is_periodic: bool
+        self, provider: jaus.Component | None, request: Request, *, is_periodic: bool
     ) -> Iterator[Stream]:
         """Yields the renewals of an event (AS5710, Events)."""
         minutes = int(provider.eventTimeout) if provider is not None else 1
@@ -272,10 +267,12 @@ class _Streams:
             waits.append(self._constants.check_interval)
         if not waits:
             return
-        query = self._query_size(ask, provider)[1].expected
+        query = self._query_size(request, provider)[1].expected
         hertz = 1 / min(waits)
-        yield self._core_stream(ask.client, provider, "UpdateEvent", hertz, query, asks=True)
-        yield self._core_stream(provider, ask.client, "ConfirmEventRequest", hertz)
+        yield self._core_stream(
+            request.client, provider, "UpdateEvent", hertz, query, wants_acknowledgement=True
+        )
+        yield self._core_stream(provider, request.client, "ConfirmEventRequest", hertz)
 
     def _upkeep(self) -> Iterator[Stream]:
         """Yields what keeps control of others (AS5710, AccessControl)."""
@@ -285,7 +282,9 @@ class _Streams:
                 timeout = int(target.controlTimeout)
                 interval = min(longest, timeout / self._constants.renewals) if timeout else longest
                 hertz = 1 / interval
-                yield self._core_stream(owner, target, "RequestControl", hertz, asks=True)
+                yield self._core_stream(
+                    owner, target, "RequestControl", hertz, wants_acknowledgement=True
+                )
                 yield self._core_stream(target, owner, "ConfirmControl", hertz)
                 yield self._core_stream(owner, target, "QueryStatus", hertz)
                 yield self._core_stream(target, owner, "ReportStatus", hertz)
@@ -298,11 +297,11 @@ class _Streams:
         hertz: float,
         length: int = 0,
         *,
-        asks: bool = False,
+        wants_acknowledgement: bool = False,
     ) -> Stream:
         size = jaus_size(self._core[name], length)
         stream = self._stream(sender, receiver, name, "upkeep", size, hertz, DECLARED, [])
-        stream.wants_acknowledgement = asks
+        stream.wants_acknowledgement = wants_acknowledgement
         return stream
 
     def _stream(

@@ -1,4 +1,4 @@
-"""Bundling: a system of many connections as a frame for each bridge, and one edge for each pair."""
+"""Crowded systems: a frame for each bridge, and one edge for all between the same two boxes."""
 
 from __future__ import annotations
 
@@ -6,21 +6,23 @@ from collections import Counter, defaultdict
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from jausml.views.diagrams.framing import FRAME, MOST_EDGES, bridges_around, is_crowded
 from jausml.views.diagrams.graph import CHANGED, Edge, End, Group, Port
 
 if TYPE_CHECKING:
     from jausml.views.diagrams.graph import Graph, Node
 
 
+MOST_EDGES = 80
+"""Edges that a drawing shows one by one without frames of its own."""
+
+FRAME = "!frame"
+"""Behind the id of a bridge: its frame."""
+
+
 def bundled(graph: Graph, most: int = MOST_EDGES) -> Graph:
     """Returns a graph that can be read: as it is, or bundled where it has too many edges.
 
     What two frames have in common is told in the boxes, not by edges across.
-
-    Args:
-        graph: A graph.
-        most: Edges up to which it stays as it is.
     """
     bridges = [each for each in graph.nodes if each.kind == "bridge"]
     if not is_crowded(graph, most):
@@ -66,16 +68,24 @@ def _box(
     shown = {} if node.kind == "bridge" else within
     rows = (
         *(
-            Port(f"{node.id}!with {other}", f"with {nodes[other].title}", _words(count),
-                 key=f"{node.key}!with {nodes[other].key}")
+            Port(
+                f"{node.id}!with {other}",
+                f"with {nodes[other].title}",
+                _words(count),
+                key=f"{node.key}!with {nodes[other].key}",
+            )
             for other, count in shown.items()
         ),
         *(
-            Port(f"{node.id}!also {other}", f"also with {nodes[other].title}", _words(count),
-                 key=f"{node.key}!also {nodes[other].key}")
+            Port(
+                f"{node.id}!also {other}",
+                f"also with {nodes[other].title}",
+                _words(count),
+                key=f"{node.key}!also {nodes[other].key}",
+            )
             for other, count in across.items()
         ),
-    )  # fmt: skip
+    )
     host = hosts.get(node.group, "")
     subtitle = f"{node.subtitle}, {host}" if host else node.subtitle
     findings = dict.fromkeys([*node.findings, *(f for p in node.ports for f in p.findings)])
@@ -119,3 +129,63 @@ def _end(node: str, other: str, bridges: set[str]) -> End:
 
 def _words(count: int) -> str:
     return f"{count} connection{'s' if count > 1 else ''}"
+
+
+def is_crowded(graph: Graph, most: int = MOST_EDGES) -> bool:
+    """Tells whether a graph has too many edges to be read without frames around its bridges."""
+    return len(graph.edges) > most and any(each.kind == "bridge" for each in graph.nodes)
+
+
+def framed(graph: Graph) -> Graph:
+    """Returns a graph with a frame around each bridge and what exchanges most with it.
+
+    It is for a page that is edited, where what is not shown could not be changed.
+
+    What runs on another host than the bridge stays in the frame of its host.
+    """
+    homes = bridges_around(graph)
+    nodes = graph.by_id
+    bridges = [each for each in graph.nodes if each.kind == "bridge"]
+    return replace(
+        graph,
+        nodes=tuple(
+            replace(each, group=f"{home}{FRAME}")
+            if (home := homes[each.id]) and nodes[home].group == each.group
+            else each
+            for each in graph.nodes
+        ),
+        groups=(
+            *graph.groups,
+            *(
+                Group(
+                    f"{each.id}{FRAME}",
+                    "bridge",
+                    each.title,
+                    each.group,
+                    element=each.element,
+                    key=f"{each.key}{FRAME}",
+                )
+                for each in bridges
+            ),
+        ),
+        is_crowded=True,
+    )
+
+
+def bridges_around(graph: Graph) -> dict[str, str]:
+    """Returns by node the bridge that it exchanges most with; empty for none."""
+    bridges = {each.id for each in graph.nodes if each.kind == "bridge"}
+    counts: dict[str, Counter[str]] = defaultdict(Counter)
+    for edge in graph.edges:
+        for one, other in (
+            (edge.source.node, edge.target.node),
+            (edge.target.node, edge.source.node),
+        ):
+            if other in bridges:
+                counts[one][other] += 1
+    return {
+        each.id: each.id
+        if each.id in bridges
+        else next((bridge for bridge, _ in counts[each.id].most_common(1)), "")
+        for each in graph.nodes
+    }

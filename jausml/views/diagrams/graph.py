@@ -9,6 +9,10 @@ names, which stays when elements are added before it.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
 
 LEFT, RIGHT = "left", "right"
 """Sides of ports."""
@@ -29,8 +33,6 @@ class Finding:
 
     Attributes:
         severity: `error`, `warning` or `info`.
-        rule: Id of the rule.
-        message: What is wrong.
     """
 
     severity: str
@@ -38,21 +40,35 @@ class Finding:
     message: str
 
 
-@dataclass(frozen=True)
-class Port:
-    """A row of a node, at which edges end.
+@dataclass(frozen=True, kw_only=True)
+class _Part:
+    """A part of a diagram.
 
     Attributes:
-        id: Its id, its own among those of the node.
-        label: Its name.
-        note: What stands behind the name: a type, a unit, a range.
-        mark: One word about it, such as `required` or `unmapped`; empty for none.
-        depth: How many rows it lies in.
-        details: What is told on request.
-        findings: What is wrong with it.
         element: Reference to the element that it shows, empty for none.
         key: What names it when positions of elements change.
         state: What became of it since another state of the model, empty for nothing.
+    """
+
+    element: str = ""
+    key: str = ""
+    state: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Described(_Part):
+    """A part of which more is told on request."""
+
+    details: Details = ()
+    findings: tuple[Finding, ...] = ()
+
+
+@dataclass(frozen=True)
+class Port(_Described):
+    """A row of a node, at which edges end.
+
+    Attributes:
+        mark: One word about it, such as `required` or `unmapped`; empty for none.
     """
 
     id: str
@@ -60,31 +76,16 @@ class Port:
     note: str = ""
     mark: str = ""
     depth: int = 0
-    details: Details = ()
-    findings: tuple[Finding, ...] = ()
-    element: str = ""
-    key: str = ""
-    state: str = ""
 
 
 @dataclass(frozen=True)
-class Node:
+class Node(_Described):
     """A box.
 
     Attributes:
-        id: Its id.
         kind: `component`, `bridge`, `node`, `others`, `message`, `type`, `service`, `messages`,
             `state`.
-        title: Its name.
-        subtitle: What stands below the name.
-        ports: Its rows.
         group: Id of the group that it stands in, empty for none.
-        column: Its column, where the view has columns.
-        details: What is told on request.
-        findings: What is wrong with it.
-        element: Reference to the element that it shows, empty for none.
-        key: What names it when positions of elements change.
-        state: What became of it since another state of the model, empty for nothing.
     """
 
     id: str
@@ -94,34 +95,21 @@ class Node:
     ports: tuple[Port, ...] = ()
     group: str = ""
     column: int = BRIDGE_COLUMN
-    details: Details = ()
-    findings: tuple[Finding, ...] = ()
-    element: str = ""
-    key: str = ""
-    state: str = ""
 
 
 @dataclass(frozen=True)
-class Group:
+class Group(_Part):
     """A frame around nodes.
 
     Attributes:
-        id: Its id.
         kind: `host`, `bridge`, `service` or `state`.
-        title: Its name.
         parent: Id of the group around it, empty for none.
-        element: Reference to the element that it shows, empty for none.
-        key: What names it when positions of elements change.
-        state: What became of it since another state of the model, empty for nothing.
     """
 
     id: str
     kind: str
     title: str
     parent: str = ""
-    element: str = ""
-    key: str = ""
-    state: str = ""
 
 
 @dataclass(frozen=True)
@@ -129,7 +117,6 @@ class End:
     """Where an edge ends.
 
     Attributes:
-        node: Id of a node.
         port: Id of a port of it, empty for the node as a whole.
     """
 
@@ -138,23 +125,12 @@ class End:
 
 
 @dataclass(frozen=True)
-class Edge:
+class Edge(_Described):
     """A line from where something comes to where it goes.
 
     Attributes:
-        id: Its id.
-        source: Where it comes from.
-        target: Where it goes.
         kind: `message`, `topic`, `call`, `control`, `to_ros`, `to_jaus`, `inherits`, `answers` or
             `transition`.
-        title: What flows, which the rows at its ends tell too.
-        labels: What stands at it, in lines.
-        count: How many edges it stands for.
-        details: What is told on request.
-        findings: What is wrong with it.
-        element: Reference to the element that it shows, empty for none.
-        key: What names it when positions of elements change.
-        state: What became of it since another state of the model, empty for nothing.
     """
 
     id: str
@@ -164,11 +140,6 @@ class Edge:
     title: str = ""
     labels: tuple[str, ...] = ()
     count: int = 1
-    details: Details = ()
-    findings: tuple[Finding, ...] = ()
-    element: str = ""
-    key: str = ""
-    state: str = ""
 
 
 @dataclass(frozen=True)
@@ -177,14 +148,8 @@ class Graph:
 
     Attributes:
         view: Name of the view, such as `system` or `map:odometry`.
-        title: What stands above it.
-        nodes: The boxes.
         groups: The frames, outer ones first.
-        edges: The lines.
-        downwards: Whether edges go from top to bottom, not from left to right.
-        findings: What is wrong with files, and so belongs to no element.
         element: Reference to the element that it shows, empty for the whole model.
-        is_crowded: Whether lines have no room for labels.
     """
 
     view: str
@@ -217,3 +182,49 @@ _GRAVEST = ("error", "warning", "info")
 def severity(findings: tuple[Finding, ...]) -> str:
     """Returns the gravest severity of findings, empty without any."""
     return next((each for each in _GRAVEST if any(f.severity == each for f in findings)), "")
+
+
+class Boxed(Protocol):
+    """A box."""
+
+    @property
+    def group(self) -> str:
+        """Id of its frame, empty for none."""
+
+
+class Framed(Protocol):
+    """A frame."""
+
+    @property
+    def id(self) -> str:
+        """Its id."""
+
+    @property
+    def parent(self) -> str:
+        """Id of the frame around it, empty for none."""
+
+
+class Step(NamedTuple):
+    """A box, or where a frame begins or ends."""
+
+    what: Literal["box", "begin", "end"]
+    number: int
+    depth: int
+
+
+def nested(boxes: Sequence[Boxed], frames: Sequence[Framed]) -> Iterator[Step]:
+    """Yields boxes and frames: first those in no frame, then each frame with its own."""
+    yield from _inside("", 0, boxes, frames)
+
+
+def _inside(
+    frame: str, depth: int, boxes: Sequence[Boxed], frames: Sequence[Framed]
+) -> Iterator[Step]:
+    for number, box in enumerate(boxes):
+        if box.group == frame:
+            yield Step("box", number, depth)
+    for number, each in enumerate(frames):
+        if each.parent == frame:
+            yield Step("begin", number, depth)
+            yield from _inside(each.id, depth + 1, boxes, frames)
+            yield Step("end", number, depth)

@@ -17,7 +17,7 @@ from jausml.language.interfaces.definitions import PRIMITIVES, TEXTS, FieldType
 from jausml.language.interfaces.literals import integer_range
 from jausml.language.model import READER_RULES
 from jausml.language.model.xmi.writer import to_xmi
-from jausml_generators.ros_interfaces.ros_types import package_files
+from jausml_generators.ros_interfaces.definitions import package_files
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "60"))
 QUICK = settings(

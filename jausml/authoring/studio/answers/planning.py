@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.generation.errors import GenerationError
-from jausml.generation.lock import locked
 from jausml.generation.plan import Action, ActionKind, Plan, unified_diff
 from jausml.generation.target import load_targets
 from jausml.generation.workspace import Result, generate, select
-from jausml.generation.writer import apply
+from jausml.generation.writer import apply, locked
 from jausml.language.model import Severity
 from jausml.language.validation.formats import text
 

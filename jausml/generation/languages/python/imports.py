@@ -33,7 +33,6 @@ class Origin:
     """Where a name comes from.
 
     Attributes:
-        module: The module; relative ones begin with a dot.
         name: Its name there; empty for the module itself.
     """
 
@@ -42,12 +41,7 @@ class Origin:
 
 
 def offered(module: str, *names: str) -> dict[str, Origin]:
-    """Returns names as a module offers them.
-
-    Args:
-        module: The module.
-        *names: The names, which the importing module uses unchanged.
-    """
+    """Returns names as a module offers them."""
     return {name: Origin(module, name) for name in names}
 
 
@@ -67,37 +61,20 @@ STANDARD: Mapping[str, Origin] = {
 
 @dataclass(frozen=True)
 class Imports:
-    """What a module may import.
-
-    Attributes:
-        names: Origins by name, besides those of the standard library.
-        own: The package that the module belongs to, whose imports stand last.
-        for_user: Whether names for annotations are imported plainly, for a user who will soon need
-            them for more.
-    """
+    """What a module may import."""
 
     names: Mapping[str, Origin]
     own: str = ""
     for_user: bool = False
 
     def and_also(self, names: Mapping[str, Origin]) -> Imports:
-        """Returns the same with further names, which come before others of that name.
-
-        Args:
-            names: Origins by name.
-        """
+        """Returns the same with further names, which come before others of that name."""
         return replace(self, names={**self.names, **names})
 
 
 @dataclass(frozen=True)
 class Names:
-    """The names in some statements.
-
-    Attributes:
-        running: Those that are asked for while the program runs.
-        annotating: Those that stand in annotations.
-        defined: Those that are given a meaning, in whichever scope.
-    """
+    """The names in some statements."""
 
     running: Collection[str]
     annotating: Collection[str]
@@ -111,11 +88,7 @@ class Names:
 
 
 def names_in(module: ast.Module) -> Names:
-    """Returns the names in the statements of a module.
-
-    Args:
-        module: Its syntax tree.
-    """
+    """Returns the names in the statements of a module."""
     running: set[str] = set()
     annotating: set[str] = set()
     defined: set[str] = set()
@@ -141,10 +114,6 @@ def names_in(module: ast.Module) -> Names:
 
 def import_lines(names: Names, imports: Imports) -> str:
     """Returns the import statements for what a module uses, in ruff's order.
-
-    Args:
-        names: The names in the module.
-        imports: What it may import.
 
     Raises:
         UnknownNameError: Nothing defines a name that it uses.
@@ -188,11 +157,7 @@ def _sections(names: Iterable[str], origins: Mapping[str, Origin], own: str) -> 
 
 
 def statements(origins: Mapping[str, Origin]) -> Iterator[str]:
-    """Yields the import statements for names, in ruff's order.
-
-    Args:
-        origins: Origins by name.
-    """
+    """Yields the import statements for names, in ruff's order."""
     modules = [name for name, origin in origins.items() if not origin.name]
     yield from (f"import {origins[name].module}" for name in sorted(modules, key=_natural))
     members: dict[tuple[str, str], set[str]] = defaultdict(set)

@@ -51,13 +51,7 @@ def layout(
     module: ast.Module | None = None,
     lay_out: Callable[[Sequence[str]], list[str]] | None = None,
 ) -> str:
-    """Returns a Python module with its long and its broken statements laid out.
-
-    Args:
-        text: The module; what Python cannot read is returned as it is.
-        module: Its syntax tree, if it is known.
-        lay_out: Stands for `lay_out_statement`, whose results it may know.
-    """
+    """Returns a Python module with its long and its broken statements laid out."""
     try:
         module = module or ast.parse(text)
     except (SyntaxError, ValueError, RecursionError):

@@ -32,12 +32,7 @@ _STAND_IN = "\u01c2"
 
 @dataclass(frozen=True)
 class _Piece:
-    """A piece of a module.
-
-    Attributes:
-        text: It, laid out.
-        names: The names in it.
-    """
+    """A piece of a module."""
 
     text: str
     names: Names

@@ -27,13 +27,7 @@ _FSTRING_END = getattr(tokenize, "FSTRING_END", -1)
 
 @dataclass(frozen=True)
 class Token:
-    """A word, operator or literal.
-
-    Attributes:
-        text: Its text.
-        spaced: Whether a space stands before it.
-        is_string: Whether it is a string, of which several may stand side by side.
-    """
+    """A word, operator or literal."""
 
     text: str
     spaced: bool = False
@@ -45,10 +39,6 @@ class Bracket:
     """A pair of brackets and what stands between them.
 
     Attributes:
-        opening: The opening bracket.
-        inside: What stands between, without a comma at the end.
-        comma: Whether a comma stood at the end.
-        spaced: Whether a space stands before it.
         trails: Whether it belongs to what stands before it, as those of calls and indices do.
     """
 
@@ -79,12 +69,7 @@ Part = Token | Bracket
 
 @dataclass(frozen=True)
 class Statement:
-    """A statement without its line breaks.
-
-    Attributes:
-        parts: What it consists of.
-        comment: The comment behind it, or nothing.
-    """
+    """A statement without its line breaks."""
 
     parts: tuple[Part, ...]
     comment: str = ""
@@ -111,9 +96,6 @@ def can_be_flat(parts: Sequence[Part]) -> bool:
 
 def read(text: str) -> Statement | None:
     """Returns a statement, or the head of a compound one, as a tree.
-
-    Args:
-        text: Its lines, without the indentation of the first.
 
     Returns:
         The tree; None when a comment or a string of several lines stands in it.

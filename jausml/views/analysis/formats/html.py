@@ -65,11 +65,7 @@ _Cell: TypeAlias = "str | tuple[str, str]"
 
 
 def render(report: Report) -> str:
-    """Returns a report as a page.
-
-    Args:
-        report: The report.
-    """
+    """Returns a report as a page."""
     return "\n".join(_lines(report)) + "\n"
 
 
@@ -153,13 +149,7 @@ def _alarms(texts: Iterable[str]) -> Iterator[str]:
 def _table(
     head: Sequence[str], left: int, rows: Iterable[tuple[Sequence[_Cell], float]]
 ) -> Iterator[str]:
-    """Yields a table with bars at its right end.
-
-    Args:
-        head: Titles of the columns.
-        left: How many columns hold text.
-        rows: Cells, and how long the bar is.
-    """
+    """Yields a table with bars at its right end."""
     known = list(rows)
     longest = max((length for _, length in known), default=0) or 1
     yield '<div class="wide"><table>'

@@ -10,9 +10,8 @@ from jausml.views.analysis.constants import runtime_constants
 
 if TYPE_CHECKING:
     from jausml.views.analysis.budgets import Budget
-    from jausml.views.analysis.calls import CallReport
-    from jausml.views.analysis.datagrams import Wire
     from jausml.views.analysis.report import (
+        CallReport,
         ComponentReport,
         ConnectionReport,
         Flow,
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
         Report,
     )
     from jausml.views.analysis.sizes import Size
+    from jausml.views.analysis.streams import Wire
 
 FORMAT = 1
 """Version of the structure: keys are added under the same one."""
@@ -29,20 +29,12 @@ _DIGITS = 6
 
 
 def render(report: Report) -> str:
-    """Returns a report as JSON.
-
-    Args:
-        report: The report.
-    """
+    """Returns a report as JSON."""
     return json.dumps(to_plain(report), indent=2, ensure_ascii=True) + "\n"
 
 
 def to_plain(report: Report) -> dict[str, Any]:
-    """Returns a report as plain values.
-
-    Args:
-        report: The report.
-    """
+    """Returns a report as plain values."""
     assumptions = report.assumptions
     return {
         "format": FORMAT,

@@ -45,11 +45,7 @@ _LEFT_OF_SUMS = 2
 
 
 def render(report: Report) -> str:
-    """Returns a report as text.
-
-    Args:
-        report: The report.
-    """
+    """Returns a report as text."""
     return "\n".join(line.rstrip() for line in _lines(report)) + "\n"
 
 

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from jausml.views.analysis.assumptions import Assumptions
     from jausml.views.analysis.budgets import Budget
-    from jausml.views.analysis.calls import CallReport
-    from jausml.views.analysis.report import ConnectionReport
+    from jausml.views.analysis.report import CallReport, ConnectionReport
     from jausml.views.analysis.sizes import Size
 
 CASES = {

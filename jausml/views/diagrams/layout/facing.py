@@ -29,11 +29,7 @@ _PARTS = tuple(0.5 + step / 50 * side for step in range(21) for side in (-1, 1))
 
 
 def can_face(sheet: Sheet) -> bool:
-    """Tells whether all stands in two columns, without frames, with lines only between them.
-
-    Args:
-        sheet: What is to be placed.
-    """
+    """Tells whether all stands in two columns, without frames, with lines only between them."""
     columns = {box.id: box.column for box in sheet.boxes}
     return (
         sheet.facing
@@ -44,11 +40,7 @@ def can_face(sheet: Sheet) -> bool:
 
 
 def face(sheet: Sheet) -> Places:
-    """Returns where everything stands.
-
-    Args:
-        sheet: What `can_face`.
-    """
+    """Returns where everything stands."""
     work = _Work(sheet)
     boxes = work.corners()
     lines = work.routes(boxes)
@@ -177,8 +169,6 @@ def _label(
     """Returns the middle of a label, where it covers no other if there is such a place.
 
     Args:
-        line: The line.
-        points: Its way.
         wanted: Where on it the label stands best, 0 to 1.
         aside: How far below the line it stands, lest it covers another of the same rows.
         taken: What labels cover already; this one comes to it.

@@ -12,9 +12,9 @@ from importlib.util import find_spec
 from math import dist
 from typing import TYPE_CHECKING, Any
 
+from jausml.views.diagrams.graph import nested
 from jausml.views.diagrams.layout.facing import can_face, face
 from jausml.views.diagrams.layout.sheet import LayoutError, Places, Route
-from jausml.views.diagrams.nesting import nested
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

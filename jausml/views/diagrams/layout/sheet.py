@@ -14,12 +14,7 @@ class LayoutError(Exception):
 
 @dataclass(frozen=True)
 class Row:
-    """A row of a box at which lines end.
-
-    Attributes:
-        id: Id of the port.
-        height: Its height.
-    """
+    """A row of a box at which lines end."""
 
     id: str
     height: int
@@ -30,12 +25,7 @@ class Box:
     """A box to be placed.
 
     Attributes:
-        id: Its id.
-        width: Its width.
-        head: Height of what stands above the rows.
-        rows: The rows, from the top; they fill the box.
         group: Id of its frame, empty for none.
-        column: Its column.
     """
 
     id: str
@@ -56,10 +46,7 @@ class Frame:
     """A frame around boxes.
 
     Attributes:
-        id: Its id.
         parent: Id of the frame around it, empty for none.
-        width: Width of its title.
-        height: Height of its title.
     """
 
     id: str
@@ -70,15 +57,7 @@ class Frame:
 
 @dataclass(frozen=True)
 class Line:
-    """A line to be drawn.
-
-    Attributes:
-        id: Its id.
-        source: Ids of the box and, where it ends at one, of the row.
-        target: The same of the other end.
-        width: Width of its label, 0 for none.
-        height: Height of its label.
-    """
+    """A line to be drawn."""
 
     id: str
     source: tuple[str, str]
@@ -92,12 +71,7 @@ class Sheet:
     """What is to be placed.
 
     Attributes:
-        boxes: The boxes.
         frames: The frames, outer ones first.
-        lines: The lines.
-        downwards: Whether lines go from top to bottom.
-        packed: Whether what no line joins is packed into a rectangle.
-        facing: Whether rows of two columns face each other, as in maps.
     """
 
     boxes: tuple[Box, ...]
@@ -113,7 +87,6 @@ class Route:
     """The way of a line.
 
     Attributes:
-        points: A start, then three points for each cubic Bezier curve.
         label: The middle of its label, None without one.
     """
 
@@ -126,11 +99,8 @@ class Places:
     """Where everything stands; y grows downwards.
 
     Attributes:
-        width: Width of all.
-        height: Height of all.
         boxes: Upper left corners by id.
         frames: Upper left and lower right corners by id.
-        lines: Ways by id.
     """
 
     width: float
@@ -144,11 +114,4 @@ class Engine(Protocol):
     """Places what stands on a sheet."""
 
     def place(self, sheet: Sheet) -> Places:
-        """Returns where everything stands, the same for the same sheet.
-
-        Args:
-            sheet: What is to be placed.
-
-        Raises:
-            LayoutError: There is no layout.
-        """
+        """Returns where everything stands, the same for the same sheet."""

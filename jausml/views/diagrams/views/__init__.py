@@ -22,12 +22,7 @@ SYSTEM = "system"
 
 
 class UnknownViewError(Exception):
-    """A model has no such view.
-
-    Args:
-        view: What was asked for.
-        known: The views that the model has.
-    """
+    """A model has no such view."""
 
     def __init__(self, view: str, known: Iterable[str]) -> None:
         names = list(known)
@@ -49,10 +44,6 @@ def view_names(model: Model, *, library: bool = True) -> list[str]:
     """Returns the views of a model, each once: the system, maps, services and machines.
 
     A view has the first of its names that no view before it has.
-
-    Args:
-        model: The model.
-        library: Whether those of the shipped library that it uses are among them.
     """
     found: list[str] = []
     taken: set[str] = set()
@@ -68,9 +59,7 @@ def graph_of(
     """Returns the graph of a view.
 
     Args:
-        model: The model; it may have errors.
         view: Name of the view, such as `system` or `map:odometry`.
-        diagnostics: What was found about the model.
         root: The folder to which references are relative; None for that of the first file.
 
     Raises:

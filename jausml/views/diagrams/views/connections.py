@@ -1,20 +1,22 @@
-"""Connections in the system view: a row of the bridge, and edges to both of its sides."""
+"""Connections in the system view: rows of the bridge, their words, and edges to both sides."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics.connections import stops
 from jausml.language.semantics.connections.topics import resolve_topic
 from jausml.language.semantics.paths.ros_paths import ros_name
+from jausml.language.semantics.paths.scopes import target_paths
 from jausml.views.diagrams.graph import JAUS_COLUMN, ROS_COLUMN, Edge, End, Node, Port
-from jausml.views.diagrams.views import exchanges
 from jausml.views.diagrams.views.context import details, name_of, number
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
-    from jausml.language.metamodel.classes import bridge, jaus, ros
-    from jausml.views.diagrams.views.building import Builder
+    from jausml.language.metamodel.classes import jaus, ros
+    from jausml.views.diagrams.views.context import Builder
 
 _EXCHANGES = {
     "message": "message",
@@ -106,9 +108,9 @@ def _add_connection(builder: Builder, owner: bridge.Bridge, connection: bridge.C
             message=name_of(message),
             type=_type(kind),
             exchange=label,
-            limits=exchanges.limits(connection),
-            QoS=exchanges.topics_qos(connection),
-            **{"when lost": exchanges.when_lost(connection)},
+            limits=limits(connection),
+            QoS=topics_qos(connection),
+            **{"when lost": when_lost(connection)},
         ),
         findings=context.findings(connection),
         element=context.reference(connection),
@@ -235,3 +237,65 @@ def _type(kind: ros.MessageType | ros.ServiceType | ros.ActionType | None) -> st
 
 def _short(kind: ros.MessageType | ros.ServiceType | ros.ActionType | None) -> str:
     return _type(kind).rpartition("/")[2]
+
+
+def qos(profile: ros.QoSProfile | None) -> str:
+    """Returns a quality of service in words, empty for the default."""
+    if profile is None:
+        return ""
+    depth = f" {profile.depth}" if profile.history.name == "keep_last" else ""
+    words = [_words(profile.reliability.name), _words(profile.durability.name)]
+    words.append(_words(profile.history.name) + depth)
+    for name, seconds in (("deadline", profile.deadline), ("lifespan", profile.lifespan)):
+        words += [f"{name} {number(seconds)} s"] if seconds else []
+    if profile.leaseDuration:
+        words.append(
+            f"alive {_words(profile.liveliness.name)} in {number(profile.leaseDuration)} s"
+        )
+    return ", ".join(words)
+
+
+def topics_qos(connection: bridge.Connection) -> str:
+    """Returns the quality of service of the topics of a connection, of those that state one."""
+    told = ((str(each.name or "?"), qos(each.qos)) for each in connection.topics)
+    return "; ".join(f"{name}: {words}" for name, words in told if words)
+
+
+def limits(connection: bridge.Connection) -> str:
+    """Returns what keeps messages of a connection from passing, in words."""
+    return ", ".join(_limits(connection))
+
+
+def _limits(connection: bridge.Connection) -> Iterator[str]:
+    if connection.rateCap:
+        yield f"at most {number(connection.rateCap)} Hz are taken of one source"
+    if connection.decimation > 1:
+        yield f"one of {connection.decimation} passes"
+    if connection.maxRate:
+        yield f"at most {number(connection.maxRate)} Hz pass"
+    if connection.ageLimit:
+        yield f"none older than {number(connection.ageLimit)} s"
+
+
+def when_lost(connection: bridge.Connection) -> str:
+    """Returns what a connection does when its source is lost, in words; empty for nothing."""
+    used = connection.map
+    if used is None or used.message is None:
+        return ""
+    if not stops.has_stop(connection):
+        if not stops.is_command(connection) or not stops.holds(connection):
+            return ""
+        return ": ".join(filter(None, ("the last command stands", stops.hold_reason(connection))))
+    seconds = stops.silence_timeout(connection)
+    values = ", ".join(_value(each) for each in stops.stop_assignments(connection))
+    when = f"after {number(seconds)} s of silence" if seconds else "when control of it is lost"
+    return f"{when}: {values or 'the defaults'}"
+
+
+def _value(assignment: bridge.Assignment) -> str:
+    what = assignment.value if isinstance(assignment, bridge.ConstantAssignment) else "clock"
+    return f"{', '.join(target_paths(assignment))} = {what}"
+
+
+def _words(literal: str) -> str:
+    return literal.replace("_", " ")

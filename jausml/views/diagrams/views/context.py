@@ -1,4 +1,4 @@
-"""What all views need of a model: ids, findings and texts of its elements."""
+"""What all views share: ids, findings and texts of elements, and a graph that is built up."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from jausml.language.model.refs import Keys, ref_of
-from jausml.views.diagrams.graph import Edge, Finding, Group, Node, Port
+from jausml.views.diagrams.graph import Edge, End, Finding, Graph, Group, Node, Port
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -26,9 +26,6 @@ class Context:
     """A model as views see it.
 
     Args:
-        model: The model.
-        view: Name of the view.
-        diagnostics: What was found about the model.
         root: The folder to which references are relative; None for that of the first file.
     """
 
@@ -82,7 +79,6 @@ class Context:
 
         Args:
             elements: The elements; None is passed over.
-            deep: Whether what they own counts too.
         """
         if not self._findings:
             return ()
@@ -107,7 +103,6 @@ def details(element: EObject, **more: object) -> Details:
     """Returns what is told of an element on request: its documentation, then more.
 
     Args:
-        element: The element.
         more: Names and values; empty values are left out.
     """
     texts = {"documentation": getattr(element, "documentation", None), **more}
@@ -122,3 +117,70 @@ def name_of(element: EObject | None) -> str:
 def number(value: float) -> str:
     """Returns a number as people write it: no more digits than it needs."""
     return f"{value:.10g}"
+
+
+class Builder:
+    """A graph that grows."""
+
+    def __init__(self, context: Context) -> None:
+        self.context = context
+        self.boxes: dict[str, Node] = {}
+        self.groups: list[Group] = []
+        self.edges: list[Edge] = []
+        self.endpoints: list[tuple[str, str, End]] = []
+        self._ports: dict[str, dict[str, Port]] = {}
+
+    def add(self, node: Node) -> str:
+        """Adds a box unless there is one of its id, and returns the id."""
+        if node.id not in self.boxes:
+            self.boxes[node.id] = node
+            self._ports[node.id] = {each.id: each for each in node.ports}
+        return node.id
+
+    def put(self, node: str, port: Port) -> End:
+        """Adds a row to a box unless it has one of its id, and returns the end there."""
+        self._ports[node].setdefault(port.id, port)
+        return End(node, port.id)
+
+    def has(self, end: End) -> bool:
+        """Tells whether there is such an end."""
+        return end.port in self._ports.get(end.node, {})
+
+    def graph(
+        self, title: str, element: EObject | None = None, *, downwards: bool = False
+    ) -> Graph:
+        """Returns the graph, without frames around nothing.
+
+        Args:
+            element: The element that it shows; None for the whole model.
+        """
+        named = self.context.named
+        nodes = tuple(
+            replace(named(node), ports=tuple(named(port) for port in self._ports[node.id].values()))
+            for node in self.boxes.values()
+        )
+        used = {node.group for node in nodes}
+        for each in reversed(self.groups):
+            if each.id in used:
+                used.add(each.parent)
+        return Graph(
+            self.context.view,
+            title,
+            nodes,
+            tuple(named(each) for each in self.groups if each.id in used),
+            tuple(named(each) for each in _distinct(self.edges)),
+            downwards,
+            self.context.of_files(),
+            self.context.reference(element),
+        )
+
+
+def _distinct(edges: list[Edge]) -> list[Edge]:
+    """Returns edges with ids of their own: later ones that share one are numbered."""
+    counts: dict[str, int] = {}
+    found = []
+    for each in edges:
+        counts[each.id] = counts.get(each.id, 0) + 1
+        number = counts[each.id]
+        found.append(each if number == 1 else replace(each, id=f"{each.id}!{number}"))
+    return found

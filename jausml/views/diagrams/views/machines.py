@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.inherited_machines import CORE_STATES, DEEPEST, machine_with
 from jausml.views.diagrams.graph import Edge, End, Finding, Graph, Group, Node, Port
-from jausml.views.diagrams.views.building import Builder
-from jausml.views.diagrams.views.context import details, name_of
+from jausml.views.diagrams.views.context import Builder, details, name_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -31,12 +30,7 @@ def offered(
 
 
 def graph(context: Context, element: jaus.StateMachine) -> Graph:
-    """Returns the view of a machine, with what it extends.
-
-    Args:
-        context: The model.
-        element: The machine.
-    """
+    """Returns the view of a machine, with what it extends."""
     builder = Builder(context)
     machine = machine_with(element)
     if machine is not None:
@@ -88,7 +82,7 @@ def _add_state(builder: Builder, machine: Machine, path: str, *, is_composite: b
     elements = found.elements if found is not None else []
     element = context.reference(elements[-1]) if elements else ""
     if is_composite:
-        builder.groups.append(Group(own, "state", name, around, element))
+        builder.groups.append(Group(own, "state", name, around, element=element))
     initial = machine.initial(outer) == path
     rows = [row for state in elements for row in _rows(context, machine, path, state)]
     if is_composite and not elements:

@@ -19,8 +19,7 @@ from jausml.views.diagrams.graph import (
     Node,
     Port,
 )
-from jausml.views.diagrams.views.building import Builder
-from jausml.views.diagrams.views.context import details, name_of, number
+from jausml.views.diagrams.views.context import Builder, details, name_of, number
 from jausml.views.diagrams.views.members import jaus_members, paths_of, plain, ros_members, rows
 
 if TYPE_CHECKING:
@@ -71,12 +70,7 @@ class _Side:
 
 
 def graph(context: Context, attribute_map: bridge.AttributeMap) -> Graph:
-    """Returns the view of a map.
-
-    Args:
-        context: The model.
-        attribute_map: The map.
-    """
+    """Returns the view of a map."""
     return _MapView(context, attribute_map).graph()
 
 
@@ -86,10 +80,6 @@ def ends(
     """Yields the boxes of the view of a map: their ids, and all their members.
 
     The view itself shows those of interest.
-
-    Args:
-        context: The model.
-        attribute_map: The map.
     """
     view = _MapView(context, attribute_map)
     for side in (view.jaus, view.ros, *view.joins.values()):

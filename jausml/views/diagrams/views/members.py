@@ -32,8 +32,6 @@ class Member:
 
     Attributes:
         path: Names joined by dots; an element of a list has the path of the list.
-        port: Its row.
-        inner: What it holds.
     """
 
     path: str
@@ -57,12 +55,7 @@ def ros_members(context: Context, kind: ros.MessageType) -> tuple[Member, ...]:
 
 
 def rows(members: tuple[Member, ...], marks: Mapping[str, str]) -> Iterator[Port]:
-    """Yields the rows of members; of what no assignment fills or reads only the outermost.
-
-    Args:
-        members: The members.
-        marks: What stands at the members that assignments fill or read, by path.
-    """
+    """Yields the rows of members; of what no assignment fills or reads only the outermost."""
     outer = {path[:at] for path in marks for at, sign in enumerate(path) if sign == "."}
     yield from _rows(members, marks, outer)
 
@@ -110,9 +103,9 @@ def _of_jaus(context: Context, place: JausPlace, before: str, depth: int) -> Ite
             _note(_jaus_type(found.field), attribute),
             "required" if needed else "optional" if attribute.optional else "",
             depth,
-            _details(part, attribute),
-            context.findings(part),
-            context.reference(part),
+            details=_details(part, attribute),
+            findings=context.findings(part),
+            element=context.reference(part),
         )
         yield Member(path, port, tuple(_of_jaus(context, found, path, depth + 1)))
 

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.services import lineage, query_name
 from jausml.views.diagrams.graph import Edge, End, Graph, Group, Node, Port
-from jausml.views.diagrams.views.building import Builder
-from jausml.views.diagrams.views.context import details, name_of
+from jausml.views.diagrams.views.context import Builder, details, name_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -31,12 +30,7 @@ def offered(
 
 
 def graph(context: Context, service: jaus.Service) -> Graph:
-    """Returns the view of a service.
-
-    Args:
-        context: The model.
-        service: The service.
-    """
+    """Returns the view of a service."""
     builder = Builder(context)
     chain = lineage(service)
     for each in chain:

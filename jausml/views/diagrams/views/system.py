@@ -20,9 +20,8 @@ from jausml.views.diagrams.graph import (
     Port,
 )
 from jausml.views.diagrams.graph import Node as Box
-from jausml.views.diagrams.views import connections, exchanges
-from jausml.views.diagrams.views.building import Builder
-from jausml.views.diagrams.views.context import details, name_of
+from jausml.views.diagrams.views import connections
+from jausml.views.diagrams.views.context import Builder, details, name_of
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
@@ -41,11 +40,7 @@ def participants(model: Model) -> Sequence[jaus.Component | ros.Node]:
 
 
 def graph(context: Context) -> Graph:
-    """Returns the system view.
-
-    Args:
-        context: The model.
-    """
+    """Returns the system view."""
     builder = Builder(context)
     found = participants(context.model)
     boxes = [_box(context, each) for each in found]
@@ -120,7 +115,7 @@ def _box(context: Context, element: jaus.Component | ros.Node) -> Box:
 def _add_endpoints(builder: Builder, node: ros.Node) -> None:
     context = builder.context
     endpoints = (*node.publishers, *node.subscriptions)
-    told = {context.id_of(each): exchanges.qos(each.qos) for each in endpoints}
+    told = {context.id_of(each): connections.qos(each.qos) for each in endpoints}
     ends: list[tuple[EObject, str, str, str]] = [
         *(
             (each, connections.topic(each.topic, node), "publishes", _type(each.type))

@@ -68,7 +68,6 @@ def style(theme: str, *, compares: bool = False) -> str:
 
     Args:
         theme: `light`, `dark`, or `auto` for that of whoever looks.
-        compares: Whether the picture shows what became of its parts.
     """
     light, dark = (_rules(each) + (_compared(each) if compares else "") for each in (_LIGHT, _DARK))
     if theme == "auto":
@@ -80,7 +79,6 @@ def outline(kind: str, severity: str = "") -> str:
     """Returns the colour of the outline of a box, on light ground.
 
     Args:
-        kind: Kind of the box.
         severity: How grave what is wrong with it is, empty for nothing.
     """
     return _LIGHT["error"] if severity == "error" else _LIGHT[SIDES.get(kind, "line")]

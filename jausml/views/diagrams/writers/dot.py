@@ -5,8 +5,7 @@ from __future__ import annotations
 from html import escape
 from typing import TYPE_CHECKING
 
-from jausml.views.diagrams.graph import severity
-from jausml.views.diagrams.nesting import nested
+from jausml.views.diagrams.graph import nested, severity
 from jausml.views.diagrams.writers.colours import outline
 
 if TYPE_CHECKING:
@@ -18,11 +17,7 @@ _DASHED = ("control", "owns")
 
 
 def render(graph: Graph) -> str:
-    """Returns a graph as a file of Graphviz.
-
-    Args:
-        graph: The graph.
-    """
+    """Returns a graph as a file of Graphviz."""
     return "\n".join(_lines(graph)) + "\n"
 
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.views.diagrams.graph import severity
-from jausml.views.diagrams.nesting import nested
+from jausml.views.diagrams.graph import nested, severity
 from jausml.views.diagrams.writers.colours import SIDES, outline
 
 if TYPE_CHECKING:
@@ -20,11 +19,7 @@ _MOST_ROWS = 60
 
 
 def render(graph: Graph) -> str:
-    """Returns a graph as a flow chart.
-
-    Args:
-        graph: The graph.
-    """
+    """Returns a graph as a flow chart."""
     return "\n".join(_lines(graph)) + "\n"
 
 

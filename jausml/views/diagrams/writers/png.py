@@ -32,8 +32,6 @@ def render(graph: Graph, engine: Engine, theme: str = "auto") -> bytes:
     """Returns a graph as a picture: the same bytes on a machine of the same fonts.
 
     Args:
-        graph: The graph; one of too many edges is bundled.
-        engine: What places its parts.
         theme: `light` or `dark`; `auto` is light.
 
     Raises:

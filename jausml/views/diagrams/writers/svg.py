@@ -10,7 +10,7 @@ from jausml.views.diagrams.bundling import bundled
 from jausml.views.diagrams.graph import severity
 from jausml.views.diagrams.writers import shapes
 from jausml.views.diagrams.writers.colours import style
-from jausml.views.diagrams.writers.text_width import cut, width
+from jausml.views.diagrams.writers.shapes import cut, width
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -38,12 +38,7 @@ def render(graph: Graph, engine: Engine, theme: str = "auto") -> str:
     """Returns a graph as a picture.
 
     Args:
-        graph: The graph; one of too many edges is bundled.
-        engine: What places its parts.
         theme: `light`, `dark`, or `auto` for that of whoever looks.
-
-    Raises:
-        LayoutError: There is no layout.
     """
     shown = bundled(graph)
     return picture(shown, engine, theme, is_bundled=shown is not graph, keys=Keys())
@@ -78,18 +73,7 @@ class Keys:
 
 
 def picture(graph: Graph, engine: Engine, theme: str, *, is_bundled: bool, keys: Keys) -> str:
-    """Returns a graph as it is as a picture.
-
-    Args:
-        graph: The graph.
-        engine: What places its parts.
-        theme: As `render` takes it.
-        is_bundled: Whether what no edge joins is packed into a rectangle.
-        keys: The keys of what is drawn.
-
-    Raises:
-        LayoutError: There is no layout.
-    """
+    """Returns a graph as it is as a picture."""
     return "\n".join(_lines(graph, engine, theme, keys, is_bundled=is_bundled)) + "\n"
 
 

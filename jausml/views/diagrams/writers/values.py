@@ -13,10 +13,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from jausml.views.diagrams.layout.settling import area_of, settle
-from jausml.views.diagrams.layout.surrounding import surrounding
+from jausml.views.diagrams.layout.settling import area_of, settle, surrounding
 from jausml.views.diagrams.writers import shapes
-from jausml.views.diagrams.writers.text_width import cut
+from jausml.views.diagrams.writers.shapes import cut
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -36,11 +35,6 @@ class Standing:
     """Where the parts of a view stood whenever it was drawn; a new one knows nothing.
 
     Boxes that are gone are kept: what undo brings back stands where it stood.
-
-    Attributes:
-        boxes: Corners by key, without those that users gave.
-        shown: What was drawn last, by key: kinds and corners, whoever gave them.
-        routes: Ways of lines, by where they start and end.
     """
 
     boxes: dict[str, Point] = field(default_factory=dict)
@@ -60,13 +54,7 @@ def render(
     comes beside what it is joined with.
 
     Args:
-        graph: The graph.
-        engine: What places its parts.
-        moved: Corners that users gave to boxes, by key.
         standing: Where its parts stood; it is told where they stand now.
-
-    Raises:
-        LayoutError: There is no layout.
     """
     moved = moved or {}
     standing = standing if standing is not None else Standing()
@@ -122,11 +110,11 @@ def _keep_routes(
     sheet: Sheet, corners: Mapping[str, Point], routes: Mapping[str, Route], standing: Standing
 ) -> None:
     standing.routes = {
-        way: routes[line.id] for line, way in _ways(sheet, corners) if line.id in routes
+        way: routes[line.id] for line, way in _line_ends(sheet, corners) if line.id in routes
     }
 
 
-def _ways(sheet: Sheet, corners: Mapping[str, Point]) -> list[tuple[Line, _Way]]:
+def _line_ends(sheet: Sheet, corners: Mapping[str, Point]) -> list[tuple[Line, _Way]]:
     """Returns where lines start and end; those that share both are numbered."""
     boxes = {each.id: each for each in sheet.boxes}
     rows = {(box.id, name): y for box in sheet.boxes for name, y in _rows(box, corners[box.id][1])}
@@ -156,7 +144,7 @@ def _values(
     graph: Graph, sheet: Sheet, corners: Mapping[str, Point], fixed: set[str], standing: Standing
 ) -> dict[str, Any]:
     boxes = {each.id: each for each in sheet.boxes}
-    routes = {line.id: standing.routes.get(way) for line, way in _ways(sheet, corners)}
+    routes = {line.id: standing.routes.get(way) for line, way in _line_ends(sheet, corners)}
     frames = surrounding(sheet, corners, routes)
     areas = [*frames.values(), *(area_of(each, corners[each.id]) for each in sheet.boxes)]
     return {

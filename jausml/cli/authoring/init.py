@@ -1,0 +1,170 @@
+"""`jausml init`: makes a project of models."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from jausml.cli.authoring.topics import (
+    chosen_crossings,
+    show_chosen,
+    show_unanswered,
+    show_undecided,
+    topic_options,
+    topics_of,
+)
+from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, find_files
+from jausml.cli.shared.terminal import painted_findings
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.authoring.projects.creating import Wish
+    from jausml.authoring.proposals.topics import Crossing
+    from jausml.language.importers.jsidl import ImportResult
+
+_EXAMPLE, _EMPTY, _TOPICS, _JSIDL = "example", "empty", "topics", "jsidl"
+_EXAMPLES = {_TOPICS: "odom:nav_msgs/Odometry", _JSIDL: "services/Winch.jsidl"}
+"""A SOURCE for each way to begin that needs some."""
+
+
+@click.command("init")
+@click.argument("folder", metavar="DIR", type=click.Path(file_okay=False, path_type=Path))
+@click.argument("sources", metavar="[SOURCE]...", nargs=-1)
+@click.option("--name", metavar="NAME", help="Name of the system; by default, that of the folder.")
+@click.option(
+    "--notation",
+    type=click.Choice(["xmi", "text"]),
+    default="xmi",
+    show_default=True,
+    help="Notation of the model.",
+)
+@click.option(
+    "--from",
+    "origin",
+    type=click.Choice([_EXAMPLE, _EMPTY, _TOPICS, _JSIDL]),
+    default=_EXAMPLE,
+    show_default=True,
+    help="Content of the model. example: a working sensor and bridge; empty: nothing; topics: a "
+    "bridge for the SOURCEs, which are topics such as odom:nav_msgs/Odometry; jsidl: a "
+    "component with the services of the SOURCEs, which are JSIDL files and folders.",
+)
+@click.option(
+    "--copies",
+    is_flag=True,
+    help="Only renew the copies of metamodels and library in a project, after an update of jausml.",
+)
+@topic_options
+def command(
+    folder: Path,
+    sources: tuple[str, ...],
+    name: str | None,
+    notation: str,
+    origin: str,
+    copies: bool,
+    side: str,
+    yes: bool,
+    holds: tuple[str, ...],
+) -> None:
+    """Make a project of models in DIR, which may already exist.
+
+    The project contains a model that validates, generates and runs; copies of the metamodels and
+    the library, so that Eclipse can open it; a workflow for CI, hooks for pre-commit, and a README.
+    Your own files are never overwritten.
+
+    Exit status: 0 done, 1 errors in JSIDL files, 2 usage or environment (a file already exists), 3
+    internal error.
+    """
+    from jausml.authoring.projects.creating import Wish, create, name_for
+    from jausml.authoring.projects.errors import ProjectError
+
+    if copies:
+        _renew(folder)
+        return
+    if bool(sources) is not (origin in _EXAMPLES):
+        what = f"needs SOURCEs, such as {_EXAMPLES[origin]}" if not sources else "takes no SOURCE"
+        if sources and all(":" in each for each in sources):
+            what += "; did you mean --from topics?"
+        raise click.UsageError(f"--from {origin} {what}")
+    chosen: Sequence[Crossing] = ()
+    try:
+        wish = Wish(name or name_for(folder), notation == "text", origin == _EMPTY)
+        if origin == _TOPICS:
+            written, chosen = _from_topics(folder, wish, sources, side=side, yes=yes, holds=holds)
+        elif origin == _JSIDL:
+            written = _from_jsidl(folder, wish, sources)
+        else:
+            written = create(folder, wish)
+    except ProjectError as error:
+        raise EnvironmentFault(str(error)) from error
+    except OSError as error:
+        raise EnvironmentFault(f"{error.filename} cannot be written: {error.strerror}") from error
+    click.echo(f"{len(written)} files in {folder}; next:")
+    if folder.resolve() != Path.cwd().resolve():
+        where = f"./{folder}" if str(folder).startswith("-") else str(folder)
+        click.echo(f"  cd {shlex.quote(where)}")
+    click.echo("  jausml validate models")
+    click.echo(f"  jausml generate {wish.model} -o src")
+    click.echo("  jausml run src --for 10")
+    show_undecided(chosen)
+
+
+def _renew(folder: Path) -> None:
+    from jausml.authoring.projects.creating import renew_copies
+
+    try:
+        written, kept = renew_copies(folder)
+    except OSError as error:
+        raise EnvironmentFault(f"{error.filename} cannot be written: {error.strerror}") from error
+    for path in kept:
+        click.echo(f"{path} stays: it was changed here", err=True)
+    click.echo(f"{len(written)} copies in {folder} renewed")
+
+
+def _from_topics(
+    folder: Path,
+    wish: Wish,
+    sources: Sequence[str],
+    *,
+    side: str,
+    yes: bool,
+    holds: Sequence[str],
+) -> tuple[list[str], Sequence[Crossing]]:
+    from jausml.authoring.projects.starting import start_from_topics
+    from jausml.authoring.proposals.elements import library
+    from jausml.language.metamodel.classes import bridge
+
+    topics = topics_of(sources)
+    maps = library().instances(bridge.AttributeMap)
+    chosen = chosen_crossings(topics, maps, side=side, yes=yes, holds=holds)
+    written = start_from_topics(folder, wish, chosen, topics)
+    show_chosen(chosen, topics)
+    show_unanswered(chosen)
+    return written, chosen
+
+
+def _from_jsidl(folder: Path, wish: Wish, sources: Sequence[str]) -> list[str]:
+    from jausml.authoring.projects.starting import start_from_services
+
+    return start_from_services(folder, wish, _imported(sources))
+
+
+def _imported(paths: Sequence[str]) -> ImportResult:
+    """Returns services in JSIDL; ends when the files have errors."""
+    from jausml.cli.models.import_ import JSIDL_SUFFIXES, findings_of
+    from jausml.language.importers.jsidl import import_jsidl
+    from jausml.language.validation.formats import text
+
+    folders = [each for each in paths if Path(each).is_dir()]
+    files = find_files([each for each in paths if each not in folders], JSIDL_SUFFIXES)
+    result = import_jsidl(files, candidates=find_files(folders, JSIDL_SUFFIXES))
+    report = findings_of(result)
+    if report.diagnostics:
+        click.echo(painted_findings(text.render(report)), nl=False, err=True)
+    if report.has_errors or not result.sets:
+        click.echo("nothing written", err=True)
+        raise click.exceptions.Exit(PROBLEMS)
+    return result

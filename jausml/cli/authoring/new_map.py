@@ -1,0 +1,210 @@
+"""`jausml new map`: a map between a JAUS message and a ROS type."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import click
+
+from jausml.cli.authoring.places import model_option, pairs, place_for, report, stopping
+from jausml.cli.shared.terminal import can_ask, choose, remark
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from jausml.authoring.editing.commands import Command
+    from jausml.authoring.projects.places import Opened
+    from jausml.authoring.proposals.elements import Scope
+    from jausml.authoring.proposals.mapping.beginning import Begun, Doubt, Wish
+    from jausml.language.metamodel.classes import bridge
+
+_EXAMPLE = "twist.linear.x=Velocity_X"
+_WAYS = {"both": (True, False), "to-ros": (True,), "to-jaus": (False,)}
+
+
+@click.command("map")
+@click.argument("name", metavar="NAME")
+@click.argument("message", metavar="MESSAGE")
+@click.argument("kind", metavar="TYPE")
+@click.option(
+    "--to-ros",
+    metavar="TARGET=SOURCE",
+    multiple=True,
+    help="Assignment to a member of the ROS type from a field of the message; may be repeated.",
+)
+@click.option(
+    "--to-jaus",
+    metavar="TARGET=SOURCE",
+    multiple=True,
+    help="Assignment to a field of the message from a member of the ROS type; may be repeated.",
+)
+@click.option(
+    "--direction",
+    type=click.Choice(list(_WAYS)),
+    default="both",
+    show_default=True,
+    help="Directions to fill.",
+)
+@click.option("--copy", "ready", metavar="MAP", help="Copy this ready map.")
+@click.option("--fill", "fills", is_flag=True, help="Fill a new map even if a ready map exists.")
+@click.option(
+    "--yes", is_flag=True, help="Take the first choice where several fit, and ask nothing."
+)
+@click.option(
+    "--zeros-stop",
+    is_flag=True,
+    help="Your decision that zeros stop what the command moves when its source is lost. Only where "
+    "all of its numbers are rates; --yes does not include it.",
+)
+@click.option("--bridge", metavar="NAME", help="Bridge that gets the map, if there are several.")
+@model_option
+def map_(
+    name: str,
+    message: str,
+    kind: str,
+    to_ros: tuple[str, ...],
+    to_jaus: tuple[str, ...],
+    direction: str,
+    ready: str | None,
+    fills: bool,
+    yes: bool,
+    zeros_stop: bool,
+    bridge: str | None,
+    model: Path | None,
+) -> None:
+    """Add a map named NAME to a bridge, between MESSAGE and TYPE.
+
+    It assigns what corresponds by name, time, unit and axis, with the conversions that the rules
+    require, and ignores the rest on purpose. It prints what is open and writes it into the
+    documentation of the map. If several things fit, it asks. If a ready map has the same message
+    and type, it offers a copy.
+
+    A SOURCE is a member, with conversions behind a colon (Velocity_Y : negate), a constant
+    ("odom" in quotes, or a number), clock, or ignore.
+
+    What stops a command when its source is lost is yours to decide: write stopRos or stopJaus into
+    the map, or say --zeros-stop. Until then the map has no stop, and validate reports JML451.
+
+    Exit status: 0 done, 2 usage or environment, 3 internal error.
+    """
+    from jausml.authoring.projects.adding import add, bridge_in, check_map_name
+    from jausml.authoring.proposals.finding import message_of, type_of
+    from jausml.authoring.proposals.mapping.beginning import Wish
+
+    if ready is not None and (fills or to_ros or to_jaus or zeros_stop):
+        taken = "--fill, --to-ros, --to-jaus or --zeros-stop"
+        raise click.UsageError(f"--copy takes a map as it is: no {taken}")
+    ros, jaus = (tuple(pairs(each, "=", _EXAMPLE)) for each in (to_ros, to_jaus))
+
+    def commands(at: Opened) -> Sequence[Command]:
+        owner = bridge_in(at, bridge or "")
+        check_map_name(name, owner)
+        ends = message_of(at.scope, message), type_of(at.scope, kind)
+        wish = Wish(name, *ends, ros, jaus, _WAYS[direction], zeros_stop=zeros_stop)
+        if not (fills or ros or jaus or zeros_stop):
+            copy = _copy(at.scope, owner, wish, ready, yes=yes)
+            if copy:
+                return copy
+        begun = _begun(at.scope, owner, wish, yes=yes)
+        return [begun.add, *begun.tables]
+
+    with stopping():
+        place = place_for(model)
+        report(place, add(place, f"Add map {name}", commands))
+
+
+def _copy(
+    scope: Scope, owner: bridge.Bridge, wish: Wish, wanted: str | None, *, yes: bool
+) -> Sequence[Command]:
+    """Returns what copies a ready map, nothing where none is wanted or there is none."""
+    from jausml.authoring.proposals.ready import between, copied
+    from jausml.language.model.names import name_of
+
+    found = between(scope, wish.message, wish.type)
+    names = [name_of(each) for each in found]
+    if wanted is not None and wanted not in names:
+        raise click.UsageError(
+            f"no ready map {wanted!a} of the two; there are: {', '.join(names) or 'none'}"
+        )
+    if not found:
+        return ()
+    at = [names.index(wanted)] if wanted is not None else [0] if yes else _chosen_ready(names)
+    if not at:
+        return ()
+    used = found[at[0]]
+    click.echo(f"a copy of the ready map {name_of(used)}, with its vectors")
+    remark(
+        f"a connection can use it as it is, too: jausml new bridge NAME TOPIC:TYPE:{names[at[0]]}"
+    )
+    return copied(scope, owner, used, wish.name)
+
+
+def _chosen_ready(names: Sequence[str]) -> list[int]:
+    if not can_ask():
+        raise click.UsageError(
+            f"ready maps have both ends: {', '.join(names)}; `jausml show map {names[0]}` shows"
+            f" one. --copy {names[0]} copies it, --fill fills a new one"
+        )
+    return choose("Ready maps have both ends. Copy one?", names)
+
+
+def _begun(scope: Scope, owner: bridge.Bridge, wish: Wish, *, yes: bool) -> Begun:
+    """Returns the map that is wanted; asks where more than one thing fits."""
+    from jausml.authoring.proposals.mapping.beginning import begin_map
+
+    begun = begin_map(scope, owner, wish)
+    asked: set[Doubt] = set()
+    while yes or can_ask():
+        doubts = [each for each in begun.doubts if each not in asked]
+        if not doubts:
+            break
+        for each in doubts:
+            wish = wish.with_first(each) if yes else _answered(wish, each)
+        asked |= {*doubts}
+        begun = begin_map(scope, owner, wish)
+    if wish.zeros_stop and not begun.stops_by_zeros:
+        raise click.UsageError(
+            "--zeros-stop: zeros stop only a command that moves something and of which all numbers "
+            "are rates, such as velocities; write the stop of others yourself"
+        )
+    if begun.stops_by_zeros and not (yes or wish.zeros_stop) and can_ask() and _zeros_stop():
+        begun = begin_map(scope, owner, replace(wish, zeros_stop=True))
+    _show_begun(begun)
+    return begun
+
+
+def _zeros_stop() -> bool:
+    """Asks a person what no tool knows; nothing but a yes is one."""
+    click.echo("All numbers of this command are rates, such as velocities.", err=True)
+    question = "Do zeros stop what it moves, when its source is lost?"
+    return click.confirm(question, default=False, err=True)
+
+
+def _answered(wish: Wish, doubt: Doubt) -> Wish:
+    """Returns a wish with what somebody says to a doubt, which may be nothing."""
+    from jausml.authoring.proposals.mapping.words import shown
+
+    chosen = choose(f"What fills {doubt.target}?", [shown(each) for each in doubt.choices])
+    return wish.with_answer(doubt, doubt.choices[chosen[0]]) if chosen else wish
+
+
+def _show_begun(begun: Begun) -> None:
+    for table in (each for each in begun.tables if each.kind == "bridge.ValueTable"):
+        entries = (
+            f"{each.values['jaus'][0]} <-> {each.values['ros'][0]}" for each in table.children
+        )
+        click.echo(f"table {table.values['name'][0]} ( {'  '.join(entries)} )")
+    for to_ros, statements in begun.statements.items():
+        click.echo("JAUS->ROS" if to_ros else "ROS->JAUS")
+        for each in statements:
+            click.echo(f"  {each}")
+    if not begun.statements:
+        click.echo("nothing corresponds by name, time, or unit and axis")
+    if begun.opens:
+        click.echo("open")
+    for each in begun.opens:
+        click.echo(f"  {each}")
+    for each in begun.findings:
+        click.echo(f"  {each}")

@@ -1,0 +1,161 @@
+"""`jausml new component`, `new node` and `new service`: parts of a system without topics."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from jausml.cli.authoring.places import model_option, pairs, place_for, report, stopping
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from jausml.authoring.editing.commands import Add, Child, Command
+    from jausml.authoring.projects.places import Opened
+
+
+@click.command("service")
+@click.argument("name", metavar="NAME")
+@click.option(
+    "--message",
+    "messages",
+    metavar="WORDS",
+    multiple=True,
+    help="Message in words, such as 'ReportDepth: Depth m 0..100'; may be repeated.",
+)
+@click.option("--urn", default="", metavar="URN", help="URN, by default urn:example:SYSTEM:NAME.")
+@click.option(
+    "--inherits",
+    default="",
+    metavar="SERVICE",
+    help="Name or URN of the service that it extends, or none; by default a core service.",
+)
+@model_option
+def service(
+    name: str, messages: tuple[str, ...], urn: str, inherits: str, model: Path | None
+) -> None:
+    """Add a JAUS service named NAME with messages, in its own service set.
+
+    A FILE that has a service set and no system gets the service in that set, and so does a FILE
+    that does not exist yet.
+
+    \b
+    WORDS are [command|query|report] MESSAGE [CODE]: FIELD, FIELD, ...
+    A FIELD is a name, with ? if it is optional, and in any order
+      a unit           m, rad/s, meter per second, percent
+      a range          0..100, as a scaled integer if it has a unit
+      listed values    off|on|auto
+      a wire type      uint8 to uint64, int8 to int64, float32, float64,
+                       text, TimeStamp
+      scaled           for a range without a unit
+
+    The name determines the kind: Query... and Report..., otherwise a command. Each report gets the
+    query that asks for it, and each message a code that is free in the project and the library. A
+    service with commands inherits Management; one without commands inherits Events, so that clients
+    can subscribe to its reports. Without --message, the service gets one report as an example.
+
+    Exit status: 0 done, 2 usage or environment, 3 internal error.
+    """  # noqa: D301 - click wants the character
+    from jausml.authoring.projects.adding import add, models_beside
+    from jausml.authoring.proposals.services import new_service
+
+    made: list[Add] = []
+
+    def commands(at: Opened) -> list[Command]:
+        own, others = at.home_of_services, models_beside(at)
+        made.append(
+            new_service(at.scope, own, name, messages, urn=urn, inherits=inherits, others=others)
+        )
+        return [*made]
+
+    with stopping():
+        place = place_for(model)
+        files = add(place, f"Add service {name}", commands, is_of_services=True)
+    service: Add | Child = made[0]
+    if service.feature == "serviceSets":
+        [service] = service.children
+    for each in service.children:
+        click.echo(_message_line(each))
+    report(place, files)
+
+
+def _message_line(message: Child) -> str:
+    """Returns a message in a line: its code, its name, and its fields."""
+    fields = [each.values["name"][0] for body in message.children for each in body.children]
+    way = "sends" if message.feature == "outputs" else "takes"
+    head = f"{way} {message.values['code'][0]} {message.values['name'][0]}"
+    return f"{head}: {', '.join(fields)}" if fields else head
+
+
+@click.command("component")
+@click.argument("name", metavar="NAME")
+@click.option(
+    "--provides",
+    metavar="SERVICE",
+    multiple=True,
+    help="Name or URN of a service; may be repeated.",
+)
+@click.option(
+    "--uses", metavar="SERVICE", multiple=True, help="Name or URN of a service; may be repeated."
+)
+@click.option("--address", metavar="ID", help="JAUS id; by default, a free one.")
+@model_option
+def component(
+    name: str,
+    provides: tuple[str, ...],
+    uses: tuple[str, ...],
+    address: str | None,
+    model: Path | None,
+) -> None:
+    """Add a JAUS component named NAME, with services of the model or the library.
+
+    Exit status: 0 done, 2 usage or environment, 3 internal error.
+    """
+    from jausml.authoring.projects.adding import add, check_name
+    from jausml.authoring.proposals.parts import new_component
+
+    def commands(at: Opened) -> list[Command]:
+        check_name(name, at.system)
+        made = new_component(
+            at.scope, at.system, name, provides=provides, uses=uses, address=address or ""
+        )
+        return [made]
+
+    with stopping():
+        place = place_for(model)
+        report(place, add(place, f"Add component {name}", commands))
+
+
+_EXAMPLE = "cmd_vel:geometry_msgs/Twist"
+
+
+@click.command("node")
+@click.argument("name", metavar="NAME")
+@click.option(
+    "--publishes", metavar="TOPIC:TYPE", multiple=True, help="Topic and its type; may be repeated."
+)
+@click.option(
+    "--subscribes", metavar="TOPIC:TYPE", multiple=True, help="Topic and its type; may be repeated."
+)
+@model_option
+def node(
+    name: str, publishes: tuple[str, ...], subscribes: tuple[str, ...], model: Path | None
+) -> None:
+    """Add a ROS node named NAME, for which code with a skeleton is generated.
+
+    Exit status: 0 done, 2 usage or environment, 3 internal error.
+    """
+    from jausml.authoring.projects.adding import add, check_name
+    from jausml.authoring.proposals.parts import new_node
+
+    published = pairs(publishes, ":", _EXAMPLE)
+    heard = pairs(subscribes, ":", _EXAMPLE)
+
+    def commands(at: Opened) -> list[Command]:
+        check_name(name, at.system)
+        return [new_node(at.scope, at.system, name, publishes=published, subscribes=heard)]
+
+    with stopping():
+        place = place_for(model)
+        report(place, add(place, f"Add node {name}", commands))

@@ -1,0 +1,279 @@
+"""Shared parts of the verbs that make bridges of topics: words, choices, and what was chosen."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import click
+
+from jausml.cli.shared.terminal import can_ask, choose, remark
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from jausml.authoring.proposals.topics import Crossing, TopicEnd
+    from jausml.language.metamodel.classes import bridge
+
+
+def topic_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Adds the options of how topics are bridged to a verb."""
+    side = click.option(
+        "--side",
+        type=click.Choice(["vehicle", "operator"]),
+        default="vehicle",
+        show_default=True,
+        help="Role of the ROS nodes: a vehicle that JAUS commands, or an operator that commands "
+        "one.",
+    )
+    yes = click.option("--yes", is_flag=True, help="Take the likeliest map without asking.")
+    hold = click.option(
+        "--hold",
+        "holds",
+        metavar="TOPIC=REASON",
+        multiple=True,
+        help="Why the last command of a topic may stand when its source is lost: what you know "
+        "about its receiver. May be repeated.",
+    )
+    return side(hold(yes(command)))
+
+
+def holds_of(words: Sequence[str], topics: Sequence[TopicEnd]) -> dict[str, str]:
+    """Returns the reasons of a person why last commands may stand, by topic."""
+    from jausml.language.semantics.connections.stops import is_reason
+
+    known = {each.name for each in topics}
+    found: dict[str, str] = {}
+    for word in words:
+        name, _, reason = word.partition("=")
+        if name not in known:
+            raise click.UsageError(f"--hold {word!a}: there is no topic {name!a} here")
+        if not is_reason(reason):
+            raise click.UsageError(
+                f"--hold {name}: say what you know about the receiver that makes it safe"
+            )
+        found[name] = reason.strip()
+    return found
+
+
+def topics_of(words: Sequence[str]) -> list[TopicEnd]:
+    """Returns the topics that words such as `odom:nav_msgs/Odometry` name."""
+    from jausml.authoring.proposals.topics import TopicEnd
+    from jausml.language.interfaces.definitions import is_package_name, is_type_name
+    from jausml.language.semantics.connections.topics import topic_fault
+
+    found: dict[str, TopicEnd] = {}
+    for word in words:
+        name, _, rest = word.partition(":")
+        kind, _, maps = rest.partition(":")
+        package, _, message = kind.replace("/msg/", "/", 1).partition("/")
+        if not (is_package_name(package) and is_type_name(message)):
+            full = _full(kind)
+            example = f"{name}:{full}" if full else "cmd_vel:geometry_msgs/Twist"
+            raise click.UsageError(f"{word!a} is no TOPIC:TYPE[:MAP,...] such as {example}")
+        if fault := topic_fault(name):
+            raise click.UsageError(f"{word!a}: the name of the topic {fault}")
+        if name in found:
+            raise click.UsageError(f"the topic {name} is there twice: name its maps behind a colon")
+        chosen = tuple(each for each in maps.split(",") if each)
+        found[name] = TopicEnd(name, f"{package}/{message}", maps=chosen)
+    return list(found.values())
+
+
+def _full(message: str) -> str:
+    """Returns the type with its package of which ready maps have a message name; empty for none."""
+    from jausml.authoring.proposals.elements import library
+    from jausml.language.metamodel.classes import bridge
+    from jausml.language.semantics.paths.ros_paths import ros_name
+
+    maps = library().instances(bridge.AttributeMap)
+    known = {ros_name(each.type) for each in maps if each.type is not None}
+    return min((each for each in known if each.partition("/")[2] == message), default="")
+
+
+def chosen_crossings(
+    topics: Sequence[TopicEnd],
+    maps: Sequence[bridge.AttributeMap],
+    *,
+    side: str,
+    yes: bool,
+    holds: Sequence[str] = (),
+    all_needed: bool = True,
+) -> list[Crossing]:
+    """Returns the ways that are taken; asks where a topic has several.
+
+    Args:
+        holds: Why last commands may stand, `TOPIC=REASON`. What is missing is asked on a terminal,
+            unless the likeliest is taken, and nothing else answers it.
+        all_needed: Whether each topic must have a way; else those without one are told.
+    """
+    from jausml.authoring.proposals.topics import crossings
+
+    reasons = holds_of(holds, topics)
+    offered = {each.name: crossings(each, maps, side) for each in topics}
+    fed = _feeding(offered)
+    found: list[Crossing] = []
+    for topic in topics:
+        ways = offered[topic.name]
+        if not ways:
+            if topic.type not in fed:
+                _without(topic, maps, side, is_error=all_needed)
+            continue
+        found += _taken(topic, ways, yes=yes)
+    if not found:
+        raise click.UsageError("no topic is left that a bridge could carry")
+    return [_decided(each, reasons, yes=yes) for each in found]
+
+
+def _decided(crossing: Crossing, reasons: Mapping[str, str], *, yes: bool) -> Crossing:
+    """Returns a way with the reason of a person why its last command may stand, if there is one."""
+    if not crossing.has_no_stop:
+        return crossing
+    reason = reasons.get(crossing.topic.name, "")
+    if not reason and not yes and can_ask():
+        reason = _ask_reason(crossing)
+    return replace(crossing, hold_reason=reason)
+
+
+def _ask_reason(crossing: Crossing) -> str:
+    from jausml.language.model.names import name_of
+    from jausml.language.semantics.connections.stops import is_reason
+
+    click.echo(
+        f"Nothing stops what {name_of(crossing.offer.message)} of {crossing.topic.name} sets in "
+        "motion when its source is lost.",
+        err=True,
+    )
+    question = "Why is it safe that the last command stands then? (empty: decide later)"
+    reason = str(click.prompt(question, "", show_default=False, err=True)).strip()
+    return reason if is_reason(reason) else ""
+
+
+def _feeding(offered: dict[str, list[Crossing]]) -> set[str]:
+    """Returns the types that joins of maps take which other topics may have."""
+    from jausml.language.semantics.paths.ros_paths import ros_name
+
+    ways = [way for each in offered.values() for way in each if not way.offer.to_ros]
+    return {ros_name(join.type) for way in ways for join in way.map.joins}
+
+
+def _without(
+    topic: TopicEnd, maps: Sequence[bridge.AttributeMap], side: str, *, is_error: bool
+) -> None:
+    from jausml.language.model.values import suggest
+    from jausml.language.semantics.paths.ros_paths import ros_name
+
+    known = {ros_name(each.type) for each in maps if each.type is not None}
+    hint = suggest(topic.type, known - {topic.type}) if topic.type not in known else ""
+    reason = f"no ready map carries {topic.type} of {topic.name} for a {side}"
+    if is_error:
+        ask = "jausml list maps tells which there are; jausml new map begins one"
+        raise click.UsageError(f"{reason}; {hint or ask}")
+    click.echo(f"left out: {reason}", err=True)
+
+
+def _taken(topic: TopicEnd, ways: Sequence[Crossing], *, yes: bool) -> list[Crossing]:
+    from jausml.language.model.names import name_of
+
+    if topic.maps:
+        by_name = {name_of(each.map): each for each in reversed(ways)}
+        missing = [each for each in topic.maps if each not in by_name]
+        if missing:
+            names = ", ".join(sorted(by_name))
+            raise click.UsageError(f"{topic.name}: no ready map {missing[0]!a}; there are {names}")
+        return [by_name[each] for each in topic.maps]
+    if yes or len(ways) == 1:
+        if others := ", ".join(name_of(each.map) for each in ways[1:]):
+            used = name_of(ways[0].map)
+            remark(
+                f"{topic.name}: {used} is used; {others} would fit too (name them after a colon)"
+            )
+        return [ways[0]]
+    options = _options(ways)
+    if not can_ask():
+        listed = "".join(f"\n  {topic.name}:{topic.type}:{each}" for each in options)
+        text = f"{topic.name} fits several maps: name one, or take the first by --yes{listed}"
+        raise click.UsageError(text)
+    return [ways[n] for n in choose(f"{topic.name} ({topic.type}) fits several maps:", options)]
+
+
+def _options(ways: Sequence[Crossing]) -> list[str]:
+    """Returns what to choose from; ways of which the same is said are told apart by their maps."""
+    from jausml.language.model.names import name_of
+
+    found = []
+    for way in ways:
+        does = way.says().partition(": ")[2]
+        is_alone = sum(each.says().partition(": ")[2] == does for each in ways) == 1
+        about = " ".join(str(way.map.documentation or "").split())
+        found.append(
+            way.says() if is_alone or not about else f"{name_of(way.map)}: {does}. {about}"
+        )
+    return found
+
+
+def show_chosen(chosen: Sequence[Crossing], topics: Sequence[TopicEnd]) -> None:
+    """Says what was made of each topic, and which facts of the vehicle a map has assumed."""
+    from jausml.authoring.proposals.topics import joins_of
+    from jausml.language.model.names import name_of
+
+    fed: set[str] = set()
+    for each in chosen:
+        click.echo(_crossing_line(each))
+        for join, topic in joins_of(each, topics, fed).items():
+            used = name_of(each.map)
+            click.echo(f"{topic}: ROS -> JAUS, {used}: read as {join} with {each.topic.name}")
+    for quantity, used in _assumed(chosen):
+        unit = f" {quantity.units}" if quantity.units else ""
+        said = f"{name_of(quantity)} of {used} is {quantity.value:g}{unit}"
+        click.echo(f"{said} unless a quantity of the bridge states that of the vehicle")
+
+
+def show_undecided(chosen: Sequence[Crossing]) -> None:
+    """Says last of all what a person has to decide before anything is generated."""
+    from jausml.authoring.proposals.mapping.stopping import STOPS, stops_by_zeros
+    from jausml.language.model.names import name_of
+
+    names = [each for each in chosen if each.has_no_stop and not each.hold_reason]
+    if not names:
+        return
+    click.echo("\nYou have to decide what happens when the source of a command is lost:", err=True)
+    for each in names:
+        message = name_of(each.offer.message)
+        click.echo(f"  {each.topic.name}: nothing stops what {message} sets in motion", err=True)
+        if stops_by_zeros(each.map, [each.offer.to_ros]):
+            stop, used = STOPS[each.offer.to_ros], name_of(each.map)
+            told = f"its numbers are all rates: if zeros stop it, give map {used} a {stop} of zeros"
+            click.echo(f"    {told}", err=True)
+    click.echo(
+        "  validate reports JML451 until each has a stop (a safeValue, or one in its map), or a\n"
+        "  reason why the last command may stand (onSilence: hold and holdReason, or --hold).\n"
+        "  No tool knows what is safe for what receives them.",
+        err=True,
+    )
+
+
+def show_unanswered(chosen: Sequence[Crossing]) -> None:
+    """Says which queries of the services of a new bridge nothing answers."""
+    from jausml.authoring.proposals.topics import unanswered_queries
+
+    for service, queries in unanswered_queries(chosen).items():
+        remark(f"{service}: no connection answers {', '.join(queries)}")
+
+
+def _assumed(chosen: Sequence[Crossing]) -> list[tuple[bridge.Quantity, str]]:
+    """Returns the numbers of a vehicle that maps assume, each with the name of a map."""
+    from jausml.language.model.names import name_of
+
+    found: dict[str, tuple[bridge.Quantity, str]] = {}
+    for each in chosen:
+        for quantity in each.map.quantities:
+            found.setdefault(name_of(quantity), (quantity, name_of(each.map)))
+    return list(found.values())
+
+
+def _crossing_line(crossing: Crossing) -> str:
+    arrow = "JAUS -> ROS" if crossing.offer.to_ros else "ROS -> JAUS"
+    reason = crossing.hold_reason
+    held = f"; the last command stands when its source is lost: {reason}" if reason else ""
+    return f"{crossing.topic.name}: {arrow}, {crossing.says()}{held}"

@@ -1,0 +1,1 @@
+"""Verbs that start, watch, record and operate what runs."""

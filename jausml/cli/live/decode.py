@@ -1,0 +1,335 @@
+"""`jausml decode`: shows JAUS messages, from hex, from captures, or live."""
+
+from __future__ import annotations
+
+import re
+import sys
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from jausml.cli.live.recordings import opened, skipped_lines
+from jausml.cli.shared.files import PROBLEMS, EnvironmentFault
+from jausml.cli.shared.lines import (
+    FORMATS,
+    STDIN,
+    read_lines,
+    reason_of,
+    shown_path,
+    to_json,
+    write,
+)
+from jausml.cli.shared.models import model_option, open_catalogue
+from jausml.cli.shared.options import (
+    FiniteRange,
+    interface_option,
+    multicast_group_option,
+    port_option,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from jausml.live.messages import Catalogue, DecodedMessage
+    from jausml.live.traffic.frames import Datagram
+    from jausml.live.traffic.observing import Observation
+
+_BYTE = re.compile(r"(?:0[xX])?[0-9A-Fa-f]{2}")
+
+_PART = re.compile(r"(?:0[xX])?(?:[0-9A-Fa-f]{2}){1,14}")
+"""Hex that is too short for a datagram: one byte before the message, and its header of 14."""
+
+_ARGUMENT = "argument "
+
+_BEGINNING = 1024
+"""Bytes of a file that tell whether it is text."""
+
+Line = tuple[str, str]
+"""Where a line stands, and its text."""
+
+
+@click.command("decode")
+@click.argument("inputs", nargs=-1, metavar="[HEX...|FILE|-]")
+@click.option("--datagram", is_flag=True, help="Read the hex as whole JUDP datagrams with headers.")
+@click.option(
+    "--pcap", metavar="FILE", help="Read a capture (pcap or pcapng, also gzipped); - reads stdin."
+)
+@click.option("--listen", is_flag=True, help="Listen to the multicast group without taking part.")
+@click.option(
+    "--service",
+    metavar="SERVICE",
+    help="Service whose message to decode, if a code has several meanings: URN or name, "
+    "optionally with /VERSION.",
+)
+@click.option(
+    "--message",
+    metavar="NAME",
+    help="Message to decode, if a code has several meanings even then.",
+)
+@click.option(
+    "--format",
+    "output_format",
+    type=FORMATS,
+    help="Indented text with units, or one JSON object per line; by default, text on a terminal "
+    "and JSON otherwise.",
+)
+@model_option
+@port_option(text="For --pcap and --listen: UDP port of JUDP.")
+@interface_option(text="For --listen: IPv4 address of the network interface.")
+@multicast_group_option(text="For --listen: multicast group of JUDP.")
+@click.option(
+    "--count", type=click.IntRange(1), help="End after this number of messages or datagrams."
+)
+@click.option(
+    "--duration",
+    type=FiniteRange(0),
+    metavar="S",
+    help="Listen for this number of seconds.",
+)
+def command(
+    inputs: tuple[str, ...],
+    datagram: bool,
+    pcap: str | None,
+    listen: bool,
+    service: str | None,
+    message: str | None,
+    output_format: str | None,
+    models: tuple[str, ...],
+    count: int | None,
+    **options: Any,
+) -> None:
+    """Show JAUS messages: from hex in arguments, files or stdin, from captures, or live.
+
+    A line of hex is one message: its code, low byte first, and its body. It may contain blanks,
+    colons, 0x and comments (#). Several arguments with hex bytes make one message.
+
+    Exit status: 0 done, 1 something cannot be decoded (the rest is shown), 2 usage or unreadable
+    input, 3 internal error.
+    """
+    if sum((bool(inputs), pcap is not None, listen)) > 1:
+        raise click.UsageError("give one of HEX or FILE, --pcap, and --listen")
+    by_default = "text" if sys.stdout.isatty() else "json"
+    output = _Output(output_format or by_default)
+    catalogue = open_catalogue(models)
+    _check_meaning(catalogue, service, message)
+    reading = _Reading(catalogue, (service, message), output, count)
+    if listen:
+        reading.network(**options)
+    elif pcap is not None:
+        reading.capture(pcap, options["port"])
+    else:
+        reading.lines(_lines(inputs, are_datagrams=datagram), are_datagrams=datagram)
+    if output.has_failed:
+        raise click.exceptions.Exit(PROBLEMS)
+
+
+def _lines(inputs: tuple[str, ...], *, are_datagrams: bool) -> Iterator[Line]:
+    """Yields the lines of arguments and files; stdin when there are none."""
+    if not inputs and sys.stdin.isatty():
+        raise click.UsageError("give HEX, a FILE, - for stdin, --pcap or --listen")
+    part = _PART if are_datagrams else _BYTE
+    if len(inputs) > 1 and all(map(part.fullmatch, inputs)):
+        yield "arguments", " ".join(inputs)
+        return
+    for number, text in enumerate(inputs or (STDIN,), 1):
+        if text == STDIN or _is_file(text):
+            _refuse_capture(text)
+            for line_number, line in enumerate(read_lines(text), 1):
+                yield f"{shown_path(text)}:{line_number}", line
+        else:
+            yield f"{_ARGUMENT}{number}", text
+
+
+def _is_file(text: str) -> bool:
+    try:
+        return bool(text) and Path(text).exists()
+    except (OSError, ValueError):
+        return False
+
+
+def _refuse_capture(path: str) -> None:
+    """Refuses a capture where hex is wanted."""
+    from jausml.live.traffic.captures import is_capture
+
+    # What is no plain file, such as a pipe, gives its bytes only once.
+    if path != STDIN and Path(path).is_file():
+        try:
+            with Path(path).open("rb") as stream:
+                beginning = stream.read(_BEGINNING)
+        except OSError as error:
+            raise EnvironmentFault(f"{shown_path(path)}: {reason_of(error)}") from error
+        if is_capture(beginning[:4]):
+            raise click.UsageError(f"{shown_path(path)} is a capture, no hex: use --pcap")
+        if b"\0" in beginning:
+            raise click.UsageError(f"{shown_path(path)} is neither text with hex nor a capture")
+
+
+class _Output:
+    """Writes what is decoded."""
+
+    def __init__(self, output_format: str) -> None:
+        self.has_failed = False
+        self._is_json = output_format == "json"
+
+    def message(self, decoded: DecodedMessage) -> None:
+        """Writes a message."""
+        from jausml.live.messages import text as message_text
+
+        if self._is_json:
+            write(to_json(decoded.to_json()))
+            return
+        write(message_text.title(decoded))
+        for line in message_text.lines(decoded):
+            write(f"  {line}")
+
+    def observation(self, observation: Observation, place: str) -> None:
+        """Writes a message with its transport header, or a datagram that cannot be read.
+
+        Args:
+            place: Where its line of hex stands, empty for captures and live traffic.
+        """
+        self.has_failed |= observation.is_problem
+        located = {"place": place} if place and observation.is_problem else {}
+        if located:
+            click.echo(f"{place}: {observation.error}", err=True)
+        if self._is_json:
+            write(to_json({**observation.to_json(), **located}))
+            return
+        from jausml.live.traffic import text
+
+        for line in text.lines(observation):
+            write(line)
+
+    def problem(self, place: str, reason: str) -> None:
+        """Writes why a line cannot be decoded: to stderr, and for programs to stdout."""
+        self.has_failed = True
+        click.echo(f"{place}: {reason}", err=True)
+        if self._is_json:
+            write(to_json({"error": reason, "place": place}))
+
+
+def _check_meaning(catalogue: Catalogue, service: str | None, message: str | None) -> None:
+    """Refuses a service or a message that nobody defines, before anything is read."""
+    from jausml.live.messages import AmbiguousMessageError, MessageError
+
+    try:
+        if service is not None:
+            catalogue.find_services(service)
+        if message is not None:
+            catalogue.message(message, service)
+    except AmbiguousMessageError:
+        return  # the bytes may tell
+    except MessageError as error:
+        raise click.UsageError(str(error)) from error
+
+
+class _Reading:
+    """Reads one source and shows what is in it."""
+
+    def __init__(
+        self,
+        catalogue: Catalogue,
+        meaning: tuple[str | None, str | None],
+        output: _Output,
+        count: int | None,
+    ) -> None:
+        self._catalogue = catalogue
+        self._meaning = meaning
+        self._output = output
+        self._count = count
+
+    def lines(self, lines: Iterable[Line], *, are_datagrams: bool) -> None:
+        """Shows lines of hex: payloads, or datagrams with their headers."""
+        from jausml.live.messages import MessageError
+
+        found = islice(self._bytes(lines), self._count)
+        if are_datagrams:
+            self._datagrams(found)
+            return
+        for place, payload in found:
+            try:
+                self._output.message(self._catalogue.decode(payload, *self._meaning))
+            except MessageError as error:
+                from jausml.live.traffic.observing import is_datagram
+
+                hint = "; it has the form of a datagram: --datagram" if is_datagram(payload) else ""
+                self._output.problem(place, f"{error}{hint}")
+
+    def _bytes(self, lines: Iterable[Line]) -> Iterator[tuple[str, bytes]]:
+        """Yields the bytes of lines that have some."""
+        from jausml.live.traffic.captures import TrafficError
+        from jausml.live.traffic.text import parse_hex
+
+        for place, line in lines:
+            try:
+                data = parse_hex(line)
+            except TrafficError as error:
+                is_argument = place.startswith(_ARGUMENT)
+                hint = "neither a file nor hex: " if is_argument else ""
+                self._output.problem(place, f"{hint}{error}")
+                continue
+            if data:
+                yield place, data
+
+    def _datagrams(self, lines: Iterable[tuple[str, bytes]]) -> None:
+        from jausml.live.traffic.frames import Datagram
+
+        self._observe((place, Datagram(data)) for place, data in lines)
+
+    def _observe(self, datagrams: Iterable[tuple[str, Datagram]], *, is_live: bool = False) -> None:
+        from jausml.live.traffic.observing import Observer
+
+        observer = Observer(self._catalogue, *self._meaning)
+        for place, datagram in datagrams:
+            for observation in observer.observe(datagram):
+                self._output.observation(observation, place)
+            if is_live:
+                sys.stdout.flush()
+        if observer.host_frames:
+            what = f"skipped {observer.host_frames} frames between jausml processes of one host"
+            click.echo(what, err=True)
+
+    def capture(self, path: str, port: int) -> None:
+        """Shows the JUDP traffic of a capture."""
+        from jausml.live.traffic.captures import TrafficError, read_frames
+        from jausml.live.traffic.frames import UdpReader
+
+        reader = UdpReader(port)
+        with opened(path) as stream:
+            found = filter(None, map(reader.read, read_frames(stream)))
+            datagrams = (("", datagram) for datagram in found)
+            try:
+                self._observe(islice(datagrams, self._count), is_live=path == STDIN)
+            except TrafficError as error:
+                self._output.problem(shown_path(path), str(error))
+        for line in skipped_lines(reader, port):
+            click.echo(f"{shown_path(path)}: {line}", err=True)
+
+    def network(
+        self, port: int, interface: str, multicast_group: str, duration: float | None
+    ) -> None:
+        """Shows what is sent to the multicast group."""
+        from jausml.live.traffic.captures import TrafficError
+        from jausml.live.traffic.listening import MulticastListener
+        from jausml.runtime.base.settings import TransportSettings
+
+        try:
+            settings = TransportSettings(
+                interface=interface, port=port, multicast_group=multicast_group
+            )
+        except ValueError as error:
+            raise click.UsageError(str(error)) from error
+        try:
+            listener = MulticastListener(settings)
+        except TrafficError as error:
+            raise EnvironmentFault(str(error)) from error
+        with listener:
+            where = f"{multicast_group}:{port} on {interface}"
+            click.echo(f"listening to {where}", err=True)
+            try:
+                heard = islice(listener.datagrams(duration), self._count)
+                self._observe((("", datagram) for datagram in heard), is_live=True)
+            except KeyboardInterrupt:
+                click.echo("interrupted", err=True)

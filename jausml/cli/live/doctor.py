@@ -1,0 +1,136 @@
+"""`jausml doctor`: looks at this machine."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+import click
+
+from jausml.cli.shared.files import PROBLEMS
+from jausml.cli.shared.models import read, reading_options
+from jausml.cli.shared.options import (
+    format_option,
+    interface_option,
+    multicast_group_option,
+    peer_option,
+    port_option,
+    quiet_option,
+)
+from jausml.cli.shared.terminal import painted
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.language.validation.project import Reading
+    from jausml.live.machine.finding import Finding
+
+
+@click.command("doctor")
+@click.argument("models", nargs=-1, metavar="[MODEL]...")
+@interface_option()
+@port_option(text="UDP and TCP port of JAUS.")
+@multicast_group_option()
+@peer_option()
+@format_option("Text for people, or one JSON object.")
+@reading_options
+@quiet_option("Leave out what is in order.")
+def command(
+    models: tuple[str, ...],
+    interface: str,
+    port: int,
+    multicast_group: str,
+    peers: tuple[str, ...],
+    output_format: str,
+    reading: Reading,
+    quiet: bool,
+) -> None:
+    """Show what this machine lacks to run bridges and components, and how to fix it.
+
+    Checks Python, ROS 2 and its settings, the network interface, multicast, the port of JAUS, and
+    node managers. With a MODEL or a folder of models, also checks the message packages that it
+    uses. With --peer, also asks these components for their services and their state, and says what
+    they do otherwise than the standard has it, and what jausml does instead. Changes nothing; sends
+    one datagram from this host to itself, and a few questions to each peer.
+
+    Exit status: 0 nothing is wrong (notes and warnings may be shown), 1 something cannot work, 2
+    usage, 3 internal error.
+    """
+    from jausml.live.machine import network, python, ros
+    from jausml.live.machine.finding import Outcome
+
+    try:
+        settings = network.settings_of(interface, port, multicast_group)
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
+    packages = _packages(models, reading) if models else []
+    found = [*python.checks(), *ros.checks(packages), *network.checks(settings)]
+    if peers:
+        found += _peers(interface, port, multicast_group, peers)
+    shown = [each for each in found if not (quiet and each.verdict is Outcome.OK)]
+    if shown or output_format == "json":
+        click.echo(_as_json(shown) if output_format == "json" else _as_text(shown))
+    if any(each.verdict is Outcome.ERROR for each in found):
+        raise click.exceptions.Exit(PROBLEMS)
+
+
+def _peers(interface: str, port: int, group: str, peers: Sequence[str]) -> list[Finding]:
+    """Returns what components are like that are asked."""
+    from jausml.cli.live.network import identified_network, network_from
+    from jausml.cli.shared.models import open_catalogue
+    from jausml.live.machine.finding import Finding, Outcome
+    from jausml.live.peers.peer_checks import check_peers
+
+    network = network_from(None, interface, port, group, peers)
+    try:
+        with identified_network(network) as ours:
+            found = check_peers(ours, open_catalogue(()))
+    except OSError as error:
+        text = f"nobody can be asked: {error.strerror or error}"
+        return [Finding("peers", "network", Outcome.ERROR, text)]
+    return [Finding("peers", each.name, Outcome(each.verdict), each.text) for each in found]
+
+
+def _packages(paths: Sequence[str], reading: Reading) -> list[str]:
+    """Returns the packages of messages that models use and do not declare themselves."""
+    from jausml.language.metamodel.classes import ros
+
+    model = read(paths, reading).model
+    used = model.instances(ros.InterfacePackage)
+    return sorted({each.name for each in used if each.name and model.is_library(each)})
+
+
+def _as_text(found: Sequence[Finding]) -> str:
+    lines: list[str] = []
+    topic = ""
+    for each in found:
+        if each.topic != topic:
+            topic = each.topic
+            lines += ["", topic] if lines else [topic]
+        verdict = each.verdict.value
+        lines.append(f"  {painted(verdict, f'{verdict:<8}')} {each.name}: {each.text}")
+        if each.cure:
+            lines.append(f"  {'':<8} -> {each.cure}")
+    return "\n".join([*lines, "", ", ".join(_count(found, word) for word in _COUNTED)])
+
+
+_COUNTED = ("error", "warning", "note")
+
+
+def _count(found: Sequence[Finding], word: str) -> str:
+    number = sum(each.verdict.value == word for each in found)
+    return f"{number} {word}{'' if number == 1 else 's'}"
+
+
+def _as_json(found: Sequence[Finding]) -> str:
+    checks = [
+        {
+            "topic": each.topic,
+            "name": each.name,
+            "verdict": each.verdict.value,
+            "text": each.text,
+            "cure": each.cure,
+        }
+        for each in found
+    ]
+    return json.dumps({"checks": checks}, indent=2, ensure_ascii=False)

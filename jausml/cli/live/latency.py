@@ -1,0 +1,204 @@
+"""`jausml latency`: rate, age and round trip of the reports of a running system."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from jausml.cli.live.network import Settings, operator_options, until_interrupted
+from jausml.cli.shared.files import PROBLEMS
+from jausml.cli.shared.lines import to_json
+from jausml.cli.shared.models import readable_model
+from jausml.cli.shared.options import FiniteRange
+from jausml.cli.shared.terminal import warn
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.live.peers.measuring import ReportTimes, Spread
+    from jausml.live.systems.state import ConnectionState
+    from jausml.runtime.base.address import JausAddress
+
+_HEAD = ("component", "report", "reports", "Hz", "jitter", "", "age", "", "query", "", "lost")
+_UNDER_HEAD = ("", "", "", "", "median", "p99", "median", "p99", "median", "p99", "")
+
+_PLACES, _WORDS = ("in the bridge", "source to bridge"), ("p50", "p99", "max")
+_BRIDGE_FIGURES = tuple(f"{place} {word}" for place in _PLACES for word in _WORDS)
+_BRIDGE_HEAD = ("bridge", "connection", _PLACES[0], "", "", _PLACES[1], "", "")
+_BRIDGE_UNDER_HEAD = ("", "", *_WORDS, *_WORDS)
+
+
+@click.command("latency")
+@click.argument("source", metavar="ID|MODEL")
+@click.argument("messages", metavar="[MESSAGE]...", nargs=-1)
+@click.option(
+    "--duration",
+    type=FiniteRange(0.1, 3600),
+    default=10.0,
+    show_default=True,
+    help="Seconds to measure.",
+)
+@click.option(
+    "--rate",
+    type=FiniteRange(min=0, max=1092, min_open=True),
+    metavar="HZ",
+    help="Request this number of reports per second; by default, one at every change.",
+)
+@click.option(
+    "--interval",
+    type=FiniteRange(0.01, 3600),
+    default=0.5,
+    show_default=True,
+    help="Seconds between queries for a report.",
+)
+@operator_options
+def command(
+    settings: Settings,
+    source: str,
+    messages: tuple[str, ...],
+    duration: float,
+    rate: float | None,
+    interval: float,
+) -> None:
+    """Measure the reports of the component ID, or those of all connections of a MODEL.
+
+    Subscribes to each report, and also queries it. Shows how many reports arrive per second, how
+    much the intervals between them deviate from their median (jitter), how old they are on arrival
+    by their TimeStamp, which requires synchronized clocks, and how long an answer to the query
+    takes. Times are in milliseconds.
+
+    MESSAGE is a report, its query, or the common part of their names: VelocityState. Without it,
+    measures every report in the services of the component, except for the core services.
+
+    With a MODEL, also shows what its bridges measure themselves, if ROS 2 is available and their
+    parameter `latency` is on.
+
+    Exit status: 0 measured, 1 a report did not arrive at all or a model has errors, 2 nobody
+    answers or an option is wrong, 3 internal error.
+    """
+    from jausml.live.peers.measuring import measure, offered_reports
+    from jausml.live.systems.monitoring import Monitor, listening
+    from jausml.live.systems.state import SystemState
+
+    model, target = _meant(source)
+    if model and messages:
+        raise click.UsageError("MESSAGE goes with an ID; a MODEL says by itself what it carries")
+    if model:
+        settings = replace(settings, models=(*settings.models, source))
+    streams: list[ReportTimes] = []
+    monitor = Monitor(SystemState())
+    with ExitStack() as stack:
+        operator = stack.enter_context(settings.operator())
+        stack.enter_context(until_interrupted())
+        if model:
+            stack.enter_context(listening(monitor))
+        if target is not None:
+            names = messages or offered_reports(operator, target)
+            wanted = [(target, each) for each in names]
+        else:
+            wanted = model
+        if not wanted:
+            raise click.UsageError(f"{source} has no report that could be measured")
+        streams = measure(operator, wanted, duration=duration, rate=rate, interval=interval)
+    connections = [each for each in monitor.state().connections.values() if each.latency]
+    _show(streams, connections, as_json=settings.as_json)
+    if any(not each.arrivals and each.answers is None for each in streams) or not streams:
+        raise click.exceptions.Exit(PROBLEMS)
+
+
+def _meant(source: str) -> tuple[list[tuple[JausAddress, str]], JausAddress | None]:
+    """Returns what the model carries, or the component that is meant."""
+    from jausml.live.peers.measuring import reports_of
+    from jausml.live.peers.network import component_address
+
+    if not Path(source).is_file():
+        try:
+            return [], component_address(source)
+        except ValueError as error:
+            raise click.UsageError(f"{source} is no file, and no JAUS id: {error}") from error
+    return reports_of(readable_model([source], is_one=True)), None
+
+
+def _show(
+    streams: Sequence[ReportTimes], connections: Sequence[ConnectionState], *, as_json: bool
+) -> None:
+    for each in streams:
+        if each.fault:
+            warn(f"{each.component} {each.report.name}: no event: {each.fault}")
+    if as_json:
+        bridges = [_bridge_as_json(each) for each in connections]
+        reports = [_as_json(each) for each in streams]
+        click.echo(to_json({"reports": reports, "bridges": bridges}))
+        return
+    _print_table([_HEAD, _UNDER_HEAD, *map(_row, streams)])
+    if connections:
+        click.echo()
+        _print_table([_BRIDGE_HEAD, _BRIDGE_UNDER_HEAD, *map(_bridge_row, connections)])
+
+
+def _print_table(rows: Sequence[tuple[str, ...]]) -> None:
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        cells = [
+            word.ljust(width) if index < 2 else word.rjust(width)
+            for index, (word, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        click.echo("  ".join(cells).rstrip())
+
+
+def _row(stream: ReportTimes) -> tuple[str, ...]:
+    rate = "-" if stream.rate is None else f"{stream.rate:.2f}"
+    lost = sum(each is None for each in stream.round_trips)
+    return (
+        str(stream.component),
+        stream.report.name,
+        str(len(stream.arrivals)),
+        rate,
+        *_cells(stream.jitter),
+        *_cells(stream.ages),
+        *_cells(stream.answers),
+        f"{lost}/{len(stream.round_trips)}",
+    )
+
+
+def _bridge_row(connection: ConnectionState) -> tuple[str, ...]:
+    from jausml.live.peers.rendering import printable
+
+    figures = (connection.latency.get(name) for name in _BRIDGE_FIGURES)
+    cells = ("-" if each is None else f"{each / 1e3:.3f}" for each in figures)
+    return (printable(connection.bridge), printable(connection.name), *cells)
+
+
+def _bridge_as_json(connection: ConnectionState) -> dict[str, Any]:
+    return {
+        "bridge": connection.bridge,
+        "connection": connection.name,
+        "milliseconds": {name: round(value / 1e3, 6) for name, value in connection.latency.items()},
+    }
+
+
+def _cells(spread: Spread | None) -> tuple[str, str]:
+    if spread is None:
+        return "-", "-"
+    return f"{spread.median * 1e3:.3f}", f"{spread.p99 * 1e3:.3f}"
+
+
+def _as_json(stream: ReportTimes) -> dict[str, Any]:
+    spreads = {"jitter": stream.jitter, "age": stream.ages, "query": stream.answers}
+    return {
+        "component": str(stream.component),
+        "report": stream.report.name,
+        "reports": len(stream.arrivals),
+        "rate": None if stream.rate is None else round(stream.rate, 4),
+        "queries": len(stream.round_trips),
+        "unanswered": sum(each is None for each in stream.round_trips),
+        "milliseconds": {
+            name: None if spread is None else spread.milliseconds()
+            for name, spread in spreads.items()
+        },
+        "fault": stream.fault or None,
+    }

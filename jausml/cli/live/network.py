@@ -1,0 +1,268 @@
+"""The network of the live verbs: its options, and an operator on it."""
+
+from __future__ import annotations
+
+import signal
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import wraps
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from jausml.cli.shared.files import EnvironmentFault
+from jausml.cli.shared.models import model_option, open_catalogue
+from jausml.cli.shared.options import (
+    TRANSPORTS,
+    FiniteRange,
+    completing,
+    format_option,
+    interface_option,
+    multicast_group_option,
+    peer_option,
+    port_option,
+)
+from jausml.cli.shared.terminal import remark, warn
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from jausml.live.messages import MessageEntry
+    from jausml.live.peers.network import Network
+    from jausml.live.peers.operator import Operator
+    from jausml.runtime.base.address import JausAddress
+
+_OPTIONS = (
+    click.option(
+        "--id",
+        "--jaus-id",
+        "own_id",
+        metavar="ID",
+        help="JAUS id of this tool, subsystem.node.component; by default, a free one in subsystem "
+        "65000.",
+    ),
+    interface_option(),
+    port_option(),
+    multicast_group_option(),
+    peer_option(),
+    model_option,
+)
+
+
+_TRANSPORT_OPTIONS = (
+    click.option(
+        "--transport",
+        "--jaus-transport",
+        "transport",
+        type=click.Choice(TRANSPORTS),
+        default=TRANSPORTS[0],
+        show_default=True,
+        help="UDP, TCP, or the node manager of this host.",
+    ),
+    click.option(
+        "--node-manager-directory",
+        "--jaus-node-manager-directory",
+        "node_manager_directory",
+        default="",
+        metavar="FOLDER",
+        help="Folder of the local sockets of the node manager; by default, the one for temporary "
+        "files.",
+    ),
+)
+
+
+def transport_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Adds the options that choose a transport."""
+    for option in reversed(_TRANSPORT_OPTIONS):
+        function = option(function)
+    return function
+
+
+def network_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Adds the options that `network_from` and `open_catalogue` take."""
+    for option in reversed(_OPTIONS):
+        function = option(function)
+    return function
+
+
+@contextmanager
+def ended_by_signals() -> Iterator[None]:
+    """Lets SIGTERM end a block like Ctrl-C, so that what is held is released."""
+    former = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, former)
+
+
+@contextmanager
+def identified_network(network: Network, count: int = 1) -> Iterator[Network]:
+    """Yields the network with our id, and warns when another tool has it."""
+    from jausml.live.peers.network import identified
+
+    with identified(network, count) as ours:
+        if ours.is_shared:
+            click.echo(
+                f"warning: another jausml tool of this host has the id {ours.own} too, and answers "
+                "may go there; without --id each has its own",
+                err=True,
+            )
+        yield ours
+
+
+def network_from(
+    own_id: str | None,
+    interface: str,
+    port: int,
+    multicast_group: str,
+    peers: Sequence[str],
+    **transport: str,
+) -> Network:
+    """Returns the network that the options describe, and keeps the runtime's log quiet.
+
+    Args:
+        own_id: Our JAUS id, None for a free one.
+    """
+    from jausml.live.peers.network import make_network, silence_log
+
+    silence_log()
+    try:
+        return make_network(own_id, interface, port, multicast_group, peers, **transport)
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
+
+
+_REMEDY = (
+    "To go through a node manager: --transport node-manager; or use another port and say where the "
+    "components are: --port 3795 --peer ID=HOST:3794"
+)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Options that all commands of the operator share.
+
+    Attributes:
+        timeout: Seconds to wait for an answer.
+    """
+
+    network: Network
+    models: tuple[str, ...]
+    timeout: float
+    as_json: bool
+
+    @contextmanager
+    def operator(self) -> Iterator[Operator]:
+        """Yields an operator; its errors become those of the command line."""
+        from jausml.live.messages import MessageError
+        from jausml.live.peers.network import fault
+        from jausml.live.peers.operator import Refused, running_operator
+        from jausml.live.peers.query_client import NoAnswer
+
+        try:
+            with (
+                identified_network(self.network) as network,
+                running_operator(network, open_catalogue(self.models), self.timeout) as operator,
+            ):
+                try:
+                    yield operator
+                finally:
+                    for peer, learnt in operator.quirks():
+                        remark(f"note: {peer} {learnt}")
+                    if operator.is_impersonated:
+                        warn(f"warning: another program of the network sends as {operator.own}")
+        except NoAnswer as error:
+            raise EnvironmentFault(str(error)) from error
+        except Refused as error:
+            raise click.ClickException(str(error)) from error
+        except MessageError as error:
+            raise click.UsageError(str(error)) from error
+        except OSError as error:
+            raise EnvironmentFault(fault(error, self.network, _REMEDY)) from error
+
+    def show(self, source: JausAddress, entry: MessageEntry, fields: dict[str, Any]) -> None:
+        """Prints a report."""
+        from jausml.live.peers import rendering
+
+        render = rendering.report_json if self.as_json else rendering.report_line
+        click.echo(render(source, entry, fields))
+
+
+def _address(_context: click.Context, _parameter: click.Parameter, value: str) -> JausAddress:
+    from jausml.live.peers.network import component_address
+
+    try:
+        return component_address(value)
+    except ValueError as error:
+        raise click.BadParameter(str(error)) from error
+
+
+def _fields(
+    _context: click.Context, _parameter: click.Parameter, value: str | None
+) -> dict[str, Any] | None:
+    from jausml.live.peers.console import parse_fields
+
+    try:
+        return None if value is None else parse_fields(value)
+    except ValueError as error:
+        raise click.BadParameter(str(error)) from error
+
+
+TARGET = click.argument("target", metavar="ID", callback=_address)
+MESSAGE = click.argument(
+    "message", metavar="MESSAGE", shell_complete=completing("messages", "message")
+)
+FIELDS = click.argument("fields", metavar="[FIELDS]", callback=_fields, required=False)
+
+
+def operator_options(function: Callable[..., None]) -> Callable[..., None]:
+    """Adds the shared options and hands them to the function as `Settings`."""
+
+    @network_options
+    @transport_options
+    @click.option(
+        "--timeout",
+        type=FiniteRange(0.05, 600),
+        default=3.0,
+        show_default=True,
+        help="Seconds to wait for an answer.",
+    )
+    @format_option("Format of the output.")
+    @wraps(function)
+    def run(
+        *arguments: Any,
+        own_id: str | None,
+        interface: str,
+        port: int,
+        multicast_group: str,
+        peers: tuple[str, ...],
+        models: tuple[str, ...],
+        transport: str,
+        node_manager_directory: str,
+        timeout: float,
+        output_format: str,
+        **others: Any,
+    ) -> None:
+        network = network_from(
+            own_id,
+            interface,
+            port,
+            multicast_group,
+            peers,
+            transport=transport,
+            node_manager_directory=node_manager_directory,
+        )
+        settings = Settings(network, models, timeout, output_format == "json")
+        function(*arguments, settings=settings, **others)
+
+    return run
+
+
+@contextmanager
+def until_interrupted() -> Iterator[None]:
+    """Ends a block with Ctrl-C in good order: what is held is released by who holds it."""
+    try:
+        with ended_by_signals():
+            yield
+    except KeyboardInterrupt:
+        remark("interrupted")

@@ -1,0 +1,339 @@
+"""`jausml record`: both sides of a running system into one file, and a capture beside it."""
+
+from __future__ import annotations
+
+import time
+from contextlib import ExitStack
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from jausml.cli.live.recordings import (
+    already_there,
+    force_option,
+    output_option,
+    shown_time,
+    skipped_lines,
+    stopped_by_signals,
+)
+from jausml.cli.shared.files import EnvironmentFault
+from jausml.cli.shared.models import open_catalogue, valid_model
+from jausml.cli.shared.options import (
+    FiniteRange,
+    interface_option,
+    multicast_group_option,
+    port_option,
+)
+from jausml.cli.shared.terminal import remark, step
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from threading import Event
+
+    from jausml.live.recording.files import RecordingFiles, SplitLimits
+    from jausml.live.recording.recorder import Recorder
+    from jausml.live.recording.ros_topics import RosTopics
+    from jausml.live.traffic.captures import CapturedFrame
+    from jausml.live.traffic.frames import UdpReader
+    from jausml.live.traffic.interface import InterfaceCapture
+    from jausml.live.traffic.listening import MulticastListener
+    from jausml.runtime.base.settings import TransportSettings
+
+_TURN = 0.1
+_MEGA = 10**6
+_FRAGMENT = 0x3FFF
+
+
+@click.command("record")
+@click.argument("model", metavar="[MODEL]", required=False)
+@output_option
+@force_option
+@click.option("--all-topics", is_flag=True, help="Record all ROS topics, not only those of MODEL.")
+@click.option(
+    "--topic",
+    "topics",
+    multiple=True,
+    metavar="PATTERN",
+    help="Record only these ROS topics, from MODEL or, without it, from all; * matches anything; "
+    "may be repeated.",
+)
+@click.option(
+    "--exclude",
+    "excluded",
+    multiple=True,
+    metavar="PATTERN",
+    help="Omit these ROS topics; may be repeated.",
+)
+@click.option(
+    "--component",
+    "components",
+    multiple=True,
+    metavar="ID",
+    help="Record only what this JAUS component sends and receives, such as 100.1.10 or 100.*; "
+    "may be repeated.",
+)
+@interface_option()
+@port_option()
+@multicast_group_option()
+@click.option("--duration", type=FiniteRange(0), metavar="S", help="End after this many seconds.")
+@click.option(
+    "--flush-every",
+    type=FiniteRange(0.05, 3600),
+    default=1.0,
+    show_default=True,
+    metavar="S",
+    help="Flush the files to the disk every S seconds; if the power fails, this is what you lose.",
+)
+@click.option(
+    "--max-size",
+    type=FiniteRange(0, min_open=True),
+    metavar="MB",
+    help="Continue in a new numbered FILE when both files have reached this many megabytes.",
+)
+@click.option(
+    "--max-duration",
+    type=FiniteRange(0, min_open=True),
+    metavar="S",
+    help="Continue in a new numbered FILE after this many seconds.",
+)
+@click.option(
+    "--max-files",
+    type=click.IntRange(1),
+    metavar="N",
+    help="Keep only the newest N numbered files, including those of earlier recordings.",
+)
+@click.option(
+    "--compression",
+    type=click.Choice(["zstd", "lz4", "none"]),
+    default="zstd",
+    show_default=True,
+    help="Compression of the MCAP file.",
+)
+def command(
+    model: str | None,
+    output: str | None,
+    force: bool,
+    all_topics: bool,
+    topics: tuple[str, ...],
+    excluded: tuple[str, ...],
+    components: tuple[str, ...],
+    interface: str,
+    port: int,
+    multicast_group: str,
+    duration: float | None,
+    flush_every: float,
+    max_size: float | None,
+    max_duration: float | None,
+    max_files: int | None,
+    compression: str,
+) -> None:
+    """Record both sides of a running system until Ctrl-C.
+
+    FILE contains the JAUS messages on the interface, as JSON, and the ROS topics of the system in
+    MODEL. The capture is written beside it, with the ending .pcap. Without MODEL, or without ROS,
+    only JAUS is recorded. The recorder sends nothing. To see messages between others it needs
+    CAP_NET_RAW, like tcpdump; without it, it receives only the multicast group.
+
+    After a power failure or a kill, everything that was flushed is still readable: `jausml replay`
+    reads and repairs files that were cut off.
+
+    Exit status: 0 done, 1 problems in the model, 2 usage or environment, a full disk among them,
+    3 internal error.
+    """
+    from threading import Event
+
+    from jausml.live.recording.files import SplitLimits
+    from jausml.live.recording.filters import TrafficFilter
+    from jausml.live.recording.recorder import Recorder, topics_of
+    from jausml.live.recording.ros_topics import RosTopics
+    from jausml.live.traffic.frames import UdpReader
+    from jausml.runtime.base.settings import TransportSettings
+
+    size = None if max_size is None else int(max_size * _MEGA)
+    limits = SplitLimits(size, max_duration, max_files)
+    path = _output(output, limits, force=force)
+    try:
+        settings = TransportSettings(
+            interface=interface, port=port, multicast_group=multicast_group
+        )
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
+    definitions = topics_of(valid_model(model)) if model is not None else {}
+    catalogue = open_catalogue([model] if model is not None else [])
+    selection = TrafficFilter(topics, excluded, components)
+    is_any = all_topics or (model is None and bool(topics))
+    stop = Event()
+    with ExitStack() as stack:
+        stack.enter_context(stopped_by_signals(stop))
+        frames, what = _opened(settings, stack)
+        ros = RosTopics(None if is_any else definitions, selection)
+        speaks_ros = bool(definitions or is_any) and _entered(ros, stack, is_wanted=is_any)
+        parts = _parts(path, limits, compression, force=force)
+        recorder = Recorder(parts, catalogue, definitions, selection)
+        stack.enter_context(recorder.kept(flush_every, ros.repeat_latched))
+        if speaks_ros:
+            ros.begin(recorder.take_topic)
+            stack.callback(ros.stop)
+        click.echo(what, err=True)
+        reader = UdpReader(port)
+        with step("recording") as progress:
+            progress.note = partial(_so_far, recorder, parts)
+            for frame in _until(frames, duration, stop, recorder):
+                _take(frame, reader, recorder)
+    _show_counts(recorder, ros, reader, settings)
+    _show_files(parts, recorder)
+
+
+def _output(output: str | None, limits: SplitLimits, *, force: bool) -> Path:
+    """Returns where the MCAP file stands, once it is sure that nothing would be overwritten."""
+    if output is None:
+        raise click.UsageError("say with --output which file is written")
+    if limits.files is not None and not limits.splits:
+        raise click.UsageError("--max-files needs --max-size or --max-duration")
+    path = Path(output)
+    capture = path.with_suffix(".pcap")
+    if capture == path:
+        raise click.UsageError("the capture stands beside FILE, which needs another ending: .mcap")
+    for each in (path, capture):
+        if not (force or limits.splits) and each.exists():
+            raise already_there(str(each))
+    return path
+
+
+def _parts(path: Path, limits: SplitLimits, compression: str, *, force: bool) -> RecordingFiles:
+    """Returns the files, which are made."""
+    from jausml.live.recording.files import RecordingFiles
+    from jausml.live.recording.mcap_files import RecordingError
+
+    try:
+        return RecordingFiles(path, limits, compression, overwrites=force)
+    except RecordingError as error:
+        raise EnvironmentFault(str(error)) from error
+    except OSError as error:
+        raise _cannot_write(path, error) from error
+
+
+def _cannot_write(path: Path, error: OSError) -> EnvironmentFault:
+    name = click.format_filename(path)
+    return EnvironmentFault(f"cannot write {name}: {error.strerror or error}")
+
+
+def _so_far(recorder: Recorder, parts: RecordingFiles) -> str:
+    """Returns what a terminal shows while it is recorded."""
+    of_ros = sum(list(recorder.topics.values()))  # at once: others add topics
+    size = f"{parts.current.size / _MEGA:.1f} MB of {parts.current.path.name}"
+    return f"{recorder.captured.count} JAUS messages, {of_ros} of ROS, {size}"
+
+
+def _take(frame: CapturedFrame | None, reader: UdpReader, recorder: Recorder) -> None:
+    datagram = None if frame is None else reader.read(frame)
+    if frame is not None and (datagram is not None or _is_fragment(frame.data)):
+        recorder.take_frame(frame, datagram)
+
+
+def _until(
+    frames: Iterator[CapturedFrame | None], duration: float | None, stop: Event, recorder: Recorder
+) -> Iterator[CapturedFrame | None]:
+    end = float("inf") if duration is None else time.monotonic() + duration
+    for frame in frames:
+        yield frame
+        if stop.is_set() or recorder.fault is not None or time.monotonic() >= end:
+            break
+
+
+def _entered(ros: RosTopics, stack: ExitStack, *, is_wanted: bool) -> bool:
+    """Enters ROS; returns whether that is possible here."""
+    from jausml.live.recording.mcap_files import RecordingError
+
+    try:
+        ros.open()
+    except RecordingError as error:
+        if is_wanted:
+            raise EnvironmentFault(str(error)) from error
+        click.echo(f"JAUS alone is recorded: {error}", err=True)
+        return False
+    stack.callback(ros.stop)
+    return True
+
+
+def _is_fragment(packet: bytes) -> bool:
+    """Whether a frame of raw IP is one of several of a packet, as far as is easily seen."""
+    is_first_version = packet[0] >> 4 == 4
+    return not is_first_version or bool(int.from_bytes(packet[6:8], "big") & _FRAGMENT)
+
+
+def _opened(
+    settings: TransportSettings, stack: ExitStack
+) -> tuple[Iterator[CapturedFrame | None], str]:
+    """Returns what passes the interface, None where nothing does, and what is said of it.
+
+    Where that cannot be seen, it is what the group is sent.
+    """
+    from jausml.live.traffic.captures import TrafficError
+    from jausml.live.traffic.interface import InterfaceCapture
+    from jausml.live.traffic.listening import MulticastListener
+
+    try:
+        capture = stack.enter_context(InterfaceCapture(settings.interface))
+    except TrafficError as error:
+        what = f"{error}; of JAUS the multicast group alone is recorded"
+    else:
+        stack.callback(_show_lost, capture)
+        return capture.frames(), f"recording what passes {settings.interface}"
+    try:
+        return _heard(stack.enter_context(MulticastListener(settings))), what
+    except TrafficError as error:
+        raise EnvironmentFault(str(error)) from error
+
+
+def _show_lost(capture: InterfaceCapture) -> None:
+    lost = capture.lost()
+    if lost:
+        click.echo(f"{lost} frames were lost: the host was too busy", err=True)
+
+
+def _heard(listener: MulticastListener) -> Iterator[CapturedFrame | None]:
+    from jausml.live.traffic.frames import frame_of
+
+    while True:
+        yield from map(frame_of, listener.datagrams(_TURN))
+        yield None
+
+
+def _show_counts(
+    recorder: Recorder, ros: RosTopics, reader: UdpReader, settings: TransportSettings
+) -> None:
+    from jausml.live.recording.recorder import CALLS
+
+    place = f" on port {settings.port} of {settings.interface}; --port and --interface choose"
+    hint = "" if recorder.captured.count else f"{place} others"
+    click.echo(f"{recorder.captured.count} JAUS messages{hint}", err=True)
+    for topic, number in sorted(recorder.topics.items()):
+        lost = f", {ros.lost[topic]} were lost before" if ros.lost[topic] else ""
+        click.echo(f"  {number} on {topic}{lost}", err=True)
+    for topic in sorted(set(ros.wanted or ()) - set(recorder.topics) - set(ros.missing)):
+        why = ": its node does not publish its calls" if topic.endswith(CALLS) else ""
+        click.echo(f"  none on {topic}{why}", err=True)
+    for topic, kind in sorted(ros.missing.items()):
+        click.echo(f"  {topic} is not recorded: {kind} is not installed", err=True)
+    for topic in sorted(recorder.undefined):
+        click.echo(f"  {topic} is not recorded: nobody defines its type here", err=True)
+    for reason, number in sorted(recorder.jaus.undecoded.items()):
+        click.echo(f"  {number} JAUS messages are in the capture alone: {reason}", err=True)
+    for line in skipped_lines(reader, settings.port):
+        click.echo(line, err=True)
+    for reason, number in sorted(recorder.captured.skipped.items()):
+        click.echo(f"skipped {number}: {reason}", err=True)
+
+
+def _show_files(parts: RecordingFiles, recorder: Recorder) -> None:
+    """Tells which files there are, or why nothing more could be written."""
+    if recorder.fault is None:
+        names = ", ".join(click.format_filename(each) for each in parts.paths)
+        remark(f"written: {names}, captures beside")
+        return
+    until = "nothing" if recorder.reached is None else f"all until {shown_time(recorder.reached)}"
+    fault = _cannot_write(parts.current.path, recorder.fault)
+    raise EnvironmentFault(f"{fault}; {until} is in the files; {recorder.lost} were lost since")

@@ -1,0 +1,129 @@
+"""Files of recordings and captures: opened, written, and what could not be used of them."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from contextlib import ExitStack, contextmanager
+from datetime import datetime, timezone
+from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO, cast
+
+import click
+
+from jausml.cli.shared.files import EnvironmentFault
+from jausml.cli.shared.lines import STDIN, reason_of, shown_path
+from jausml.cli.shared.terminal import step
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from threading import Event
+
+    from jausml.cli.shared.terminal import Progress
+    from jausml.live.traffic.frames import UdpReader
+
+output_option = click.option("-o", "--output", metavar="FILE", help="MCAP file to write.")
+force_option = click.option("--force", is_flag=True, help="Overwrite FILE.")
+
+
+@contextmanager
+def written(path: str, *, force: bool) -> Iterator[BinaryIO]:
+    """Opens a file for writing."""
+    try:
+        with Path(path).open("wb" if force else "xb") as stream:
+            yield stream
+    except FileExistsError as error:
+        raise already_there(path) from error
+    except OSError as error:
+        name = click.format_filename(path)
+        raise EnvironmentFault(f"cannot write {name}: {error.strerror or error}") from error
+
+
+def not_itself(recording: str, output: str) -> None:
+    """Does nothing where a recording is not written over itself: there is but one of it."""
+    try:
+        is_same = Path(recording).samefile(output)
+    except (OSError, ValueError):  # one is not there, which others tell
+        return
+    if is_same:
+        raise click.UsageError(f"{click.format_filename(output)} would be written over itself")
+
+
+def already_there(path: str) -> EnvironmentFault:
+    """Returns the error of a file that would be overwritten."""
+    return EnvironmentFault(
+        f"{click.format_filename(path)} is there already; --force overwrites it"
+    )
+
+
+def shown_time(seconds: float) -> str:
+    """Returns a time as people read it, of the world and to the millisecond."""
+    return datetime.fromtimestamp(seconds, tz=timezone.utc).isoformat(" ", "milliseconds")
+
+
+@contextmanager
+def stopped_by_signals(stop: Event) -> Iterator[None]:
+    """Has signals end a recording or a replay in good order, in the midst of nothing.
+
+    They are SIGINT, SIGTERM, and SIGHUP, which comes when the terminal goes, unless that is ignored
+    as `nohup` has it.
+    """
+    numbers = [signal.SIGINT, signal.SIGTERM]
+    hang_up = getattr(signal, "SIGHUP", None)  # Windows has none
+    if hang_up is not None and signal.getsignal(hang_up) != signal.SIG_IGN:
+        numbers.append(hang_up)
+    former = [signal.signal(number, lambda *_: stop.set()) for number in numbers]
+    try:
+        yield
+    finally:
+        for number, handler in zip(numbers, former, strict=True):
+            signal.signal(number, handler)
+
+
+class _Counted:
+    """A stream that tells how much was read of it."""
+
+    def __init__(self, stream: BinaryIO, size: int, progress: Progress) -> None:
+        self._stream = stream
+        self._size = size
+        self._progress = progress
+        self._read = 0
+
+    def read(self, size: int = -1) -> bytes:
+        """Returns what the stream gives."""
+        data = self._stream.read(size)
+        self._read += len(data)
+        self._progress.at(self._read / self._size)
+        return data
+
+
+@contextmanager
+def opened(path: str) -> Iterator[BinaryIO]:
+    """Opens a file to be read from its beginning to its end.
+
+    How far it is stands on a terminal, if no output runs there (see `terminal.step`).
+    """
+    if path == STDIN:
+        yield sys.stdin.buffer
+        return
+    with ExitStack() as stack:
+        try:
+            stream: BinaryIO = stack.enter_context(Path(path).open("rb"))
+            size = Path(path).stat().st_size
+        except (OSError, ValueError) as error:
+            raise EnvironmentFault(f"{shown_path(path)}: {reason_of(error)}") from error
+        progress = stack.enter_context(step(f"reading {shown_path(path)}", prints=True))
+        # It reads as captures do; of what has no size, such as a pipe, nobody knows the share.
+        yield cast("BinaryIO", _Counted(stream, size, progress)) if size else stream
+
+
+def skipped_lines(reader: UdpReader, port: int) -> Iterator[str]:
+    """Yields what a reader of frames has left out."""
+    for reason, number in sorted(reader.skipped.items()):
+        yield f"skipped {number} {reason}"
+    if reader.other_ports.unclaimed:
+        what = f"skipped {reader.other_ports.unclaimed} datagrams that look like JUDP"
+        why = f"between endpoints that were not seen with port {port}; --port chooses another"
+        yield f"{what}, {why}"
+    if reader.unfinished:
+        yield f"skipped {reader.unfinished} IP packets with missing fragments"

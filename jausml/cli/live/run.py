@@ -1,0 +1,263 @@
+"""`jausml run`: starts the processes of a workspace, once all is there that they need."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import re
+import sys
+from dataclasses import dataclass
+from importlib.machinery import PathFinder
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from jausml.cli.live.supervisor import Command, Supervisor
+from jausml.cli.shared.files import PROBLEMS, EnvironmentFault
+from jausml.cli.shared.options import FiniteRange
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+_MAIN = (
+    "import runpy, sys; sys.path = [each for each in sys.path if each]; "
+    "runpy.run_module(sys.argv.pop(1), run_name='__main__', alter_sys=True)"
+)
+"""What `-m` does, without the current folder: a script there may have the name of a package."""
+
+_MODULE = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", re.ASCII)
+_ROS_KINDS = frozenset({"bridge", "node"})
+
+
+@click.command("run", context_settings={"ignore_unknown_options": True})
+@click.argument("out", metavar="OUT")
+@click.argument(
+    "rest", metavar="[PROCESS] [ARGUMENTS]...", nargs=-1, type=click.UNPROCESSED, required=False
+)
+@click.option("--only", multiple=True, metavar="NAME", help="Start only this process.")
+@click.option(
+    "--for",
+    "duration",
+    type=FiniteRange(min=0, min_open=True),
+    metavar="SECONDS",
+    help="Stop all processes after this time.",
+)
+def command(out: str, rest: tuple[str, ...], only: tuple[str, ...], duration: float | None) -> None:
+    """Start the processes of the generated workspace OUT, and mark each line with its process.
+
+    If PROCESS names one of the processes, only that one runs. ARGUMENTS are passed on as in `ros2
+    run`. With PROCESS, they all go to it. Without PROCESS, those before --ros-args go to all
+    processes that speak JAUS, and those from --ros-args on to all ROS nodes. For example:
+
+        jausml run ws rover --jaus-id 100.2.10 --ros-args -r cmd_vel:=/base -p drive.rate:=5.0
+
+    Arguments after -- are never options of this command.
+
+    The environment (ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, ...) is passed on unchanged. If
+    ROS_DOMAIN_ID is not set, the ROS domain of the model is used. All processes stop when one of
+    them ends with an error, on Ctrl-C and on SIGTERM, and when this command is killed. Pressing
+    Ctrl-C again is safe, and stops the processes more forcefully.
+
+    Exit status: 0 all ended normally or were stopped, 1 a process failed, 2 OUT is not a generated
+    workspace, or rclpy or a message package is missing, 3 internal error.
+    """
+    folder = _workspace(out)
+    process, arguments = split_arguments(rest)
+    entries = _chosen(_entries(folder), (*only, *process))
+    passed = process_arguments(entries, arguments, is_named=bool(process))
+    environment = _environment(folder)
+    if any(entry["kind"] in _ROS_KINDS for entry in entries):
+        _require_rclpy()
+        require_packages(entries, folder, environment["PYTHONPATH"])
+    supervisor = Supervisor(
+        [_command(entry, folder, more) for entry, more in zip(entries, passed, strict=True)],
+        environment=environment,
+        emit=click.echo,
+    )
+    if not supervisor.run(duration):
+        for name, reason in supervisor.failures:
+            click.echo(f"jausml: {name} {reason}", err=True)
+        raise click.exceptions.Exit(PROBLEMS)
+
+
+def _workspace(out: str) -> Path:
+    """Returns the generated folder: OUT itself, or its src when OUT is the colcon workspace."""
+    from jausml.generation import MANIFEST_PATH
+
+    for folder in (Path(out), Path(out, "src")):
+        if (folder / MANIFEST_PATH).is_file():
+            return folder.resolve()
+    name = click.format_filename(out)
+    raise EnvironmentFault(
+        f"{name} is no generated workspace: it has no {MANIFEST_PATH}; "
+        f"'jausml generate MODEL -o {name}' makes one"
+    )
+
+
+def _entries(folder: Path) -> list[Mapping[str, Any]]:
+    from jausml.generation import read_manifest
+
+    manifest = read_manifest(folder)
+    if manifest.problem:
+        raise EnvironmentFault(f"{folder}: {manifest.problem}; generate it again")
+    lists = [known.get("processes") for known in manifest.models.values()]
+    entries = [entry for each in lists if isinstance(each, list) for entry in each]
+    if not any(isinstance(each, list) for each in lists) or not all(map(_is_entry, entries)):
+        raise EnvironmentFault(f"{folder}: the manifest lists no processes; generate it again")
+    # A component that two models have is one process.
+    return list({entry["name"]: entry for entry in entries}.values())
+
+
+def _is_entry(entry: Any) -> bool:
+    if not isinstance(entry, dict):
+        return False
+    texts = (entry.get("name"), entry.get("kind"), entry.get("module"))
+    arguments = entry.get("arguments", [])
+    return (
+        all(isinstance(text, str) for text in texts)
+        and _MODULE.fullmatch(entry["module"]) is not None
+        and isinstance(arguments, list)
+        and all(isinstance(argument, str) for argument in arguments)
+        and isinstance(entry.get("parameters", ""), str)
+        and isinstance(entry.get("domain", 0), int)
+    )
+
+
+def _chosen(
+    entries: Sequence[Mapping[str, Any]], only: tuple[str, ...]
+) -> Sequence[Mapping[str, Any]]:
+    names = [entry["name"] for entry in entries]
+    unknown = [name for name in only if name not in names]
+    if unknown:
+        raise click.UsageError(f"no process '{unknown[0]}'; there are {', '.join(names) or 'none'}")
+    chosen = [entry for entry in entries if not only or entry["name"] in only]
+    if not chosen:
+        raise EnvironmentFault("the workspace has no processes")
+    return chosen
+
+
+def _require_rclpy() -> None:
+    if importlib.util.find_spec("rclpy") is None:
+        raise EnvironmentFault(
+            "rclpy is missing: source a ROS 2 installation, or pip install 'jausml[ros]'"
+        )
+
+
+def _command(entry: Mapping[str, Any], folder: Path, passed: ProcessArguments) -> Command:
+    arguments = [*entry.get("arguments", ()), *passed.own]
+    parameters = entry.get("parameters", "")
+    if parameters:
+        arguments += ["--ros-args", "--params-file", str(folder / parameters)]
+    # What comes later goes before: an argument of the user before the generated file.
+    arguments += passed.ros
+    return Command(
+        entry["name"],
+        (sys.executable, "-u", "-c", _MAIN, entry["module"], *arguments),
+        {"ROS_DOMAIN_ID": str(entry.get("domain", 0))},
+    )
+
+
+def _environment(folder: Path) -> dict[str, str]:
+    """Returns our environment with the packages of the workspace on Python's path."""
+    packages = sorted(
+        str(package) for package in folder.iterdir() if (package / package.name).is_dir()
+    )
+    inherited = os.environ.get("PYTHONPATH", "")
+    path = os.pathsep.join([*packages, *([inherited] if inherited else [])])
+    return {**os.environ, "PYTHONPATH": path}
+
+
+_ROS_ARGUMENTS = "--ros-args"
+_IDENTITY = "--jaus-id"
+
+
+@dataclass(frozen=True, slots=True)
+class ProcessArguments:
+    """Arguments for one process.
+
+    Attributes:
+        ros: For ROS, `--ros-args` included; empty when there are none.
+    """
+
+    own: tuple[str, ...] = ()
+    ros: tuple[str, ...] = ()
+
+
+def split_arguments(rest: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Returns the name of the process, if there is one, and the arguments."""
+    number = 1 if rest and not rest[0].startswith("-") else 0
+    return tuple(rest[:number]), tuple(rest[number:])
+
+
+def process_arguments(
+    entries: Sequence[Mapping[str, Any]], arguments: Sequence[str], *, is_named: bool
+) -> list[ProcessArguments]:
+    """Returns what each process gets."""
+    at = arguments.index(_ROS_ARGUMENTS) if _ROS_ARGUMENTS in arguments else len(arguments)
+    own, ros = tuple(arguments[:at]), tuple(arguments[at:])
+    jaus = [entry["name"] for entry in entries if entry["kind"] != "node"]
+    nodes = [entry["name"] for entry in entries if entry["kind"] != "component"]
+    if own and not own[0].startswith("-"):
+        raise click.UsageError(f"'{own[0]}' is no option of a process")
+    if own and not jaus and not is_named:
+        raise click.UsageError(f"no process speaks JAUS, which {own[0]} is for")
+    if ros and not nodes:
+        raise click.UsageError(f"no process is a ROS node, which {_ROS_ARGUMENTS} is for")
+    if len(jaus) > 1 and any(each.partition("=")[0] == _IDENTITY for each in own):
+        names = ", ".join(jaus)
+        raise click.UsageError(f"name the process that gets this {_IDENTITY}: one of {names}")
+    return [
+        ProcessArguments(
+            own if is_named or entry["name"] in jaus else (), ros if entry["name"] in nodes else ()
+        )
+        for entry in entries
+    ]
+
+
+_INTERFACES = ("msg", "srv", "action")
+_MESSAGES = "_msgs"
+
+
+def require_packages(entries: Sequence[Mapping[str, Any]], folder: Path, python_path: str) -> None:
+    """Refuses to start processes whose messages nobody has built or installed."""
+    path = [*filter(None, python_path.split(os.pathsep)), *sys.path]
+    for entry in entries:
+        for name in _needed(folder / str(entry.get("package", "")) / "package.xml"):
+            is_own = any((folder / name / kind).is_dir() for kind in _INTERFACES)
+            # Without an __init__ it is the folder of definitions beside us, or nothing at all.
+            found = PathFinder.find_spec(name, path)
+            if (is_own or name.endswith(_MESSAGES)) and (found is None or found.origin is None):
+                raise EnvironmentFault(
+                    f"{entry['name']} needs {name}, {_cure(name, folder, is_own)}"
+                )
+
+
+def _cure(name: str, folder: Path, is_own: bool) -> str:
+    if not is_own:
+        debian = name.replace("_", "-")
+        return (
+            "which Python does not find: source a ROS 2 installation that has it"
+            f" (apt install ros-jazzy-{debian}), or pip install ros-jazzy-{debian}"
+        )
+    root = folder.parent if folder.name == "src" else folder
+    return (
+        "whose messages are not built yet: in a shell with ROS 2, run `colcon build` in"
+        f" {root} and source install/setup.bash, then run this again"
+    )
+
+
+def _needed(file: Path) -> Iterator[str]:
+    """Yields the names of packages that a package.xml says its package needs to run."""
+    from lxml import etree
+
+    if not file.is_file():
+        return
+    parser = etree.XMLParser(resolve_entities=False, no_network=True)
+    try:
+        root = etree.parse(file, parser).getroot()
+    except etree.XMLSyntaxError:
+        return
+    for each in root.iter("depend", "exec_depend"):
+        if each.text:
+            yield each.text.strip()

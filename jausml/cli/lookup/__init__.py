@@ -1,0 +1,1 @@
+"""Verbs that look up what is known: rules, and what the library has."""

@@ -1,0 +1,24 @@
+"""`jausml explain`: shows what a rule demands and why."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+
+import click
+
+from jausml.cli.shared.known import known
+from jausml.cli.shared.options import completing
+
+
+@click.command("explain")
+@click.argument("rule_id", metavar="RULE", shell_complete=completing("rules", "rule"))
+def command(rule_id: str) -> None:
+    """Explain a rule: what it requires and why, with a bad and a good example."""
+    entries = {entry["rule"]: entry for entry in known("rules")}
+    entry = entries.get(rule_id.upper())
+    if entry is None:
+        near = get_close_matches(rule_id.upper(), entries, n=1)
+        hint = f", did you mean {near[0]}?" if near else ""
+        raise click.UsageError(f"no rule {rule_id!a}{hint} ('jausml rules' lists them)")
+    heading = f"{entry['rule']}: {entry['title']} ({entry['severity']})"
+    click.echo(f"{heading}\n\n{entry['documentation']}")

@@ -1,0 +1,195 @@
+"""`jausml list`: lists the JAUS services, messages and attribute maps that are known."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from jausml.cli.shared.known import known, library_file
+from jausml.cli.shared.lines import line_format_option, to_json, write
+from jausml.cli.shared.models import model_option
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+
+@click.group("list")
+def command() -> None:
+    """List the JAUS services, messages and attribute maps of the library and of your models."""
+
+
+@command.command("services")
+@click.option(
+    "--set", "set_name", metavar="NAME", help="List only the services of this service set."
+)
+@line_format_option
+@model_option
+def services(set_name: str | None, output_format: str, models: tuple[str, ...]) -> None:
+    """List services with their versions.
+
+    Exit status: 0 done, 1 a model has errors, 2 usage (an unknown service set), 3 internal error.
+    """
+    found = _services(models)
+    if set_name is not None:
+        known_sets = sorted({service["set"] for service in found})
+        found = [service for service in found if set_name == service["set"]]
+        if not found:
+            sets = ", ".join(known_sets)
+            raise click.UsageError(f"no service set {set_name!a}, there are: {sets}")
+    if output_format == "json":
+        _write_json(found)
+        return
+    columns = ("service", "version", "set", "inherits")
+    rows = (tuple(service[column] or "" for column in columns) for service in found)
+    _table(("SERVICE", "VERSION", "SET", "INHERITS"), rows)
+
+
+def _services(models: tuple[str, ...]) -> list[dict[str, Any]]:
+    if not models:
+        return known("services")
+    from jausml.cli.lookup import listed
+
+    return listed.services(models)
+
+
+@command.command("messages")
+@click.option(
+    "--service",
+    metavar="SERVICE",
+    help="List only the messages of this service, including inherited ones: URN or name, "
+    "optionally with /VERSION.",
+)
+@line_format_option
+@model_option
+def messages(service: str | None, output_format: str, models: tuple[str, ...]) -> None:
+    """List messages with their codes.
+
+    Exit status: 0 done, 1 a model has errors, 2 usage (an unknown service), 3 internal error.
+    """
+    found = _messages(models, service)
+    if output_format == "json":
+        _write_json(found)
+        return
+    rows = (
+        (
+            each["code"],
+            each["message"],
+            "command" if each["command"] else "",
+            _shortened(each["services"]),
+        )
+        for each in found
+    )
+    _table(("CODE", "MESSAGE", "", "SERVICE"), rows)
+
+
+def _messages(models: tuple[str, ...], service: str | None) -> list[dict[str, Any]]:
+    if not models and service is None:
+        return known("messages")
+    from jausml.cli.lookup import listed
+
+    return listed.messages(models, service)
+
+
+def _shortened(services: Sequence[str]) -> str:
+    more = f" and {len(services) - 2} more" if len(services) > 2 else ""
+    return ", ".join(services[:2]) + more
+
+
+@command.command("maps")
+@click.option(
+    "--ros",
+    "ros_type",
+    metavar="TYPE",
+    help="List only maps of this ROS type, including joined ones.",
+)
+@click.option(
+    "--jaus", "message_name", metavar="MESSAGE", help="List only maps of this JAUS message."
+)
+@line_format_option
+@model_option
+def maps(
+    ros_type: str | None, message_name: str | None, output_format: str, models: tuple[str, ...]
+) -> None:
+    """List attribute maps with their message, ROS type and directions.
+
+    TYPE is nav_msgs/Odometry, nav_msgs/msg/Odometry or Odometry. `jausml show map` shows the
+    details of a map.
+
+    Exit status: 0 done, 1 a model has errors, 2 usage (a type or message without a map), 3 internal
+    error.
+    """
+    found = _maps(models)
+    if ros_type is not None:
+        wanted = ros_type.replace("/msg/", "/")
+        found = _chosen(found, wanted, _types, "ROS type")
+    if message_name is not None:
+        found = _chosen(found, message_name, _reports, "JAUS message")
+    if output_format == "json":
+        _write_json(found)
+        return
+    rows = (
+        (
+            each["map"],
+            each["message"],
+            each["type"],
+            " and ".join(each["directions"]),
+            each["module"] or "",
+        )
+        for each in found
+    )
+    _table(("MAP", "MESSAGE", "ROS TYPE", "DIRECTIONS", "IMPORT"), rows)
+
+
+def _maps(models: tuple[str, ...]) -> list[dict[str, Any]]:
+    if not models:
+        return [each | {"file": library_file(each["file"])} for each in known("maps")]
+    from jausml.cli.lookup import listed
+
+    return listed.maps(models)
+
+
+def _types(each: dict[str, Any]) -> list[str]:
+    """Returns the ROS type of a map and those of joined topics."""
+    return [each["type"], *(join["type"] for join in each["joins"])]
+
+
+def _reports(each: dict[str, Any]) -> list[str]:
+    """Returns the JAUS message of a map and those of joined reports."""
+    return [each["message"], *(join["message"] for join in each["reportJoins"])]
+
+
+def _chosen(
+    found: Sequence[dict[str, Any]],
+    wanted: str,
+    names: Callable[[dict[str, Any]], Sequence[str]],
+    what: str,
+) -> list[dict[str, Any]]:
+    """Returns the maps of a name, or of the end of one behind its slash."""
+
+    def are_meant(each: dict[str, Any]) -> bool:
+        return any(wanted in (name, name.rpartition("/")[2]) for name in names(each))
+
+    chosen = [each for each in found if are_meant(each)]
+    if not chosen:
+        from jausml.live.messages.errors import did_you_mean, similar
+
+        everything = {name for each in found for name in names(each)}
+        everything |= {name.rpartition("/")[2] for name in everything if "/" not in wanted}
+        hint = did_you_mean(similar(wanted, everything))
+        raise click.UsageError(f"no map of the {what} {wanted!a}{hint}")
+    return chosen
+
+
+def _write_json(found: Iterable[dict[str, Any]]) -> None:
+    for each in found:
+        write(to_json(each))
+
+
+def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> None:
+    """Writes rows in columns as wide as they need."""
+    table = [head, *rows]
+    widths = [max(len(row[column]) for row in table) for column in range(len(head))]
+    for row in table:
+        cells = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))
+        write("  ".join(cells).rstrip())

@@ -1,0 +1,126 @@
+"""Lists as JSON objects, made of what is read: all rules, messages and services, attribute maps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from jausml.authoring.merging.conflicts import MERGE_RULES
+from jausml.cli.shared.models import open_catalogue, readable_model
+from jausml.language.importers.jsidl.rules import JSIDL_RULES
+from jausml.language.importers.ros.rules import ROS_RULES
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model import library_root
+from jausml.language.semantics.connections.map_overview import MapOverview, overview
+from jausml.language.text.rules import TEXT_RULES
+from jausml.language.validation.catalogue import catalogue
+from jausml.live.messages import UnknownServiceError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.live.messages import Catalogue, MessageEntry, ServiceEntry
+
+
+def rules() -> list[dict[str, Any]]:
+    """Returns all rules, ordered by id."""
+    return [
+        {
+            "rule": entry.id,
+            "severity": entry.severity.value,
+            "title": entry.title,
+            "documentation": entry.documentation,
+        }
+        for entry in catalogue(JSIDL_RULES, ROS_RULES, TEXT_RULES, MERGE_RULES)
+    ]
+
+
+def services(models: Sequence[str]) -> list[dict[str, Any]]:
+    """Returns the services of models and of the library."""
+    return [_service(entry) for entry in open_catalogue(models).services.values()]
+
+
+def messages(models: Sequence[str], service: str | None = None) -> list[dict[str, Any]]:
+    """Returns the messages of models and of the library."""
+    found = open_catalogue(models)
+    entries = found.messages if service is None else _messages_of(found, service)
+    return [_message(entry) for entry in entries]
+
+
+def maps(models: Sequence[str]) -> list[dict[str, Any]]:
+    """Returns the attribute maps of the library and of models."""
+    return [each.to_json() for each in open_maps(models)]
+
+
+def _messages_of(found: Catalogue, service: str) -> Sequence[MessageEntry]:
+    try:
+        meant = found.find_services(service)
+    except UnknownServiceError as error:
+        raise click.UsageError(str(error)) from error
+    every = (entry for each in meant for owner in each.lineage for entry in owner.messages)
+    return sorted(dict.fromkeys(every), key=lambda entry: (entry.code, entry.name))
+
+
+def _service(service: ServiceEntry) -> dict[str, Any]:
+    return {
+        "service": service.urn,
+        "version": service.version,
+        "name": service.name,
+        "set": service.set_name,
+        "inherits": service.inherits.label if service.inherits else None,
+        "inputs": [entry.name for entry in service.inputs],
+        "outputs": [entry.name for entry in service.outputs],
+    }
+
+
+def _message(entry: MessageEntry) -> dict[str, Any]:
+    return {
+        "message": entry.name,
+        "code": entry.code_text,
+        "command": entry.is_command,
+        "services": [service.label for service in entry.services],
+    }
+
+
+@dataclass(frozen=True)
+class FoundMap:
+    """An attribute map and its file.
+
+    Attributes:
+        module: What imports it in text, e.g. `mappings.range_sensor`; empty for a user's file.
+    """
+
+    overview: MapOverview
+    path: str
+    line: int
+    module: str
+
+    def to_json(self) -> dict[str, Any]:
+        """Returns what the map is, and where."""
+        place = {"file": self.path, "line": self.line, "module": self.module or None}
+        return {**self.overview.to_json(), **place}
+
+
+def open_maps(models: Sequence[str], word: str = "") -> list[FoundMap]:
+    """Returns the attribute maps of the library and of models, in the order of their files.
+
+    Args:
+        word: Text that stands in the files of the library that are meant; all when empty.
+    """
+    folder = library_root() / "mappings"
+    ready = sorted(folder.glob("*.ros2jaus"))
+    ready = [path for path in ready if word in path.read_text(encoding="utf-8")]
+    paths = [*map(str, ready), *models]
+    if not paths:
+        return []
+    model = readable_model(paths)
+    found = []
+    for each in model.instances(bridge.AttributeMap):
+        place = model.location(each)
+        is_ready = Path(place.path).parent == folder
+        module = f"{folder.name}.{Path(place.path).stem}" if is_ready else ""
+        found.append(FoundMap(overview(each), str(place.path), place.line, module))
+    return found

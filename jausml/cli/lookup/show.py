@@ -1,0 +1,249 @@
+"""`jausml show`: shows one message, service or attribute map, and how to write it."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from jausml.cli.shared.known import known
+from jausml.cli.shared.lines import line_format_option, to_json, write
+from jausml.cli.shared.models import model_option, open_catalogue
+from jausml.cli.shared.options import completing
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Sequence
+
+    from jausml.cli.lookup.listed import FoundMap
+    from jausml.live.messages import Catalogue, MessageEntry, ServiceEntry
+    from jausml.live.messages.definitions import Row
+
+
+_NAMES = {"message": "message", "service": "name", "map": "map"}
+
+
+def _known_names(kind: str) -> set[str]:
+    """Returns the names of all that the library has of a kind."""
+    return {each[_NAMES[kind]] for each in known(f"{kind}s")}
+
+
+class Kinds(click.Group):
+    """The kinds of what can be shown; of a name without its kind it says which that is."""
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Returns the kind that is meant and its command."""
+        name = args[0]
+        if name not in self.commands:
+            kind = next((k for k in _NAMES if name in _known_names(k)), None)
+            if kind is not None:
+                ctx.fail(f"{name} is a {kind}: jausml show {kind} {name}")
+        return super().resolve_command(ctx, args)
+
+
+@click.group("show", cls=Kinds)
+def command() -> None:
+    """Show one message, service or attribute map, of the library or of your models."""
+
+
+@command.command("message")
+@click.argument("name", metavar="NAME", shell_complete=completing("messages", "message"))
+@click.option(
+    "--service",
+    metavar="SERVICE",
+    help="Service of the message: URN or name, optionally with /VERSION.",
+)
+@line_format_option
+@model_option
+def message(name: str, service: str | None, output_format: str, models: tuple[str, ...]) -> None:
+    """Show the fields of the message NAME, and an example for `encode` and `ocu`.
+
+    NAME is a name or a code. Without --service, all messages of that name or code are shown.
+
+    Exit status: 0 done, 1 a model has errors, 2 usage (an unknown message), 3 internal error.
+    """
+    from jausml.live.messages import MessageError
+    from jausml.live.messages.definitions import rows
+
+    catalogue = open_catalogue(models)
+    try:
+        found = [(entry, rows(entry)) for entry in _meanings(catalogue, name, service)]
+    except MessageError as error:
+        raise click.UsageError(str(error)) from error
+    if output_format == "json":
+        _write(to_json(_message_json(entry, fields)) for entry, fields in found)
+        return
+    _write_apart(found, lambda each: _message_lines(*each))
+
+
+def _meanings(catalogue: Catalogue, name: str, service: str | None) -> Sequence[MessageEntry]:
+    """Returns the messages of a name or code; that of a service if one is named."""
+    found = catalogue.named(name) if service is None else ()
+    return found or (catalogue.message(name, service),)
+
+
+def _message_json(entry: MessageEntry, fields: Sequence[Row]) -> dict[str, Any]:
+    return {
+        "message": entry.name,
+        "code": entry.code_text,
+        "command": entry.is_command,
+        "services": [service.label for service in entry.services],
+        "documentation": str(entry.definition.documentation or ""),
+        "fields": [field.to_json() for field in fields],
+        "example": _example(entry),
+    }
+
+
+def _example(entry: MessageEntry) -> dict[str, Any]:
+    from jausml.live.messages.samples import example
+
+    return {"message": entry.name, "fields": example(entry)}
+
+
+def _message_lines(entry: MessageEntry, fields: Sequence[Row]) -> Iterator[str]:
+    yield f"{entry.name} {entry.code_text}{' (command)' if entry.is_command else ''}"
+    if entry.definition.documentation:
+        yield f"  {entry.definition.documentation}"
+    yield f"  of {', '.join(service.label for service in entry.services)}"
+    yield ""
+    if not fields:
+        yield "  no fields"
+    yield from _field_lines(fields)
+    yield ""
+    yield "example, of which optional fields may be left out:"
+    yield f"  jausml encode:  {json.dumps(_example(entry))}"
+    yield f"  jausml ocu:     {entry.name} '{json.dumps(_example(entry)['fields'])}'"
+
+
+def _field_lines(fields: Sequence[Row]) -> Iterator[str]:
+    """Yields the fields in columns, with the names of their values below them."""
+    cells = [
+        (f"{'  ' * field.depth}{field.name}", field.type, field.presence, _values(field))
+        for field in fields
+    ]
+    widths = [max(len(each[column]) for each in cells) for column in range(3)] if cells else []
+    for field, (*columns, values) in zip(fields, cells, strict=True):
+        padded = "  ".join(cell.ljust(width) for cell, width in zip(columns, widths, strict=True))
+        names = (f"{value} '{name}'" for value, name in sorted((field.names or {}).items()))
+        notes = [each for each in (values, field.documentation, *names) if each] or [""]
+        yield f"  {padded}  {notes[0]}".rstrip()
+        yield from (" " * (len(padded) + 4) + note for note in notes[1:])
+
+
+def _values(field: Row) -> str:
+    unit = f" {field.units}" if field.units else ""
+    return f"{field.legal}{unit}".strip()
+
+
+@command.command("service")
+@click.argument("name", metavar="NAME", shell_complete=completing("services", "name"))
+@line_format_option
+@model_option
+def service(name: str, output_format: str, models: tuple[str, ...]) -> None:
+    """Show the service NAME: what it inherits, takes and sends.
+
+    NAME is a URN or its last part. Without /VERSION after it, all versions are shown.
+
+    Exit status: 0 done, 1 a model has errors, 2 usage (an unknown service), 3 internal error.
+    """
+    from jausml.live.messages import MessageError
+
+    try:
+        found = open_catalogue(models).find_services(name)
+    except MessageError as error:
+        raise click.UsageError(str(error)) from error
+    if output_format == "json":
+        _write(to_json(_service_json(each)) for each in found)
+        return
+    _write_apart(found, _service_lines)
+
+
+def _service_json(entry: ServiceEntry) -> dict[str, Any]:
+    return {
+        "service": entry.urn,
+        "version": entry.version,
+        "name": entry.name,
+        "set": entry.set_name,
+        "documentation": entry.documentation,
+        "inherits": [each.label for each in list(entry.lineage)[1:]],
+        "inputs": [_named(each) for each in entry.inputs],
+        "outputs": [_named(each) for each in entry.outputs],
+    }
+
+
+def _named(entry: MessageEntry) -> dict[str, Any]:
+    return {"message": entry.name, "code": entry.code_text, "command": entry.is_command}
+
+
+def _service_lines(entry: ServiceEntry) -> Iterator[str]:
+    yield f"{entry.name} {entry.version} ({entry.set_name})"
+    yield f"  {entry.urn}"
+    if entry.documentation:
+        yield f"  {entry.documentation}"
+    ancestors = [f"{each.name} {each.version}" for each in list(entry.lineage)[1:]]
+    if ancestors:
+        yield f"  inherits {', which inherits '.join(ancestors)}"
+    yield ""
+    for word, entries in (("takes", entry.inputs), ("sends", entry.outputs)):
+        for each in entries:
+            mark = " (command)" if each.is_command else ""
+            yield f"  {word}  {each.code_text}  {each.name}{mark}"
+
+
+@command.command("map")
+@click.argument("name", metavar="NAME", shell_complete=completing("maps", "map"))
+@line_format_option
+@model_option
+def map_(name: str, output_format: str, models: tuple[str, ...]) -> None:
+    """Show the attribute map NAME: what it connects, its quantities, and how to use it.
+
+    Exit status: 0 done, 1 a model has errors, 2 usage (an unknown map), 3 internal error.
+    """
+    from jausml.cli.lookup.listed import open_maps
+    from jausml.live.messages.errors import did_you_mean, similar
+
+    found = [each for each in open_maps(models, name) if each.overview.name == name]
+    if not found:
+        known = {each.overview.name for each in open_maps(models)}
+        hint = did_you_mean(similar(name, known)) or "; `jausml list maps` lists them"
+        raise click.UsageError(f"no map {name!a}{hint}")
+    if output_format == "json":
+        _write(to_json(each.to_json()) for each in found)
+        return
+    _write_apart(found, _map_lines)
+
+
+def _map_lines(found: FoundMap) -> Iterator[str]:
+    each = found.overview
+    yield f"{each.name}: {each.message} ({each.service}) and {each.type}"
+    if each.documentation:
+        yield f"  {each.documentation}"
+    yield ""
+    yield f"  directions: {', '.join(each.directions) or 'none'}"
+    for name, value, units in each.quantities:
+        yield f"  quantity {name}: {value:g} {units}".rstrip() + ", which a bridge may override"
+    for name, kind, freshness, stale in (*each.joins, *each.report_joins):
+        yield f"  join {name}: {kind}, fresh for {freshness:g} s, then {stale}"
+    yield f"  test vectors: {each.vectors}"
+    yield f"  file: {found.path}:{found.line}"
+    if found.module:
+        yield ""
+        yield f"in text:  import {found.module}"
+        yield f"          map: {each.name}"
+        yield f"in XMI:   jausml convert {found.path} {found.module.partition('.')[2]}.xmi"
+        yield f'          <map href="{found.module.partition(".")[2]}.xmi#{each.name}"/>'
+
+
+def _write_apart(found: Iterable[Any], lines: Callable[[Any], Iterator[str]]) -> None:
+    """Writes the lines of each thing, with an empty line between two."""
+    for index, each in enumerate(found):
+        if index:
+            write("")
+        _write(lines(each))
+
+
+def _write(lines: Iterable[str]) -> None:
+    for line in lines:
+        write(line)

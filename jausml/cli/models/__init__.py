@@ -1,0 +1,1 @@
+"""Verbs that check models, and make something else of them."""

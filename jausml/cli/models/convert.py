@@ -1,0 +1,172 @@
+"""`jausml convert`: turns models into ros2jaus text and back."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+from urllib.parse import quote
+
+import click
+
+from jausml.cli.shared.files import (
+    EnvironmentFault,
+    counted,
+    say,
+    write_document,
+)
+from jausml.cli.shared.models import (
+    SUFFIXES,
+    bridge_options,
+    fail,
+    frequency_option,
+    read,
+    reading_options,
+    show_findings,
+)
+from jausml.cli.shared.options import quiet_option
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.documents import Document
+    from jausml.language.model.model import Model
+    from jausml.language.model.reading.reader import ReadResult
+    from jausml.language.validation.project import Reading
+
+_XMI, _TEXT = SUFFIXES
+
+
+@click.command("convert")
+@click.argument("source", metavar="FROM")
+@click.argument("target", metavar="TO")
+@click.option("--force", is_flag=True, help="Overwrite TO if it differs.")
+@reading_options
+@bridge_options
+@frequency_option
+@quiet_option("Print no summary.")
+def command(
+    source: str,
+    target: str,
+    force: bool,
+    reading: Reading,
+    quiet: bool,
+) -> None:
+    """Write a model in another notation: XMI as ros2jaus text, or text as XMI.
+
+    The endings .xmi and .ros2jaus determine the notation. The new file has exactly the same content
+    as the old one, and refers to the same other files. If the model cannot be read, the findings
+    are reported and no file is written.
+
+    Exit status: 0 done, 1 errors in the model, 2 FROM cannot be read or TO cannot be written, 3
+    internal error.
+    """
+    from jausml.language.model.xmi.writer import UnwritableError
+
+    _check_paths(source, target)
+    result = read([source], reading)
+    _report(result, source, quiet=quiet)
+    model, document = result.model, result.model.documents[0]
+    try:
+        written, copies = _written(document.roots, model, target, reading.project_root)
+    except UnwritableError as error:
+        raise click.ClickException(
+            f"cannot write {click.format_filename(target)}: {error}"
+        ) from error
+    state = write_document(target, written.encode("utf-8"), (), force=force)
+    for path, data in copies.items():
+        shown = click.format_filename(os.path.relpath(path))
+        path.parent.mkdir(exist_ok=True)
+        say(f"{shown}: {write_document(str(path), data, (), force=False)}", quiet=quiet)
+    for warning in _left_behind(result, target, written):
+        say(f"{click.format_filename(source)}: warning: {warning}", quiet=quiet)
+    summary = f"{_summary(document.roots, model)}, {state}"
+    say(f"{click.format_filename(target)}: {summary}", quiet=quiet)
+
+
+def _check_paths(source: str, target: str) -> None:
+    """Refuses what cannot be read or must not be written."""
+    shown = click.format_filename(target)
+    if not target.endswith(SUFFIXES):
+        raise click.UsageError(f"TO must end with {_XMI} or {_TEXT}")
+    if Path(source).is_dir():
+        raise click.UsageError("FROM is a folder: convert one file at a time")
+    if os.path.realpath(source) == os.path.realpath(target):
+        raise EnvironmentFault(f"{shown} is the file to convert")
+    if Path(target).exists() and not Path(target).is_file():
+        raise EnvironmentFault(f"cannot write {shown}: it is no file")
+
+
+def _report(result: ReadResult, source: str, *, quiet: bool) -> None:
+    """Shows what was found in reading, and ends when the model cannot be used."""
+    from jausml.language.model.diagnostics import Severity
+    from jausml.language.validation.report import Report
+
+    report = Report(result.model, (source,), tuple(result.diagnostics))
+    shown = [each for each in report.diagnostics if each.severity is not Severity.INFO]
+    if shown:
+        show_findings(Report(result.model, (source,), tuple(shown)), err=False)
+    if result.has_errors:
+        fail(report, "nothing written", quiet=quiet)
+
+
+def _written(
+    roots: list[EObject], model: Model, target: str, project_root: str | os.PathLike[str] | None
+) -> tuple[str, dict[Path, bytes]]:
+    """Returns the new file, and the copies of ready maps that Eclipse needs beside it."""
+    from jausml.authoring.projects.eclipse import as_xmi_beside, localized, with_ready_maps
+    from jausml.language.model.identifiers import name_identifiers
+    from jausml.language.model.uris import find_project_root
+    from jausml.language.model.xmi.writer import to_xmi
+    from jausml.language.text.writing.unparsing import to_text
+
+    if target.endswith(_TEXT):
+        return to_text(roots, model, target), {}
+    document = model.document_of(roots[0]) if roots else None
+    if document is not None and not document.is_xml:
+        name_identifiers(roots, model)
+    path = Path(os.path.realpath(target))
+    root = Path(os.path.realpath(project_root)) if project_root else find_project_root([path])
+    xmi, missing = with_ready_maps(to_xmi(roots, model, target), path, root)
+    copies = {copy: as_xmi_beside(text, copy, root).encode() for copy, text in missing.items()}
+    return localized(xmi, path, root), copies
+
+
+def _left_behind(result: ReadResult, target: str, written: str) -> Iterator[str]:
+    """Yields what the new file does not say, and where it leads that cannot be followed."""
+    from jausml.language.model.uris import find_project_root
+
+    document, *others = result.model.documents
+    number = _comments(document)
+    if number:
+        noun = "comment stays" if number == 1 else "comments stay"
+        yield f"{number} {noun} behind: only documentation is part of a model"
+    if target.endswith(_XMI):
+        for each in others:
+            if not each.is_xml and f"{quote(each.path.name)}#" in written:
+                yield f"refers to {each.display}, which Eclipse cannot read: convert it too"
+    root = find_project_root([Path(target)])
+    outside = [e for e in others if not e.is_library and not e.path.is_relative_to(root)]
+    if outside:
+        yield (
+            f"refers to {outside[0].display}, which lies outside of {root}: there it is read with "
+            "--project-root or --allow-outside alone (JML209)"
+        )
+
+
+def _comments(document: Document) -> int:
+    """Returns how many comments of a document no model holds."""
+    from jausml.language.text.comments import ordinary_comments
+
+    if document.is_xml:
+        return document.data.replace(b"\0", b"").count(b"<!--")
+    return len(ordinary_comments(document.data.decode("utf-8", "replace")))
+
+
+def _summary(roots: list[EObject], model: Model) -> str:
+    pending, elements = list(roots), 0
+    while pending:
+        elements += 1
+        pending += model.owned(pending.pop())
+    return counted((len(roots), "root"), (elements, "element"))

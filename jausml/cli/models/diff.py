@@ -1,0 +1,331 @@
+"""`jausml diff`: what changed between two states of models, also those of git revisions."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path, PurePosixPath
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, find_files, write_report
+from jausml.cli.shared.models import SUFFIXES, read, reading_options
+from jausml.cli.shared.options import format_option
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+    from jausml.authoring.differences.change import Change
+    from jausml.authoring.differences.matching import Matching
+    from jausml.language.model.diagnostics import Location
+    from jausml.language.model.model import Model
+    from jausml.language.model.reading.reader import ReadResult
+    from jausml.language.validation.project import Reading
+
+FORMATS = ("text", "json", "svg", "html")
+_PICTURES = ("svg", "html")
+_COLOURS = {"added": "green", "removed": "red"}
+_SIGNS = {"added": "+", "removed": "-", "renamed": "~", "changed": "~", "ordered": "~"}
+_SAME_MEANING = (
+    "no differences in meaning; --no-ext-diff shows layout, comments, ids and documentation"
+)
+
+
+@click.command("diff")
+@click.argument("old", metavar="OLD")
+@click.argument("new", metavar="NEW")
+@format_option("Text for people, one JSON object, or a coloured diagram of NEW.", FORMATS)
+@click.option(
+    "--view", default="system", show_default=True, metavar="VIEW", help="View to draw in a diagram."
+)
+@click.option("-o", "--output", metavar="FILE", help="Write to a file instead of stdout.")
+@click.option(
+    "--fail-on",
+    type=click.Choice(["nothing", "breaking", "any"]),
+    default="nothing",
+    show_default=True,
+    help="Exit with 1 for changes that break peers or code, or for any change.",
+)
+@click.option(
+    "--as",
+    "file",
+    metavar="FILE",
+    help="File whose states OLD and NEW are; references are resolved from its folder.",
+)
+@click.option(
+    "--new-as",
+    "renamed",
+    metavar="FILE",
+    help="The same for NEW alone, if it was renamed.",
+)
+@reading_options
+def command(
+    old: str,
+    new: str,
+    output_format: str,
+    view: str,
+    output: str | None,
+    fail_on: str,
+    file: str | None,
+    renamed: str | None,
+    reading: Reading,
+) -> None:
+    """Show what changed from OLD to NEW, in terms of the models.
+
+    OLD and NEW are models, folders of models, or REVISION:PATH in a git repository, such as
+    `HEAD~1:models` or `main:./rover.xmi`. Layout, ids, documentation, the notation, and an order
+    that has no meaning do not count as changes. Changes that break programs on the network or code
+    of users are marked. With --as, git can call this command: one of the states may then be
+    /dev/null, for a file that does not exist.
+
+    A diagram (svg, html) shows a view of NEW as `jausml diagram` does, and the removed parts of
+    OLD: added parts are blue with +, removed ones orange and dashed with a minus sign, changed ones
+    yellow with ~.
+
+    Exit status: 0 done, 1 changes of the kind of --fail-on, 2 usage or environment, 3 internal
+    error.
+    """
+    from jausml.authoring.differences.finding import changes
+    from jausml.authoring.differences.matching import Matching
+    from jausml.authoring.differences.pairing import paired_roots
+
+    if file is not None and os.devnull in (old, new):
+        click.echo(f"+ {file}: added" if old == os.devnull else f"- {file}: removed")
+        return
+    with ExitStack() as stack:
+        before, old_folder = _read(old, file, reading, stack)
+        after, new_folder = _read(new, renamed or file, reading, stack)
+        pairs = paired_roots(before.model, after.model, old_folder, new_folder)
+        found = changes(before.model, after.model, pairs, (*before.lost, *after.lost))
+        for name, result in ((old, before), (new, after)):
+            _warn(name, result)
+        if output_format in _PICTURES:
+            roots = [(a, b) for a, b in pairs if a is not None and b is not None]
+            matching = Matching(before.model, after.model, roots)
+            states = ((before.model, old_folder), (after.model, new_folder))
+            text = _drawn(states, view, matching, found, output_format)
+        elif output_format == "json":
+            text = json.dumps(_as_json(found), indent=2, ensure_ascii=False) + "\n"
+        else:
+            shown = [] if file is None else [_title(file, renamed)]
+            end = _summary(found)
+            if not found and _unread(before, after):
+                end = "nothing was compared"
+            elif not found and file is not None:
+                end = _SAME_MEANING
+            text = "".join(f"{line}\n" for line in (*shown, *map(_line, found), end))
+        write_report(click.unstyle(text) if output is not None else text, output)
+    if (fail_on == "any" and found) or (fail_on == "breaking" and any(e.breaks for e in found)):
+        raise click.exceptions.Exit(PROBLEMS)
+
+
+def _title(file: str, renamed: str | None) -> str:
+    """Returns the line by which a reader of `git diff` knows the file."""
+    title = f"{file} -> {renamed}" if renamed else file
+    return click.style(title, bold=True)
+
+
+def _unread(*states: ReadResult) -> bool:
+    return any(not each.readable for state in states for each in state.model.documents)
+
+
+def _warn(name: str, result: ReadResult) -> None:
+    """Tells the first error of a state, and how many more there are."""
+    from jausml.language.model.diagnostics import Severity
+
+    errors = [each for each in result.diagnostics if each.severity is Severity.ERROR]
+    if not errors:
+        return
+    first = errors[0]
+    more = f", and {len(errors) - 1} more" if len(errors) > 1 else ""
+    click.echo(f"warning: {name} has errors; what can be read was compared", err=True)
+    click.echo(f"  {first.location}: {first.rule} {first.message}{more}", err=True)
+
+
+def _read(
+    given: str, file: str | None, reading: Reading, stack: ExitStack
+) -> tuple[ReadResult, Path]:
+    """Reads a state; returns it with the folder that its files are named from."""
+    from jausml.language.model.inputs import read_input
+    from jausml.language.model.reading.reader import read_models
+    from jausml.language.text.notation import NOTATIONS
+
+    path = Path(given)
+    if file is not None:
+        [state] = find_files([given], SUFFIXES)
+        path = Path(file)
+        contents = {Path(os.path.realpath(path)): read_input(state)}
+        result = read_models(
+            [path],
+            project_root=reading.project_root,
+            allow_outside=reading.allow_outside,
+            projects=reading.projects,
+            notations=NOTATIONS,
+            contents=contents,
+        )
+        return result, path.parent
+    if is_revision(given):
+        folder = Path(stack.enter_context(TemporaryDirectory(prefix="jausml-diff-"))).resolve()
+        path = checked_out(given, folder)
+        reading = replace(reading, project_root=folder)
+    return read([str(path)], reading), path if path.is_dir() else path.parent
+
+
+def _drawn(
+    models: Sequence[tuple[Model, Path]],
+    view: str,
+    matching: Matching,
+    found: Sequence[Change],
+    output_format: str,
+) -> str:
+    """Returns a view of both states as a picture or page."""
+    from jausml.authoring.differences.drawing import Drawn, compared
+    from jausml.views.diagrams.graph import Graph
+    from jausml.views.diagrams.layout.graphviz import Graphviz
+    from jausml.views.diagrams.layout.sheet import LayoutError
+    from jausml.views.diagrams.views import UnknownViewError, graph_of
+    from jausml.views.diagrams.writers import html, svg
+
+    drawn: list[Drawn] = []
+    faults: list[UnknownViewError] = []
+    for model, folder in models:
+        try:
+            graph = graph_of(model, view, root=folder)
+        except UnknownViewError as error:
+            faults.append(error)
+            graph = Graph(view, "")
+        drawn.append(Drawn(graph, model, Path(os.path.realpath(folder))))
+    if len(faults) == len(models):
+        raise EnvironmentFault(str(faults[-1]))
+    old, new = drawn
+    graph = compared(old, new, matching, found)
+    states = [each.state for each in graph.groups]
+    states += [each.state for each in graph.edges]
+    states += [each.state for each in graph.nodes]
+    states += [each.state for node in graph.nodes for each in node.ports]
+    if found and not any(states):
+        click.echo(f"note: nothing changed in {view}; {_summary(found)} elsewhere", err=True)
+    render = svg.render if output_format == "svg" else html.render
+    try:
+        return render(graph, Graphviz())
+    except LayoutError as error:
+        raise EnvironmentFault(str(error)) from error
+
+
+def _line(change: Change) -> str:
+    from jausml.authoring.differences.breaking import marked
+
+    mark = marked(change.breaks)
+    kind = change.kind.value
+    text = f"{_SIGNS[kind]} {change.element} {change.path}: {change.text}"
+    line = click.style(text, fg=_COLOURS.get(kind))
+    return f"{line}  {click.style(f'[{mark}]', bold=True)}" if mark else line
+
+
+def _summary(found: Sequence[Change]) -> str:
+    if not found:
+        return "no differences"
+    parts = [f"{len(found)} change{'' if len(found) == 1 else 's'}"]
+    for whom in ("peers", "code"):
+        number = sum(any(each.value == whom for each in change.breaks) for change in found)
+        if number:
+            parts.append(f"{number} break{'s' if number == 1 else ''} {whom}")
+    return ", ".join(parts)
+
+
+def _as_json(found: Iterable[Change]) -> dict[str, Any]:
+    return {
+        "changes": [
+            {
+                "kind": each.kind.value,
+                "element": each.element,
+                "path": each.path,
+                "feature": each.feature,
+                "old": each.old,
+                "new": each.new,
+                "text": each.text,
+                "breaks": [mark.value for mark in each.breaks],
+                "oldPlace": _place(each.old_place),
+                "newPlace": _place(each.new_place),
+            }
+            for each in found
+        ]
+    }
+
+
+def _place(location: Location | None) -> dict[str, Any] | None:
+    if location is None:
+        return None
+    return {"file": location.path, "line": location.line, "column": location.column}
+
+
+_KEPT = (*SUFFIXES, ".project")
+_FILE = "blob"
+
+
+def is_revision(text: str) -> bool:
+    """Tells whether a text says `REVISION:PATH` and names no file that is there."""
+    revision, colon, _ = text.partition(":")
+    return bool(colon and revision) and not Path(text).exists()
+
+
+def checked_out(text: str, folder: Path) -> Path:
+    """Writes the models of `REVISION:PATH` into a folder, and returns where the path is there.
+
+    Args:
+        text: The revision and a path: from the present folder if it begins with `./`, else from
+            the top of the repository, as git has it.
+        folder: An empty folder.
+    """
+    revision, _, path = text.partition(":")
+    top = Path(_git("rev-parse", "--show-toplevel").decode().rstrip("\n"))
+    wanted = PurePosixPath(path)
+    if path == "." or path.startswith(("./", "../")):
+        wanted = PurePosixPath(Path(path).resolve().relative_to(top.resolve()).as_posix())
+    for name, identifier in _files(top, _commit(revision)):
+        target = folder / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_bytes(_git("cat-file", _FILE, identifier, cwd=top))
+    found = folder / wanted
+    if not found.exists():
+        raise EnvironmentFault(f"{revision} has no model at {wanted}")
+    return found
+
+
+def _commit(revision: str) -> str:
+    try:
+        named = ("--verify", "--quiet", "--end-of-options", f"{revision}^{{commit}}")
+        return _git("rev-parse", *named).decode().strip()
+    except EnvironmentFault as error:
+        raise EnvironmentFault(f"git knows no revision {revision!a}") from error
+
+
+def _files(top: Path, commit: str) -> Iterator[tuple[str, str]]:
+    """Yields names and ids of the model files of a commit."""
+    for entry in (
+        _git("ls-tree", "-r", "-z", commit, cwd=top).decode("utf-8", "replace").split("\0")
+    ):
+        head, tab, name = entry.partition("\t")
+        if tab and head.split()[1] == _FILE and name.endswith(_KEPT):
+            yield name, head.split()[2]
+
+
+def _git(*arguments: str, cwd: Path | None = None) -> bytes:
+    try:
+        done = subprocess.run(  # noqa: S603 - no shell, and git checks what it is given
+            ["git", *arguments],  # noqa: S607 - the user's git
+            cwd=cwd,
+            capture_output=True,
+            check=False,
+        )
+    except OSError as error:
+        raise EnvironmentFault(f"git cannot be run: {error.strerror}") from error
+    if done.returncode:
+        lines = done.stderr.decode(errors="replace").strip().splitlines()
+        raise EnvironmentFault(f"git: {lines[0] if lines else f'exit {done.returncode}'}")
+    return done.stdout

@@ -1,0 +1,288 @@
+"""`jausml import`: makes models of JSIDL and of ROS interfaces."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from jausml.cli.shared.files import (
+    PROBLEMS,
+    EnvironmentFault,
+    counted,
+    document,
+    find_files,
+    say,
+    write_document,
+)
+from jausml.cli.shared.options import REPORT_FORMATS, format_option, quiet_option
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.language.importers import jsidl as jsidl_importer
+    from jausml.language.importers import ros as ros_importer
+    from jausml.language.importers.ros import PackageSource
+    from jausml.language.interfaces import Installation
+    from jausml.language.metamodel.classes import jaus
+    from jausml.language.metamodel.classes.ros import InterfacePackage
+    from jausml.language.validation.report import Report
+
+JSIDL_SUFFIXES = (".xml", ".jsidl")
+"""The endings of JSIDL files."""
+
+
+@click.group("import")
+def command() -> None:
+    """Make models from JSIDL and from ROS interfaces."""
+
+
+@command.command("jsidl")
+@click.argument("paths", nargs=-1, required=True, metavar="PATH...")
+@click.option("-o", "--output", metavar="OUT.xmi", help="Model to write.")
+@click.option("--name", help="Name of the service set; by default, that of its file or URNs.")
+@click.option(
+    "--set-version", metavar="VERSION", help="Version of the set; by default, that of its services."
+)
+@click.option(
+    "--compare-library",
+    is_flag=True,
+    help="Show where the services differ from those of the library.",
+)
+@click.option("--without-behaviour", is_flag=True, help="Leave out state machines.")
+@click.option("--force", is_flag=True, help="Overwrite OUT.xmi if it differs.")
+@format_option("Format of the findings.", REPORT_FORMATS)
+@quiet_option("Print no summary.")
+def jsidl(
+    paths: tuple[str, ...],
+    output: str | None,
+    name: str | None,
+    set_version: str | None,
+    compare_library: bool,
+    without_behaviour: bool,
+    force: bool,
+    output_format: str,
+    quiet: bool,
+) -> None:
+    """Import services in JSIDL (AS5684): files, or all *.xml and *.jsidl files below folders.
+
+    All services become one model, with a service set for each set of URNs. Inherited services may
+    be in the shipped library. Reports all problems in one run; with an error, writes nothing.
+
+    Exit status: 0 done, 1 errors in the files (--compare-library: or differences), 2 a path cannot
+    be read or OUT.xmi cannot be written, 3 internal error.
+    """
+    from jausml.language.importers.jsidl import import_jsidl
+    from jausml.language.validation.formats import RENDERERS, text
+    from jausml.language.validation.formats.text import one_line
+
+    if output is None and not compare_library:
+        raise click.UsageError("name the model to write by -o OUT.xmi")
+    folders = [path for path in paths if Path(path).is_dir()]
+    files = find_files([path for path in paths if path not in folders], JSIDL_SUFFIXES)
+    candidates = find_files(folders, JSIDL_SUFFIXES)
+    result = import_jsidl(
+        files,
+        candidates=candidates,
+        name=name,
+        version=set_version,
+        behaviour=not without_behaviour,
+    )
+    report = findings_of(result)
+    click.echo(RENDERERS[output_format](report), nl=False)
+    if report.has_errors:
+        say(f"{text.summary(report)}; nothing written", quiet=quiet)
+        raise click.exceptions.Exit(PROBLEMS)
+    if len(result.sets) > 1 and (name or set_version):
+        names = ", ".join(f"{each.name} {each.version}" for each in result.sets)
+        raise click.UsageError(f"--name and --set-version name one set, here are several: {names}")
+    if output is not None:
+        data = document(result.sets, result.model, output)
+        state = write_document(output, data, [*files, *candidates], force=force)
+        say(f"{click.format_filename(output)}: {_summary(result)}, {state}", quiet=quiet)
+    if compare_library:
+        differences = list(_differences(result))
+        for line in differences:
+            click.echo(one_line(line))
+        noun = "difference" if len(differences) == 1 else "differences"
+        say(f"{len(differences)} {noun} from the library", quiet=quiet)
+        if differences:
+            raise click.exceptions.Exit(PROBLEMS)
+
+
+def findings_of(result: jsidl_importer.ImportResult | ros_importer.ImportResult) -> Report:
+    """Returns the findings of the importer; without errors, those of the rules too."""
+    from jausml.language.model.reading.reader import ReadResult
+    from jausml.language.validation.engine import check
+    from jausml.language.validation.report import Report
+
+    if not result.has_errors:
+        return check(ReadResult(result.model, result.diagnostics))
+    files = tuple(document.display for document in result.model.documents if document.given)
+    return Report(result.model, files, tuple(result.diagnostics))
+
+
+def _differences(result: jsidl_importer.ImportResult) -> Iterator[str]:
+    """Yields the differences from the services of the library, each with its place."""
+    from jausml.language.importers.jsidl.inheritance import library_model, services_by_urn
+    from jausml.language.importers.jsidl.scopes import pick_version
+    from jausml.language.model.comparison import ON_THE_WIRE, compare
+
+    library = services_by_urn(library_model())
+    for service in (each for root in result.sets for each in root.services):
+        place = result.model.location(service)
+        versions = library.get(service.urn)
+        if versions is None:
+            yield f"{place}: {service.name}: the library has no service {service.urn}"
+            continue
+        theirs = versions[pick_version(service.version, versions)]
+        for each in compare(service, theirs, result.model.metamodels, ON_THE_WIRE):
+            at = result.model.location(each.first_element)
+            values = f"{_shown(each.first)} here, {_shown(each.second)} in the library"
+            yield f"{at}: {each.path}: {each.feature}: {values}"
+
+
+def _shown(value: str) -> str:
+    return value.lower() if value in ("True", "False") else value
+
+
+def _summary(result: jsidl_importer.ImportResult) -> str:
+    services: list[jaus.Service] = [each for root in result.sets for each in root.services]
+    messages = sum(len(each.inputs) + len(each.outputs) for each in services)
+    counts = ((len(result.sets), "set"), (len(services), "service"), (messages, "message"))
+    return counted(*counts)
+
+
+@command.command("ros")
+@click.argument("packages", nargs=-1, required=True, metavar="PACKAGE...")
+@click.option(
+    "-o",
+    "--output",
+    metavar="OUT.xmi",
+    help="Model to write, by default <package>.xmi; or a folder (DIR/) for one model per package.",
+)
+@click.option(
+    "--share",
+    "shares",
+    multiple=True,
+    metavar="DIR",
+    type=click.Path(exists=True, file_okay=False),
+    help="Share folder of installed packages, searched before the others.",
+)
+@click.option("--without-comments", is_flag=True, help="Leave out comments and their units.")
+@click.option("--force", is_flag=True, help="Overwrite files that differ.")
+@format_option("Format of the findings.", REPORT_FORMATS)
+@quiet_option("Print no summary.")
+def ros(
+    packages: tuple[str, ...],
+    output: str | None,
+    shares: tuple[str, ...],
+    without_comments: bool,
+    force: bool,
+    output_format: str,
+    quiet: bool,
+) -> None:
+    """Import ROS 2 interfaces: installed packages by name, .msg, .srv and .action files, folders.
+
+    Searches for installed packages in the prefixes of AMENT_PREFIX_PATH and in the running Python.
+    Message types of other packages come from the shipped library; packages that it lacks are
+    imported too. Comments become documentation. Reports all problems in one run; with an error,
+    writes nothing.
+
+    Exit status: 0 done, 1 errors in the files, 2 a package is not installed, a path cannot be read
+    or a file cannot be written, 3 internal error.
+    """
+    from jausml.language.importers.ros import import_packages
+    from jausml.language.interfaces import Installation
+    from jausml.language.validation.formats import RENDERERS, text
+
+    installation = Installation(shares)
+    sources = _sources(packages, installation)
+    result = import_packages(sources, installation=installation, comments=not without_comments)
+    report = findings_of(result)
+    click.echo(RENDERERS[output_format](report), nl=False)
+    if report.has_errors:
+        say(f"{text.summary(report)}; nothing written", quiet=quiet)
+        raise click.exceptions.Exit(PROBLEMS)
+    inputs = [file.path for source in sources for file in source.files]
+    for path, roots, data in _documents(result, output):
+        state = write_document(path, data, inputs, force=force)
+        say(f"{click.format_filename(path)}: {_summary_of_packages(roots)}, {state}", quiet=quiet)
+
+
+def _sources(words: tuple[str, ...], installation: Installation) -> list[PackageSource]:
+    """Returns the packages that are meant: by their names, or by paths."""
+    from jausml.language.importers.ros import PackageSource, installed_source
+    from jausml.language.interfaces.definitions import is_package_name
+
+    sources: dict[str, PackageSource] = {}
+    for word in words:
+        folder = installation.folder(word) if is_package_name(word) else None
+        found = [installed_source(word, folder)] if folder is not None else _at(word, installation)
+        for source in found:
+            known = sources.setdefault(source.name, PackageSource(source.name))
+            paths = {os.path.realpath(file.path) for file in known.files}
+            known.files += [f for f in source.files if os.path.realpath(f.path) not in paths]
+            known.idl += source.idl
+    return list(sources.values())
+
+
+def _at(path: str, installation: Installation) -> list[PackageSource]:
+    from jausml.language.importers.ros import package_sources
+    from jausml.language.importers.ros.sources import SUFFIXES
+    from jausml.language.model.inputs import open_input
+    from jausml.language.model.values import suggest
+
+    shown = click.format_filename(path)
+    place = Path(path)
+    try:
+        if place.is_dir():
+            found = package_sources([path])
+            if not found:
+                raise EnvironmentFault(f"no {' or '.join(SUFFIXES)} files in {shown}")
+            return found
+        if place.suffix in SUFFIXES:
+            with open_input(place):
+                return package_sources([path])
+        if place.exists():
+            raise EnvironmentFault(f"{shown} is no {', '.join(SUFFIXES)} file")
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise EnvironmentFault(f"{shown}: {reason}") from error
+    hint = suggest(path, installation.packages())
+    shares = ", ".join(str(share) for share in installation.shares if share.is_dir()) or "none"
+    message = f"no package {path!a} is installed (share folders: {shares})"
+    raise EnvironmentFault(f"{message}; {hint}" if hint else message)
+
+
+def _documents(
+    result: ros_importer.ImportResult, output: str | None
+) -> list[tuple[str, list[InterfacePackage], bytes]]:
+    """Returns the files to be written, each with its packages and its bytes."""
+    from jausml.language.importers.ros import placed
+
+    output = output or f"{result.packages[0].name}.xmi"
+    if output.endswith(os.sep) or Path(output).is_dir():
+        places = {Path(output, f"{each.name}.xmi"): [each] for each in result.packages}
+    else:
+        places = {Path(output): result.packages}
+    model = placed(result, places)
+    made = [(str(path), roots, document(roots, model, str(path))) for path, roots in places.items()]
+    try:
+        for path in places:
+            path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        shown = click.format_filename(output)
+        raise EnvironmentFault(f"cannot write {shown}: {error.strerror}") from error
+    return made
+
+
+def _summary_of_packages(packages: list[InterfacePackage]) -> str:
+    return counted(
+        (len(packages), "package"),
+        (sum(len(each.messages) for each in packages), "message"),
+        (sum(len(each.services) for each in packages), "service"),
+        (sum(len(each.actions) for each in packages), "action"),
+    )

@@ -1,0 +1,162 @@
+"""`jausml report`: tells what load and which worst-case times the system of a model has."""
+
+from __future__ import annotations
+
+import functools
+import math
+from typing import TYPE_CHECKING, TypeVar
+
+import click
+
+from jausml.cli.shared.files import EnvironmentFault, write_report
+from jausml.cli.shared.models import reading_options, valid_model
+from jausml.cli.shared.options import format_option
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from jausml.language.metamodel.classes.system import System
+    from jausml.language.validation.project import Reading
+    from jausml.views.analysis.assumptions import Assumptions
+
+Number = TypeVar("Number", int, float)
+
+_LARGEST_RATE = 1e6
+_LARGEST_LENGTH = 1 << 32
+_MOST_DIGITS = 18
+
+
+def _assumption_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Adds the options of what a model does not say; the verb takes them as `assumptions`."""
+
+    @click.option(
+        "--assume-rate",
+        "rates",
+        multiple=True,
+        metavar="[NAME=]HZ",
+        help="Messages per second of topics and senders for which the model states no rate, 10 by "
+        "default; with NAME or BRIDGE.NAME, of that connection. May be repeated.",
+    )
+    @click.option(
+        "--assume-length",
+        "lengths",
+        multiple=True,
+        metavar="[NAME=]N",
+        help="Elements in unbounded lists, 100 by default; with NAME, in the messages of that "
+        "connection. May be repeated.",
+    )
+    @functools.wraps(command)
+    def with_assumptions(
+        *arguments: object, rates: tuple[str, ...], lengths: tuple[str, ...], **others: object
+    ) -> None:
+        from jausml.views.analysis.assumptions import (
+            DEFAULT_LENGTH,
+            DEFAULT_RATE,
+            Assumptions,
+        )
+
+        hertz = _named(rates, _rate)
+        elements = _named(lengths, _length)
+        assumptions = Assumptions(
+            hertz.pop("", DEFAULT_RATE), elements.pop("", DEFAULT_LENGTH), hertz, elements
+        )
+        command(*arguments, assumptions=assumptions, **others)
+
+    return with_assumptions
+
+
+def _system(path: str, reading: Reading) -> System:
+    """Returns the system of a valid model; what was found goes to stderr."""
+    from jausml.generation.errors import NoSystemError
+    from jausml.generation.system import system_of
+
+    model = valid_model(path, reading)
+    try:
+        return system_of(model)
+    except NoSystemError as error:
+        raise EnvironmentFault(str(error)) from error
+
+
+def _check_names(assumptions: Assumptions, system: System) -> None:
+    """Refuses assumptions about connections that a system does not have."""
+    from jausml.views.analysis.assumptions import names_of
+
+    known = {
+        name
+        for owner in (*system.components, *system.bridges)
+        for each in (*owner.connections, *getattr(owner, "bridgeConnections", ()))
+        for name in names_of(each)
+    }
+    for name in sorted(assumptions.names - known):
+        raise click.UsageError(f"no connection {name!a} of which to assume something")
+
+
+def _named(values: tuple[str, ...], parse: Callable[[str], Number]) -> dict[str, Number]:
+    """Returns values by the names before them, the empty one for all."""
+    found = {}
+    for value in values:
+        name, _, number = value.rpartition("=")
+        found[name] = parse(number)
+    return found
+
+
+def _rate(text: str) -> float:
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = math.nan
+    if not 0 < rate <= _LARGEST_RATE:
+        raise click.UsageError(f"--assume-rate: {text!a} is no rate above 0 in hertz")
+    return rate
+
+
+def _length(text: str) -> int:
+    is_number = text.isascii() and text.isdigit() and len(text) <= _MOST_DIGITS
+    length = int(text) if is_number else None
+    if length is None or length > _LARGEST_LENGTH:
+        raise click.UsageError(f"--assume-length: {text!a} is no number of elements")
+    return length
+
+
+FORMATS = ("text", "json", "html")
+
+
+@click.command("report")
+@click.argument("model", metavar="MODEL")
+@format_option("Format of the report; HTML is a single self-contained page.", FORMATS)
+@click.option("-o", "--output", metavar="FILE", help="Write to a file instead of stdout.")
+@click.option("--bridge", "bridge_name", metavar="NAME", help="Report only this bridge.")
+@_assumption_options
+@reading_options
+def command(
+    model: str,
+    output_format: str,
+    output: str | None,
+    bridge_name: str | None,
+    assumptions: Assumptions,
+    reading: Reading,
+) -> None:
+    """Report the load and the worst-case times of the system in MODEL.
+
+    Shows for each connection its rates, sizes on the wire, packets, bandwidth, and how old a value
+    may be on the other side. Starts nothing. Values that the model does not state are assumed, and
+    marked as such.
+
+    Exit status: 0 done, 1 errors in the model, 2 usage or environment, 3 internal error.
+    """
+    from dataclasses import replace
+    from importlib import import_module
+
+    from jausml.views.analysis.report import report_of
+
+    system = _system(model, reading)
+    _check_names(assumptions, system)
+    report = report_of(system, assumptions)
+    if bridge_name is not None:
+        chosen = tuple(each for each in report.bridges if each.name == bridge_name)
+        if not chosen:
+            known = ", ".join(each.name for each in report.bridges) or "none"
+            raise click.UsageError(f"no bridge {bridge_name!a}; there are: {known}")
+        report = replace(report, components=chosen, hosts=())
+    render = import_module(f"jausml.views.analysis.formats.{output_format}").render
+    write_report(render(report), output)

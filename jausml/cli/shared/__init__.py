@@ -1,0 +1,1 @@
+"""What verbs share: options, files, models, lines of input and output, the terminal."""

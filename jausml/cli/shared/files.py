@@ -1,0 +1,107 @@
+"""Files of the verbs: written without harm, and what is wrong outside of the models."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.model import Model
+
+PROBLEMS = 1
+"""Exit status for problems of the models."""
+
+
+class EnvironmentFault(click.ClickException):
+    """Something outside the models is wrong: a path, a permission, a missing package."""
+
+    exit_code = 2
+
+
+def find_files(paths: Iterable[str], suffixes: tuple[str, ...]) -> list[str]:
+    """Returns files as they are, and the files with certain endings below folders."""
+    from jausml.language.model import files
+
+    try:
+        return files.find_files(paths, suffixes)
+    except files.InputError as error:
+        raise EnvironmentFault(str(error)) from error
+
+
+def write_report(rendered: str | bytes, output: str | None) -> None:
+    """Writes a report or picture to a file, or a report to stdout where none is named."""
+    if output is None:
+        click.echo(rendered, nl=False)
+        return
+    if isinstance(rendered, str):
+        rendered = rendered.encode("utf-8", errors="backslashreplace")
+    try:
+        Path(output).write_bytes(rendered)
+    except OSError as error:
+        name = click.format_filename(output)
+        raise EnvironmentFault(f"cannot write {name}: {error.strerror}") from error
+
+
+def document(roots: Sequence[EObject], model: Model, output: str) -> bytes:
+    """Returns root elements as the bytes of a document.
+
+    Args:
+        output: The file that is to hold them; its ending says in which notation.
+    """
+    from jausml.language.model.xmi.writer import UnwritableError, to_xmi
+    from jausml.language.text.notation import SUFFIX
+    from jausml.language.text.writing.unparsing import to_text
+
+    write = to_text if output.endswith(SUFFIX) else to_xmi
+    try:
+        return write(roots, model, output).encode("utf-8")
+    except UnwritableError as error:
+        shown = click.format_filename(output)
+        raise click.ClickException(f"cannot write {shown}: {error}") from error
+
+
+def write_document(output: str, data: bytes, inputs: Iterable[str], *, force: bool) -> str:
+    """Writes a document unless that would harm; returns what became of the file."""
+    from jausml.language.model.inputs import read_input
+    from jausml.language.model.xmi.writer import replace_file
+
+    check_output(output, inputs)
+    path = Path(output)
+    shown = click.format_filename(output)
+    try:
+        if path.exists():
+            if read_input(path) == data:
+                return "unchanged"
+            if not force:
+                raise EnvironmentFault(f"{shown} is there and differs; --force overwrites it")
+        replace_file(path, data)
+    except OSError as error:
+        raise EnvironmentFault(f"cannot write {shown}: {error.strerror}") from error
+    return "written"
+
+
+def check_output(output: str, inputs: Iterable[str]) -> None:
+    """Refuses to write over a file that was imported, or over what is no file."""
+    shown = click.format_filename(output)
+    if os.path.realpath(output) in {os.path.realpath(each) for each in inputs}:
+        raise EnvironmentFault(f"{shown} is a file to import; name another one by -o")
+    path = Path(output)
+    if path.exists() and not path.is_file():
+        raise EnvironmentFault(f"cannot write {shown}: it is no file; name one by -o")
+
+
+def counted(*counts: tuple[int, str]) -> str:
+    """Returns numbers of things as words, such as `1 set, 2 services`."""
+    return ", ".join(f"{n} {noun}{'' if n == 1 else 's'}" for n, noun in counts)
+
+
+def say(line: str, *, quiet: bool) -> None:
+    """Prints a line of the summary."""
+    if not quiet:
+        click.echo(line, err=True)

@@ -1,0 +1,238 @@
+"""Models of the verbs: options of reading them, and one call that reads and judges them."""
+
+from __future__ import annotations
+
+import functools
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, NoReturn
+
+import click
+
+from jausml.cli.shared.files import PROBLEMS, EnvironmentFault
+from jausml.cli.shared.options import FiniteRange
+from jausml.cli.shared.terminal import painted_findings, step
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+
+    from jausml.language.model import Model, ReadResult
+    from jausml.language.validation.project import Reading
+    from jausml.language.validation.report import Report
+    from jausml.live.messages import Catalogue
+
+SUFFIXES = (".xmi", ".ros2jaus")
+"""The endings of model files."""
+
+model_option = click.option(
+    "--model",
+    "models",
+    multiple=True,
+    metavar="FILE",
+    help="Also use the messages of a model, or of all models below a folder; may be repeated.",
+)
+
+
+class ModelFault(click.ClickException):
+    """A model has errors."""
+
+    exit_code = PROBLEMS
+
+
+def reading_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Adds the options of where references may lead; the verb takes them as `reading`."""
+
+    @click.option(
+        "--project-root",
+        metavar="DIR",
+        type=click.Path(exists=True, file_okay=False),
+        help="Folder that references may not leave; by default, the checkout or Eclipse project.",
+    )
+    @click.option(
+        "--allow-outside", is_flag=True, help="Allow references to leave the project root."
+    )
+    @click.option(
+        "--project",
+        "projects",
+        multiple=True,
+        metavar="NAME=DIR",
+        callback=_projects,
+        help="Folder of an Eclipse project that references name; nearby ones are found "
+        "automatically.",
+    )
+    @functools.wraps(command)
+    def with_reading(
+        *arguments: object,
+        project_root: str | None,
+        allow_outside: bool,
+        projects: dict[str, str],
+        bridge_address: str | None = None,
+        bridge_frequency: float | None = None,
+        **others: object,
+    ) -> None:
+        from jausml.language.validation.project import Reading
+
+        reading = Reading(project_root, allow_outside, projects, bridge_address, bridge_frequency)
+        command(*arguments, reading=reading, **others)
+
+    return with_reading
+
+
+def _projects(_: click.Context, __: click.Parameter, values: tuple[str, ...]) -> dict[str, str]:
+    found = {}
+    for value in values:
+        name, sign, folder = value.partition("=")
+        if not (name and sign and Path(folder).is_dir()):
+            raise click.BadParameter(f"'{value}' is not NAME=DIR with an existing folder")
+        found[name] = folder
+    return found
+
+
+def bridge_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Adds the option of a bridge of all maps, which `reading_options` hand on."""
+    return click.option(
+        "--bridge-address",
+        metavar="ID",
+        help="Make a bridge with this JAUS id that carries all maps of the file in both "
+        "directions.",
+    )(command)
+
+
+def frequency_option(command: Callable[..., None]) -> Callable[..., None]:
+    """Adds the frequency of the bridge of `bridge_options`."""
+    return click.option(
+        "--frequency",
+        "bridge_frequency",
+        type=FiniteRange(0, 1092, min_open=True),
+        metavar="HZ",
+        help="Frequency of the bridge of --bridge-address.",
+    )(command)
+
+
+@contextmanager
+def _usable_input() -> Iterator[None]:
+    """Ends the verb where what it was given cannot be used."""
+    from jausml.language.model.files import InputError
+
+    try:
+        yield
+    except InputError as error:
+        raise EnvironmentFault(str(error)) from error
+
+
+def checked(
+    paths: Iterable[str],
+    reading: Reading | None = None,
+    *,
+    is_one: bool = False,
+    frequency: float | None = None,
+) -> Report:
+    """Returns models that were read and judged, as `check_project` has it.
+
+    Raises:
+        EnvironmentFault: A path cannot be read.
+    """
+    from jausml.language.validation.project import check_project
+
+    with _usable_input(), step("checking the model" if is_one else "checking models"):
+        return check_project(paths, reading, is_one=is_one, frequency=frequency)
+
+
+def read(
+    paths: Iterable[str], reading: Reading | None = None, *, is_one: bool = False
+) -> ReadResult:
+    """Returns models that were read and not judged, for verbs that take them as they are.
+
+    Raises:
+        EnvironmentFault: A path cannot be read.
+    """
+    from jausml.language.validation.project import read_project
+
+    with _usable_input():
+        return read_project(paths, reading, is_one=is_one)
+
+
+def valid_model(
+    path: str,
+    reading: Reading | None = None,
+    *,
+    frequency: float | None = None,
+    is_strict: bool = False,
+    shows_warnings: bool = False,
+    outcome: str = "",
+) -> Model:
+    """Returns a model without errors; any other ends the verb, with its findings on stderr.
+
+    Args:
+        frequency: Messages each second of every bridge; None for what the model says.
+        is_strict: Whether warnings end it too.
+        shows_warnings: Whether findings are shown that do not end it.
+        outcome: What stands behind the summary, such as `nothing generated`.
+
+    Raises:
+        EnvironmentFault: The file cannot be read.
+    """
+    report = checked([path], reading, is_one=True, frequency=frequency)
+    is_bad = report.has_errors or (is_strict and report.has_warnings)
+    if is_bad or shows_warnings:
+        show_findings(report)
+    if is_bad:
+        fail(report, outcome)
+    return report.model
+
+
+def readable_model(paths: Iterable[str], *, is_one: bool = False) -> Model:
+    """Returns models that could be read without an error, whatever the rules say of them.
+
+    Raises:
+        EnvironmentFault: A path cannot be read.
+        ModelFault: They have errors.
+    """
+    from jausml.language.model import Severity
+    from jausml.language.validation.formats.text import one_line
+
+    result = read(paths, is_one=is_one)
+    errors = [each for each in result.diagnostics if each.severity is Severity.ERROR]
+    if errors:
+        raise ModelFault("\n".join(one_line(f"{e.location}: {e.rule} {e.message}") for e in errors))
+    return result.model
+
+
+def show_findings(report: Report, *, err: bool = True) -> None:
+    """Prints the findings of a report, a line each, in colour on terminals."""
+    from jausml.language.validation.formats import text
+
+    click.echo(painted_findings(text.render(report)), nl=False, err=err)
+
+
+def fail(report: Report, outcome: str = "", *, quiet: bool = False) -> NoReturn:
+    """Ends a verb for the findings of a report, with their summary."""
+    from jausml.language.validation.formats import text
+
+    if not quiet:
+        click.echo("; ".join(filter(None, (text.summary(report), outcome))), err=True)
+    raise click.exceptions.Exit(PROBLEMS)
+
+
+def open_catalogue(models: Iterable[str]) -> Catalogue:
+    """Returns the messages of the library, and of the models in files and folders.
+
+    Raises:
+        EnvironmentFault: A path cannot be read.
+        ModelFault: A model has errors.
+    """
+    paths = list(models)
+    # Options and output of the verbs alone need no reader.
+    from jausml.language.text.notation import NOTATIONS
+    from jausml.live.messages import CatalogueError, load_catalogue
+
+    found: list[str] = []
+    if paths:
+        from jausml.language.validation.project import find_models
+
+        with _usable_input():
+            found = find_models(paths)
+    try:
+        return load_catalogue(found, notations=NOTATIONS)
+    except CatalogueError as error:
+        raise ModelFault(str(error)) from error

@@ -1,0 +1,156 @@
+"""Options that several verbs have, each made once: formats, quiet, and the JAUS network."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from jausml.cli.shared.terminal import verbosity
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
+    Completing = Callable[[click.Context, click.Parameter, str], list[str]]
+
+
+# What options offer, without the modules that know more of it: they load slowly; tests compare.
+TEXT_OR_JSON = ("text", "json")
+"""For people, and for programs."""
+
+SHELLS = ("bash", "zsh", "fish")
+"""Shells that are completed for."""
+
+COMPLETION = "_JAUSML_COMPLETE"
+"""The variable by which a shell asks for completions; click makes its name of the program's."""
+
+REPORT_FORMATS = ("text", "json", "junit", "sarif", "github")
+"""`jausml.language.validation.formats`."""
+
+CONFORMANCE_FORMATS = ("text", "json", "junit")
+"""`jausml.live.peers.conformance.formats`."""
+
+QUESTIONS = ("heartbeat", "identification", "status", "control")
+"""`jausml.live.peers.pinging`."""
+
+AUTHORITY = 205
+"""`jausml.live.peers.console`."""
+
+TRANSPORTS = ("judp", "jtcp", "node-manager")
+INTERFACE = "127.0.0.1"
+PORT = 3794
+GROUP = "239.255.0.1"
+"""`jausml.live.peers.network`."""
+
+
+class FiniteRange(click.FloatRange):
+    """A number in a range, as click has it, which takes `nan` in any and `inf` without an end."""
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """Returns the number, or tells that it is none."""
+        number: float = super().convert(value, param, ctx)
+        if not math.isfinite(number):
+            self.fail(f"{value!a} is no finite number.", param, ctx)
+        return number
+
+
+def completing(kind: str, key: str) -> Completing:
+    """Returns what completes a word by the names that the library has."""
+
+    def names(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[str]:
+        from jausml.cli.shared.known import known
+
+        found = {each[key] for each in known(kind)}
+        return sorted(each for each in found if each.lower().startswith(begun.lower()))
+
+    return names
+
+
+def format_option(text: str, formats: tuple[str, ...] = TEXT_OR_JSON) -> Decorator:
+    """Returns `--format`; the verb takes it as `output_format`."""
+    return click.option(
+        "--format",
+        "output_format",
+        type=click.Choice(formats),
+        default=formats[0],
+        show_default=True,
+        help=text,
+    )
+
+
+def quiet_option(text: str) -> Decorator:
+    """Returns `--quiet` of a verb, which is that in front of the verb too; taken as `quiet`."""
+    return click.option("-q", "--quiet", is_flag=True, callback=_quiet, help=text)
+
+
+def _quiet(_context: click.Context, _parameter: click.Parameter, value: bool) -> bool:
+    return value or verbosity().quiet
+
+
+def interface_option(
+    *names: str, text: str = "IPv4 address of the network interface of JAUS."
+) -> Decorator:
+    """Returns the option of the network interface; the verb takes it as `interface`.
+
+    Args:
+        names: Its names; by default the short one and that of generated processes.
+    """
+    return click.option(
+        *(names or ("--interface", "--jaus-interface")),
+        "interface",
+        default=INTERFACE,
+        show_default=True,
+        metavar="ADDRESS",
+        help=text,
+    )
+
+
+def port_option(*names: str, text: str = "UDP port of JUDP.") -> Decorator:
+    """Returns the option of the port of JAUS; the verb takes it as `port`.
+
+    Args:
+        names: Its names; by default the short one and that of generated processes.
+    """
+    return click.option(
+        *(names or ("--port", "--jaus-port")),
+        "port",
+        type=click.IntRange(1, 65535),
+        default=PORT,
+        show_default=True,
+        help=text,
+    )
+
+
+def multicast_group_option(*names: str, text: str = "Multicast group of JUDP.") -> Decorator:
+    """Returns the option of the multicast group; the verb takes it as `multicast_group`.
+
+    Args:
+        names: Its names; by default the short one and that of generated processes.
+    """
+    return click.option(
+        *(names or ("--multicast-group", "--jaus-multicast-group")),
+        "multicast_group",
+        default=GROUP,
+        show_default=True,
+        metavar="ADDRESS",
+        help=text,
+    )
+
+
+def peer_option(*names: str) -> Decorator:
+    """Returns the option of components that multicast does not reach, taken as `peers`.
+
+    Args:
+        names: Its names; by default the short one and that of generated processes.
+    """
+    return click.option(
+        *(names or ("--peer", "--jaus-peer")),
+        "peers",
+        multiple=True,
+        metavar="ID=HOST:PORT",
+        help="Address of a component that multicast does not reach; may be repeated.",
+    )
