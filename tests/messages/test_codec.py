@@ -9,9 +9,8 @@ from fractions import Fraction
 
 import pytest
 
+from jausml.language import wire
 from jausml.live.messages import DecodeError, EncodeError
-from jausml.live.messages.blobs import Text
-from jausml.live.messages.scalars import Scaled
 
 
 def test_the_worked_example_of_a_presence_vector(catalogue):
@@ -235,33 +234,19 @@ def test_a_list_below_its_smallest_count_passes_both_ways(catalogue):
     assert catalogue.encode(decoded.to_json()) == payload
 
 
-@pytest.mark.parametrize("rounding", ["round", "floor", "ceiling"])
-@pytest.mark.parametrize(("lower", "upper"), [(0.0, 1.0), (-math.pi, math.pi), (-10000.0, 35000.0)])
-def test_a_scaled_value_comes_back_from_every_integer(rounding, lower, upper):
-    scaled = Scaled("B", lower, upper, rounding)
-    assert [scaled.to_wire(scaled.from_wire(raw)) for raw in range(256)] == list(range(256))
-    between = scaled.from_wire(7) + 0.6 * scaled.step
-    assert scaled.to_wire(between) == {"round": 8, "floor": 7, "ceiling": 8}[rounding]
-    assert scaled.to_wire(upper) == 255
-    assert scaled.to_wire(lower) == 0
-    for outside in (lower - scaled.step, upper + scaled.step):
-        with pytest.raises(EncodeError, match="is outside"):
-            scaled.to_wire(outside)
-
-
 def test_a_presence_vector_without_room_for_a_member(catalogue):
     """CBRNDetection has 14 optional members and a vector of 8 bits."""
     entry = catalogue.message("CBRNDetection")
-    (record,) = entry.codec.members
-    last = record.codec.members[-1]
+    (record,) = entry.record.members
+    last = record.kind.members[-1]
     assert last.bit > 0xFF
-    least = {member.name: 0 for member in record.codec.members if not member.bit}
+    least = {member.name: 0 for member in record.kind.members if not member.bit}
     error = f"_pv: no bit stands for {last.name}, the vector has 8: leave it out"
     with pytest.raises(EncodeError, match=error):
         entry.encode({record.name: {**least, last.name: 0}})
     with_bits = {
-        member.name: "" if isinstance(member.codec, Text) else 0
-        for member in record.codec.members
+        member.name: "" if isinstance(member.kind, wire.Text) else 0
+        for member in record.kind.members
         if 0 < member.bit <= 0xFF
     }
     decoded = entry.decode(entry.encode({record.name: {**least, **with_bits}}))[record.name]

@@ -8,6 +8,7 @@ result.
 from jausml.language.wire.comparing import comparable
 from jausml.language.wire.errors import LayoutError, LimitError
 from jausml.language.wire.kinds import (
+    JAUS_MESSAGE,
     Alternative,
     Array,
     BitField,
@@ -26,6 +27,7 @@ from jausml.language.wire.kinds import (
     Octets,
     Real,
     Record,
+    Scalar,
     Scaled,
     Sequence,
     Text,
@@ -44,7 +46,6 @@ from jausml.language.wire.legal import (
 )
 from jausml.language.wire.numbers import INTEGERS, REALS, UNSIGNED, IntegerType, RealType
 from jausml.language.wire.resolving import (
-    JAUS_MESSAGE,
     LARGEST,
     MAXIMUM_DEPTH,
     MOST_FIELDS,
@@ -89,6 +90,7 @@ __all__ = [
     "Real",
     "RealType",
     "Record",
+    "Scalar",
     "Scaled",
     "Sequence",
     "Text",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.language.wire.numbers import INTEGERS, IntegerType, RealType
@@ -78,15 +79,52 @@ class Scaled:
     units: str = ""
 
     @property
+    def ratio(self) -> tuple[float, int]:
+        """The step as dividend and divisor, for those who print it as a division."""
+        return self.upper - self.lower, self.type.upper
+
+    @cached_property
     def step(self) -> float:
         """Difference between the values of neighbouring integers."""
-        return (self.upper - self.lower) / self.type.upper
+        span, steps = self.ratio
+        return span / steps
+
+    def value_of(self, integer: int) -> float:
+        """Returns the value that an integer on the wire means."""
+        return integer * self.step + self.lower
+
+    def integer_of(self, value: float) -> int:
+        """Returns the integer on the wire that stands for a value.
+
+        A limit that went through text or through `value_of` may miss its end by a trifle.
+
+        Raises:
+            ValueError: The value lies outside of the limits, or is no number at all.
+        """
+        try:
+            position = (value - self.lower) / self.step
+        except OverflowError:
+            position = math.inf
+        slack = _SLACK + self.type.upper * 2.0**-50
+        if not -slack <= position <= self.type.upper + slack:
+            raise ValueError(f"the value is not within {self.lower!r} .. {self.upper!r}")
+        return min(max(self._rounded(position), 0), self.type.upper)
+
+    def _rounded(self, position: float) -> int:
+        if self.rounding == "floor":
+            return math.floor(position + _SLACK)
+        if self.rounding == "ceiling":
+            return math.ceil(position - _SLACK)
+        return round(position)
 
     @property
     def minimum_size(self) -> int:
         """Fewest bytes on the wire."""
         return self.type.size
 
+
+_SLACK = 1e-3
+"""Part of a step by which floating point may miss an integer that was decoded before."""
 
 Number: TypeAlias = Integer | Real | Scaled
 
@@ -219,6 +257,10 @@ class Text:
         return self.count.type.size
 
 
+JAUS_MESSAGE = "JAUS MESSAGE"
+"""Format of bytes that are a message code and a body (AS5684)."""
+
+
 @dataclass(frozen=True)
 class Octets:
     """A count and that many bytes (AS5684 variable_length_field).
@@ -230,6 +272,11 @@ class Octets:
 
     count: Count
     content: str
+
+    @property
+    def holds_message(self) -> bool:
+        """Whether the bytes are a message."""
+        return self.content == JAUS_MESSAGE
 
     @property
     def minimum_size(self) -> int:
@@ -263,6 +310,15 @@ class FormattedOctets:
     count: Count
 
     @property
+    def names(self) -> dict[int, str]:
+        """The names of the formats by index."""
+        return {each.index: each.name for each in self.formats}
+
+    def holds_message(self, index: int) -> bool:
+        """Tells whether bytes of a format are a message."""
+        return self.names.get(index) == JAUS_MESSAGE
+
+    @property
     def minimum_size(self) -> int:
         """Fewest bytes on the wire."""
         return 1 + self.count.type.size
@@ -294,6 +350,11 @@ class VariableNumber:
     """
 
     alternatives: tuple[Alternative, ...]
+
+    @property
+    def by_index(self) -> dict[int, Number]:
+        """The numbers by index."""
+        return {each.index: each.number for each in self.alternatives}
 
     @property
     def minimum_size(self) -> int:
@@ -413,7 +474,10 @@ class Variant:
         return self.tag.size + min((each.kind.minimum_size for each in self.options), default=0)
 
 
-Leaf: TypeAlias = Number | BitField | FixedText | Text | Octets | FormattedOctets | VariableNumber
+Scalar: TypeAlias = Number | BitField | FixedText
+"""Every kind of field of a fixed size that holds no other fields: one item of a struct."""
+
+Leaf: TypeAlias = Scalar | Text | Octets | FormattedOctets | VariableNumber
 """Every kind of field that holds no other fields."""
 
 Kind: TypeAlias = Leaf | Record | Sequence | List | Array | Variant

@@ -38,9 +38,6 @@ from jausml.language.wire.numbers import INTEGERS, REALS, UNSIGNED, IntegerType
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-JAUS_MESSAGE = "JAUS MESSAGE"
-"""Format of bytes that are a message code and a body (AS5684)."""
-
 LARGEST = 4 << 20
 """Most bytes of a text and elements of an array: larger messages are not put together."""
 

@@ -10,7 +10,6 @@ from jausml.language.metamodel import load_jaus_metamodel
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import library_root, read_models
 from jausml.language.model.diagnostics import Severity
-from jausml.live.messages.codec import shown
 from jausml.live.messages.embedded import (
     MAXIMUM_DEPTH,
     DecodedMessage,
@@ -29,7 +28,7 @@ from jausml.live.messages.errors import (
     UnknownServiceError,
     similar,
 )
-from jausml.live.messages.scalars import check_names
+from jausml.live.messages.legal import check_names, shown
 
 if TYPE_CHECKING:
     import os

@@ -7,17 +7,16 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from jausml.language import wire
-from jausml.live.messages.compiling import compile_message
-from jausml.live.messages.containers import PRESENCE
-from jausml.live.messages.errors import DecodeError, EncodeError
-from jausml.live.messages.nesting import may_hold
+from jausml.live.messages.codec import PRESENCE, codec_of
+from jausml.live.messages.embedded import may_hold
+from jausml.live.messages.errors import DecodeError, DefinitionError, EncodeError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
     from jausml.language.metamodel.classes import jaus
-    from jausml.live.messages.blobs import EncodeMessage
-    from jausml.live.messages.containers import Record
+    from jausml.live.messages.counted import EncodeMessage
+    from jausml.live.messages.items import Codec
 
 _CODE = struct.Struct("<H")
 # Two definitions that differ in these alone decode and encode the same.
@@ -147,18 +146,29 @@ class MessageEntry:
         return f"{self.name} of {self.services[0].label}" if self.services else self.name
 
     @cached_property
-    def codec(self) -> Record:
-        """The codec of the body, made at the first use.
+    def record(self) -> wire.Record:
+        """The body as a record of its one field; without fields for a message of its code alone.
 
         Raises:
-            DefinitionError: The definition gives no codec.
+            DefinitionError: The definition gives no layout.
         """
-        return compile_message(self.definition, self._encode_message)
+        try:
+            body = wire.resolve(self.definition).body
+        except wire.LayoutError as error:
+            raise DefinitionError(error.reason, error.path) from None
+        return wire.Record(() if body is None else (body,))
+
+    @cached_property
+    def _codec(self) -> Codec:
+        try:
+            return codec_of(self.record, self._encode_message)
+        except DefinitionError as error:
+            raise error.inside(self.name) from None
 
     @cached_property
     def may_hold_messages(self) -> bool:
         """Whether a field of the body can hold a message."""
-        return may_hold(self.codec)
+        return may_hold(self.record)
 
     @cached_property
     def identity(self) -> tuple[Any, ...]:
@@ -167,19 +177,18 @@ class MessageEntry:
         Raises:
             DefinitionError: The definition gives no codec.
         """
-        body = wire.resolve(self.definition).body if self.codec.members else None
-        return (self.name, self.code, wire.comparable(body, _BESIDE_BYTES))
+        return (self.name, self.code, wire.comparable(self.record, _BESIDE_BYTES))
 
     def completed(self, fields: dict[str, Any]) -> dict[str, Any]:
         """Returns fields in the shapes of `decode`; the one record of a body need not be named."""
-        members = self.codec.members
+        members = self.record.members
         if len(members) != 1 or members[0].name in fields:
             return fields
         return {members[0].name: fields}
 
     def shortened(self, fields: dict[str, Any]) -> dict[str, Any]:
         """Returns fields without the one record of a body, and without its presence vector."""
-        members = self.codec.members
+        members = self.record.members
         inner = fields.get(members[0].name) if len(members) == 1 else None
         shown = inner if isinstance(inner, dict) else fields
         return {name: value for name, value in shown.items() if name != PRESENCE}
@@ -202,7 +211,8 @@ class MessageEntry:
         code = read_code(payload)
         if code != self.code:
             raise DecodeError(f"0x{code:04X} is not the code of {self.name}, {self.code_text}")
-        fields, end = self.codec.decode(payload, _CODE.size)
+        fields: dict[str, Any]
+        fields, end = self._codec.read(payload, _CODE.size)
         if end != len(payload):
             # A longer body is of another definition: what was read of it cannot be trusted.
             raise DecodeError(f"{len(payload) - end} bytes follow the body of {self.name}")
@@ -221,7 +231,7 @@ class MessageEntry:
         """
         out = bytearray(_CODE.pack(self.code))
         try:
-            self.codec.encode(fields, out)
+            self._codec.write(fields, out)
         except struct.error as error:
             raise EncodeError(str(error)) from None
         return bytes(out)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from copy import deepcopy
 from typing import TYPE_CHECKING, Any
 
+from jausml.language import wire
 from jausml.language.semantics.answers import PRESENCE_VECTOR
-from jausml.live.messages.containers import Record
 from jausml.live.messages.samples import sample
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def plain_query(query: MessageEntry) -> dict[str, Any]:
     """
     if query.name in _TELLING_FIELDS:
         return deepcopy(_TELLING_FIELDS[query.name])
-    fields: dict[str, Any] = sample(query.codec)
+    fields: dict[str, Any] = sample(query.record)
     return fields
 
 
@@ -74,15 +74,14 @@ def optional_bits(reports: Sequence[MessageEntry]) -> int:
         reports: Reports that may answer a query.
     """
     for report in reports:
-        for record in _records(report.codec):
-            bits = sum(member.bit for member in record.members)
-            if bits:
-                return bits
+        for record in _records(report.record):
+            if record.known_bits:
+                return record.known_bits
     return 0
 
 
-def _records(codec: Any) -> Iterator[Record]:
-    if isinstance(codec, Record):
-        yield codec
-        for member in codec.members:
-            yield from _records(member.codec)
+def _records(kind: wire.Kind) -> Iterator[wire.Record]:
+    if isinstance(kind, wire.Record):
+        yield kind
+        for member in kind.members:
+            yield from _records(member.kind)
