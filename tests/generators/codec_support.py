@@ -186,7 +186,8 @@ class FieldNames:
             return {"index": obj.index, "value": obj.value}
         if [member.jaus_name for member in part.members] == ["format", "hex"]:
             return {"format": obj.format_index, "hex": obj.data.hex()}
-        return self._part_to_fields(part, obj)
+        fields = self._part_to_fields(part, obj)
+        return fields[part.members[0].jaus_name] if part.is_wrapper else fields
 
     def _part_from_fields(self, part: ContainerClass, cls: Any, fields: Any) -> Any:
         arguments = {
@@ -211,6 +212,8 @@ class FieldNames:
             if set(field) in ({"format", "hex"}, {"index", "value"}):
                 first, second = field.values()
                 return cls(first, bytes.fromhex(second) if "hex" in field else second)
+            if value.part.is_wrapper:
+                field = {value.part.members[0].jaus_name: field}
             return self._part_from_fields(value.part, cls, field)
         if value.kind == "blob" and not value.is_text:
             return bytes.fromhex(field["hex"])

@@ -8,6 +8,7 @@ import struct
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from wire_vectors import payload_of, vectors
 
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
@@ -15,7 +16,7 @@ from jausml.live.messages import load_catalogue
 from jausml_generators.wireshark.services import library_services
 from jausml_generators.wireshark.views import DissectorView
 
-from .wireshark_bodies import body, matches
+from .wireshark_bodies import body, matches, tells
 from .wireshark_support import (
     ROOT,
     TSHARK,
@@ -317,6 +318,18 @@ def test_every_kind_of_field_is_shown(tmp_path: Path) -> None:
     assert {name: shown(fields, f"jaus.kinds.{name}") for name in values} == values
     assert not shown(fields, "jaus.malformed")
     assert not shown(fields, "jaus.surplus")
+
+
+MODELS_OF_VECTORS = sorted({each["model"] for each in vectors()})
+
+
+@pytest.mark.parametrize("model", MODELS_OF_VECTORS)
+def test_the_vectors_are_shown(model: str, tmp_path: Path) -> None:
+    script, view = dissector_of(ROOT / model, tmp_path)
+    decoded = [each for each in vectors() if each["model"] == model and "payload" in each]
+    packets = [udp(datagram(payload_of(each) or b"")) for each in decoded]
+    found = zip(decoded, dissect(script, packets, tmp_path), strict=True)
+    assert not [each["name"] for each, fields in found if not tells(view.messages, fields, each)]
 
 
 def test_wide_and_signed_fields_are_shown(tmp_path: Path) -> None:

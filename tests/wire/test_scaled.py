@@ -7,6 +7,10 @@ import math
 import pytest
 
 from jausml.language import wire
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import library_root, read_models
+from jausml.language.semantics.jaus_paths import JausPlace
+from jausml.live.messages.definitions import rows_of
 
 LIMITS = pytest.mark.parametrize(
     ("lower", "upper"), [(0.0, 1.0), (-math.pi, math.pi), (-10000.0, 35000.0)]
@@ -51,3 +55,13 @@ def test_values_outside_of_the_limits_have_no_integer(lower: float, upper: float
     for value in outside:
         with pytest.raises(ValueError, match="is not within"):
             scaled.integer_of(value)
+
+
+def test_paths_and_pages_tell_the_step() -> None:
+    model = read_models([library_root() / "jaus" / "mobility.xmi"]).model
+    wrench = next(e for e in model.instances(jaus.MessageDef) if e.name == "SetWrenchEffort")
+    place = JausPlace("SetWrenchEffort", message=wrench).follow("ResistiveLinearEffortX")
+    assert isinstance(place, JausPlace)
+    assert place.attribute().step == 100.0 / 255.0
+    legal = {row.name: row.legal for row in rows_of(wrench)}
+    assert legal["ResistiveLinearEffortX"] == "0.0 .. 100.0, step 0.392"

@@ -260,8 +260,8 @@ def _real(kind: wire.Real) -> Fixed:
 
 def _scaled(kind: wire.Scaled) -> Fixed:
     lower, upper = kind.lower, kind.upper
-    maximum = f"0x{kind.type.upper:X}"
-    step = f"{python_literal(upper - lower)} / {maximum}"
+    span, steps = kind.ratio
+    step = f"{python_literal(span)} / 0x{steps:X}"
     # The sum and the product are the standard's own: value = lower + raw * step.
     if lower == 0.0:
         back = f"{{}} * ({step})"
@@ -272,7 +272,7 @@ def _scaled(kind: wire.Scaled) -> Fixed:
         "float",
         python_literal(0.0 if lower <= 0.0 <= upper else lower),
         _SCALED[kind.rounding],
-        (python_literal(lower), step, maximum),
+        (python_literal(lower), step, f"0x{kind.type.upper:X}"),
         back,
         range_text=f"{lower:.12g} .. {upper:.12g}",
         scale=(lower, upper),

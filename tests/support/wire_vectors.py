@@ -1,0 +1,40 @@
+"""Reader of tests/vectors; its README.md says what stands there."""
+
+from __future__ import annotations
+
+import functools
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+VECTORS = Path(__file__).resolve().parents[1] / "vectors"
+
+
+@functools.cache
+def vectors() -> list[dict[str, Any]]:
+    """Returns the vectors of all files."""
+    files = sorted(VECTORS.glob("*.json"))
+    return [each for file in files for each in json.loads(file.read_text(encoding="utf-8"))]
+
+
+def payload_of(vector: dict[str, Any]) -> bytes | None:
+    """Returns code and body; None of a vector that is only encoded."""
+    return bytes.fromhex(vector["payload"]) if "payload" in vector else None
+
+
+def given(vector: dict[str, Any]) -> dict[str, Any] | None:
+    """Returns the fields that are encoded; None of a vector that is only decoded."""
+    fields: dict[str, Any] | None = vector.get("given", vector["fields"])
+    return fields
+
+
+def close(ours: Any, theirs: Any) -> bool:
+    """Tells whether fields are those of a vector; real numbers may differ by their last digits."""
+    if isinstance(theirs, float):
+        return isinstance(ours, float) and math.isclose(ours, theirs, rel_tol=1e-12, abs_tol=1e-12)
+    if isinstance(theirs, dict):
+        return ours.keys() == theirs.keys() and all(close(ours[k], theirs[k]) for k in theirs)
+    if isinstance(theirs, list):
+        return len(ours) == len(theirs) and all(map(close, ours, theirs))
+    return type(ours) is type(theirs) and bool(ours == theirs)
