@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import importlib.util
-import json
 import sys
 import tempfile
 from pathlib import Path
@@ -28,7 +27,6 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).resolve().parents[2]
 TEMPLATES = ROOT / "generators" / "jausml_generators" / "python" / "templates"
 LIBRARY = ROOT / "models" / "library" / "jaus"
-GOLDEN = ROOT.parent / "shared" / "golden" / "jaus_messages.jsonl"
 LIBRARY_FILES = {
     "core-v1.0": "core-1.0.xmi",
     "core-v1.1": "core-1.1.xmi",
@@ -121,13 +119,6 @@ def listed_definitions() -> list[tuple[str, str]]:
 def shipped_sets() -> list[str]:
     """Returns the names of the service sets that the library ships."""
     return [name for name, file in LIBRARY_FILES.items() if (LIBRARY / file).exists()]
-
-
-def golden_vectors() -> list[dict[str, Any]]:
-    """Returns the vectors made by other implementations, none when they are not there."""
-    if not GOLDEN.exists():
-        return []
-    return [json.loads(line) for line in GOLDEN.read_text(encoding="utf-8").splitlines()]
 
 
 class FieldNames:

@@ -18,18 +18,10 @@ from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml_generators.wireshark.views import DissectorView
 from tests.live.wireshark_bodies import tells
-from tests.live.wireshark_support import Shown, datagram, write_dissector
+from tests.live.wireshark_support import Shown, SystemOfNothing, datagram, write_dissector
 
 STUB = Path(__file__).parents[1] / "support" / "wireshark.lua"
 DECODED = [each for each in vectors() if "payload" in each]
-
-
-class SystemOfNothing:
-    """What a dissector of services alone needs of a system."""
-
-    name = "vectors"
-    hosts = ()
-    components = ()
 
 
 Dissect = Callable[[dict[str, Any]], tuple[DissectorView, list[Shown]]]

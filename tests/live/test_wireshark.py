@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import random
 import struct
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from wire_vectors import payload_of, vectors
+from wire_vectors import golden_vectors, payload_of, vectors
 
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml.live.messages import load_catalogue
-from jausml_generators.wireshark.services import library_services
+from jausml_generators.wireshark.target import library_services
 from jausml_generators.wireshark.views import DissectorView
 
 from .wireshark_bodies import body, matches, tells
@@ -21,6 +20,7 @@ from .wireshark_support import (
     ROOT,
     TSHARK,
     Shown,
+    SystemOfNothing,
     datagram,
     dissect,
     fields_of,
@@ -41,29 +41,12 @@ pytestmark = [
     pytest.mark.skipif(TSHARK is None, reason="tshark is not installed (package tshark)"),
 ]
 
-GOLDEN = ROOT.parent / "shared" / "golden"
 WRENCH = bytes.fromhex("05047008FF7FFFFF8000")
 """SetWrenchEffort with four optional members."""
 
 
-class SystemOfNothing:
-    """What a dissector of services alone needs of a system."""
-
-    name = "library"
-    hosts = ()
-    components = ()
-
-
-def lines(name: str) -> list[dict[str, Any]]:
-    """Returns the vectors of a file, none when it is not there."""
-    path = GOLDEN / name
-    if not path.exists():
-        return []
-    return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
-
-
-VECTORS = lines("jaus_messages.jsonl")
-DATAGRAMS = lines("judp_datagrams.jsonl")
+VECTORS = golden_vectors()
+DATAGRAMS = golden_vectors("judp_datagrams.jsonl")
 needs_vectors = pytest.mark.skipif(not VECTORS, reason="vectors of other implementations: absent")
 
 

@@ -1,4 +1,4 @@
-"""Reader of tests/vectors; its README.md says what stands there."""
+"""Vectors of messages: those of tests/vectors, and those that other implementations made."""
 
 from __future__ import annotations
 
@@ -9,13 +9,21 @@ from pathlib import Path
 from typing import Any
 
 VECTORS = Path(__file__).resolve().parents[1] / "vectors"
+GOLDEN = Path(__file__).resolve().parents[3] / "shared" / "golden"
 
 
 @functools.cache
 def vectors() -> list[dict[str, Any]]:
-    """Returns the vectors of all files."""
+    """Returns the vectors of tests/vectors, which its README.md describes."""
     files = sorted(VECTORS.glob("*.json"))
     return [each for file in files for each in json.loads(file.read_text(encoding="utf-8"))]
+
+
+def golden_vectors(name: str = "jaus_messages.jsonl") -> list[dict[str, Any]]:
+    """Returns the vectors of other implementations, none when they are not there."""
+    path = GOLDEN / name
+    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    return [json.loads(line) for line in lines]
 
 
 def payload_of(vector: dict[str, Any]) -> bytes | None:
@@ -34,7 +42,7 @@ def close(ours: Any, theirs: Any) -> bool:
     if isinstance(theirs, float):
         return isinstance(ours, float) and math.isclose(ours, theirs, rel_tol=1e-12, abs_tol=1e-12)
     if isinstance(theirs, dict):
-        return ours.keys() == theirs.keys() and all(close(ours[k], theirs[k]) for k in theirs)
+        return list(ours) == list(theirs) and all(close(ours[k], theirs[k]) for k in theirs)
     if isinstance(theirs, list):
         return len(ours) == len(theirs) and all(map(close, ours, theirs))
     return type(ours) is type(theirs) and bool(ours == theirs)

@@ -45,11 +45,7 @@ class TableBuilder:
         self.types: dict[str, str] = {}
 
     def build(self, body: wire.Field | None) -> Table:
-        """Returns the table of a body; one without members for no body.
-
-        Args:
-            body: The body, or None.
-        """
+        """Returns the table of a body; one without members for no body."""
         return {} if body is None else self._inner(body, self._filter)
 
     def _inner(self, field: wire.Field, path: str) -> Table:
@@ -178,8 +174,6 @@ def _names(legal: wire.LegalIntegers, names: Mapping[int, str], *, as_table: boo
     """Returns the named integers of a value set.
 
     Args:
-        legal: The value set.
-        names: The names of the integers that the dissector looks up.
         as_table: Whether the display filter cannot hold the names.
 
     Returns:

@@ -7,13 +7,17 @@ from typing import TYPE_CHECKING
 from jausml.generation.system import source_of, system_of
 from jausml.generation.target import Target, WholeLibrary
 from jausml.generation.tasks import FileTask, Task, templates_beside
-from jausml_generators.wireshark.services import library_services, used_services
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import library_root, read_models
+from jausml.language.semantics import calls
+from jausml.language.semantics.core_services import CORE
+from jausml.language.semantics.standard_services import NEWEST_SET
+from jausml_generators.common.components import with_inherited
 from jausml_generators.wireshark.views import DissectorView
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
-    from jausml.language.metamodel.classes import jaus
     from jausml.language.model.model import Model
 
 
@@ -30,6 +34,53 @@ def whole_library_tasks(model: Model) -> list[Task]:
 def _dissector(model: Model, services: Sequence[jaus.Service]) -> list[Task]:
     view = DissectorView(system_of(model), source_of(model), services)
     return [FileTask("dissector.lua.j2", [view], lambda view: view.path)]
+
+
+def used_services(model: Model) -> list[jaus.Service]:
+    """Returns the services whose messages the components of a system send or receive.
+
+    The core services come last; every component has some of them from the runtime.
+    """
+    found = list(dict.fromkeys(_services(model)))
+    own = [service for service in with_inherited(found) if not _is_core(service)]
+    old = [service for service in with_inherited(found) if _is_core(service)]
+    return [*own, *library_services(NEWEST_SET), *old]
+
+
+def library_services(pattern: str = "*.xmi") -> list[jaus.Service]:
+    """Returns the services of the shipped library, by file and place in it.
+
+    Args:
+        pattern: Which of its JAUS models.
+    """
+    paths = sorted((library_root() / "jaus").glob(pattern))
+    return list(read_models(paths).model.instances(jaus.Service))
+
+
+def _services(model: Model) -> Iterator[jaus.Service]:
+    system = system_of(model)
+    for component in (*system.components, *system.bridges):
+        yield from component.provides
+        yield from component.uses
+        for connection in component.connections:
+            yield from _owners(connection.message, connection.query)
+    for owner in system.bridges:
+        for each in owner.bridgeConnections:
+            yield from _owners(each.map.message, each.query)
+        for each_call in owner.serviceConnections:
+            yield from _owners(*calls.messages(each_call))
+        for each_list in owner.actionConnections:
+            yield each_list.driver
+            yield from _owners(each_list.element.message)
+
+
+def _owners(*messages: jaus.MessageDef | None) -> Iterator[jaus.Service]:
+    owners = (message.eContainer() for message in messages if message is not None)
+    yield from (owner for owner in owners if owner is not None)
+
+
+def _is_core(service: jaus.Service) -> bool:
+    return str(service.urn).startswith(CORE)
 
 
 TARGET = Target(

@@ -5,7 +5,6 @@ message is encoded (codecs of every language, dissectors, interface packages, ru
 result.
 """
 
-from jausml.language.wire.comparing import comparable
 from jausml.language.wire.errors import LayoutError, LimitError
 from jausml.language.wire.kinds import (
     JAUS_MESSAGE,
@@ -18,33 +17,36 @@ from jausml.language.wire.kinds import (
     FixedText,
     Format,
     FormattedOctets,
-    Integer,
     Kind,
     Leaf,
     List,
     Message,
-    Number,
     Octets,
-    Real,
     Record,
     Scalar,
-    Scaled,
     Sequence,
     Text,
     VariableNumber,
     Variant,
+    comparable,
 )
-from jausml.language.wire.legal import (
+from jausml.language.wire.legal import legal_integers, merged, offset_of
+from jausml.language.wire.numbers import (
+    INTEGERS,
+    REALS,
+    UNSIGNED,
+    Integer,
+    IntegerType,
     Interval,
     LegalIntegers,
     LegalReals,
     Listed,
+    Number,
     Ranges,
-    legal_integers,
-    merged,
-    offset_of,
+    Real,
+    RealType,
+    Scaled,
 )
-from jausml.language.wire.numbers import INTEGERS, REALS, UNSIGNED, IntegerType, RealType
 from jausml.language.wire.resolving import (
     LARGEST,
     MAXIMUM_DEPTH,

@@ -54,15 +54,7 @@ _MOST_SEGMENTATIONS = 256
 
 
 def codec_of(kind: wire.Kind, encode_message: EncodeMessage) -> Codec:
-    """Returns reader and writer of a kind of field.
-
-    Args:
-        kind: The kind.
-        encode_message: Encodes messages that stand in the field.
-
-    Raises:
-        DefinitionError: Two fields have one name.
-    """
+    """Returns reader and writer of a kind of field."""
     match kind:
         case wire.Record():
             record = _Record(kind, encode_message)
@@ -84,6 +76,23 @@ def codec_of(kind: wire.Kind, encode_message: EncodeMessage) -> Codec:
             return variable_of(kind)
         case _:
             return single(item_of(kind))
+
+
+def may_hold(kind: wire.Kind) -> bool:
+    """Tells whether a field can hold a message, which `codec_of` then encodes."""
+    match kind:
+        case wire.Record():
+            return any(may_hold(member.kind) for member in kind.members)
+        case wire.List() | wire.Array():
+            return may_hold(kind.element.kind)
+        case wire.Variant():
+            return any(may_hold(option.kind) for option in kind.options)
+        case wire.FormattedOctets():
+            return any(map(kind.holds_message, kind.names))
+        case wire.Octets():
+            return kind.holds_message
+        case _:
+            return False
 
 
 # -- records ---------------------------------------------------------------------------------------

@@ -25,9 +25,7 @@ class EmbeddedMessage:
     """A message inside another.
 
     Attributes:
-        path: Path of the field that holds it.
         message: The message, None when it cannot be decoded.
-        error: Why it cannot be decoded, empty when it can.
     """
 
     path: str
@@ -41,14 +39,7 @@ class EmbeddedMessage:
 
 @dataclass(frozen=True)
 class DecodedMessage:
-    """A message with its fields.
-
-    Attributes:
-        entry: What the catalogue says of it.
-        fields: The fields of its body.
-        service: The service that is named with it, one of the entry's.
-        embedded: The messages inside it, in their order.
-    """
+    """A message with its fields."""
 
     entry: MessageEntry
     fields: dict[str, Any]
@@ -82,13 +73,7 @@ def decode_embedded(
     fields: dict[str, Any],
     decode: Callable[[bytes], DecodedMessage],
 ) -> tuple[EmbeddedMessage, ...]:
-    """Returns the messages inside a message; what cannot be decoded says why.
-
-    Args:
-        entry: What the catalogue says of the message.
-        fields: Its fields.
-        decode: Decodes a payload.
-    """
+    """Returns the messages inside a message; what cannot be decoded says why."""
     if not entry.may_hold_messages:
         return ()
     found = []
@@ -100,23 +85,6 @@ def decode_embedded(
     return tuple(found)
 
 
-def may_hold(kind: wire.Kind) -> bool:
-    """Tells whether a field can hold a message."""
-    match kind:
-        case wire.Record():
-            return any(may_hold(member.kind) for member in kind.members)
-        case wire.List() | wire.Array():
-            return may_hold(kind.element.kind)
-        case wire.Variant():
-            return any(may_hold(option.kind) for option in kind.options)
-        case wire.FormattedOctets():
-            return any(map(kind.holds_message, kind.names))
-        case wire.Octets():
-            return kind.holds_message
-        case _:
-            return False
-
-
 def holds(kind: wire.Octets | wire.FormattedOctets, value: Mapping[str, Any]) -> bool:
     """Tells whether a decoded byte field holds a message."""
     if isinstance(kind, wire.Octets):
@@ -125,13 +93,7 @@ def holds(kind: wire.Octets | wire.FormattedOctets, value: Mapping[str, Any]) ->
 
 
 def holders(kind: wire.Kind, value: Any, path: str = "") -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yields the objects of a decoded field that hold a message, with their paths.
-
-    Args:
-        kind: The kind of the field.
-        value: Its decoded value.
-        path: Path of the field.
-    """
+    """Yields the objects of a decoded field that hold a message, with their paths."""
     if isinstance(kind, wire.Octets | wire.FormattedOctets):
         if holds(kind, value):
             yield path, value

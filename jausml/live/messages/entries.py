@@ -7,8 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from jausml.language import wire
-from jausml.live.messages.codec import PRESENCE, codec_of
-from jausml.live.messages.embedded import may_hold
+from jausml.live.messages.codec import PRESENCE, codec_of, may_hold
 from jausml.live.messages.errors import DecodeError, DefinitionError, EncodeError
 
 if TYPE_CHECKING:
@@ -24,14 +23,7 @@ _BESIDE_BYTES = frozenset({"documentation", "units", "listed", "intervals"})
 
 
 def read_code(payload: bytes) -> int:
-    """Returns the message code that a payload begins with.
-
-    Args:
-        payload: Message code and body.
-
-    Raises:
-        DecodeError: It is too short for a code.
-    """
+    """Returns the message code that a payload begins with."""
     if len(payload) < _CODE.size:
         raise DecodeError(f"{len(payload)} bytes are too few for a message code")
     code: int = _CODE.unpack_from(payload)[0]
@@ -42,12 +34,6 @@ class ServiceEntry:
     """A service of the catalogue.
 
     Attributes:
-        urn: Its URN, e.g. `urn:jaus:jss:core:Management`.
-        version: Its version, e.g. `1.1`.
-        name: Its name in the model.
-        set_name: Name of its service set.
-        set_version: Version of its service set.
-        documentation: Text of the model.
         inherits: The service that it extends, None when it extends none.
     """
 
@@ -56,12 +42,7 @@ class ServiceEntry:
         definition: jaus.Service,
         messages: Callable[[Iterable[jaus.MessageDef]], tuple[MessageEntry, ...]],
     ) -> None:
-        """Makes an entry.
-
-        Args:
-            definition: The service in the model.
-            messages: Returns the entries of messages.
-        """
+        """Makes an entry."""
         self.urn = str(definition.urn)
         self.version = str(definition.version)
         self.name = str(definition.name)
@@ -111,20 +92,11 @@ class MessageEntry:
     """A message of the catalogue: one name, code and layout, defined by one or more services.
 
     Attributes:
-        name: Its name, e.g. `ReportStatus`.
-        code: Its message code.
         is_command: Whether it is a command, which only a controller may send (AS5710).
-        services: The services that define it.
-        definition: The first MessageDef of the model.
     """
 
     def __init__(self, definition: jaus.MessageDef, encode_message: EncodeMessage) -> None:
-        """Makes an entry without services.
-
-        Args:
-            definition: The message in the model.
-            encode_message: Encodes messages that stand in this one.
-        """
+        """Makes an entry without services."""
         self.name = str(definition.name)
         self.code = int(str(definition.code), 16)
         self.is_command = bool(definition.isCommand)
@@ -172,11 +144,7 @@ class MessageEntry:
 
     @cached_property
     def identity(self) -> tuple[Any, ...]:
-        """What two definitions of one message share.
-
-        Raises:
-            DefinitionError: The definition gives no codec.
-        """
+        """What two definitions of one message share."""
         return (self.name, self.code, wire.comparable(self.record, _BESIDE_BYTES))
 
     def completed(self, fields: dict[str, Any]) -> dict[str, Any]:
@@ -200,13 +168,6 @@ class MessageEntry:
         vector; a variant `{"_tag": n, OPTION: ...}`; a variable field `{"index", "value"}`; a
         variable format field `{"format", "hex"}`; a variable length field `{"hex"}`; a bit field
         an object of integers; arrays and lists are lists.
-
-        Args:
-            payload: Message code and body.
-
-        Raises:
-            DecodeError: The bytes are no such message.
-            DefinitionError: The definition gives no codec.
         """
         code = read_code(payload)
         if code != self.code:
@@ -224,10 +185,6 @@ class MessageEntry:
         Args:
             fields: The fields in the shapes of `decode`. `_pv` may be left out; if it stands there
                 it must agree with the members that are there.
-
-        Raises:
-            EncodeError: A field is absent, unknown or not legal.
-            DefinitionError: The definition gives no codec.
         """
         out = bytearray(_CODE.pack(self.code))
         try:

@@ -26,7 +26,6 @@ class Item(NamedTuple):
 
     Attributes:
         format: The struct format without the byte order.
-        size: Bytes on the wire.
         from_wire: Returns the value that an item means; None where the item is the value.
         to_wire: Returns the item of a value, or raises EncodeError for one that is not legal.
     """
@@ -192,11 +191,7 @@ class Run:
         self._struct = struct.Struct("<" + "".join(item.format for _, item in items))
 
     def read(self, fields: dict[str, Any], buffer: bytes, offset: int) -> int:
-        """Puts the values into the fields and returns the offset after them.
-
-        Raises:
-            DecodeError: The payload ends within one of them.
-        """
+        """Puts the values into the fields and returns the offset after them."""
         try:
             found = self._struct.unpack_from(buffer, offset)
         except struct.error:
@@ -206,11 +201,7 @@ class Run:
         return offset + self._struct.size
 
     def write(self, fields: Mapping[str, Any], out: bytearray) -> None:
-        """Appends the values of the fields.
-
-        Raises:
-            EncodeError: One of them is not legal.
-        """
+        """Appends the values of the fields."""
         name = ""
         found = []
         try:

@@ -36,33 +36,21 @@ def as_number(value: Any) -> int | float:
 
 
 def as_object(value: Any) -> dict[str, Any]:
-    """Returns a value that is an object.
-
-    Raises:
-        EncodeError: It is something else.
-    """
+    """Returns a value that is an object."""
     if isinstance(value, dict):
         return value
     raise EncodeError(f"{shown(value)} is not an object of fields")
 
 
 def as_list(value: Any) -> list[Any]:
-    """Returns a value that is a list.
-
-    Raises:
-        EncodeError: It is something else.
-    """
+    """Returns a value that is a list."""
     if isinstance(value, (list, tuple)):
         return list(value)
     raise EncodeError(f"{shown(value)} is not a list")
 
 
 def latin1(value: Any) -> bytes:
-    """Returns a text as bytes, one for each character.
-
-    Raises:
-        EncodeError: It is no text or has characters beyond Latin-1.
-    """
+    """Returns a text as bytes, one for each character."""
     if not isinstance(value, str):
         raise EncodeError(f"{shown(value)} is not a string")
     try:
@@ -76,11 +64,6 @@ def legal_integer(value: Any, ranges: wire.Ranges, names: Mapping[int, str] = _N
 
     Args:
         value: The value; a real without a fraction counts as an integer, as in JSON.
-        ranges: The legal integers.
-        names: Names of some of them, which may stand instead.
-
-    Raises:
-        EncodeError: It is none.
     """
     if isinstance(value, str) and names:
         return _named(value, ranges, names)
@@ -118,17 +101,7 @@ def check_names(
     needed: Iterable[str],
     legal: Callable[[str], str] = no_words,
 ) -> None:
-    """Refuses an object with unknown or without needed fields.
-
-    Args:
-        fields: The object.
-        known: Names that may stand in it.
-        needed: Names that must stand in it.
-        legal: Returns what may stand in a needed field, in words.
-
-    Raises:
-        EncodeError: A field is unknown or absent.
-    """
+    """Refuses an object with unknown or without needed fields."""
     for name in fields:
         if name not in known:
             absent = [each for each in known if each not in fields]
@@ -168,8 +141,6 @@ def integers_in_words(
     """Returns legal integers, e.g. `0 (Set current command), 1 .. 3`.
 
     Args:
-        ranges: The legal integers.
-        names: Names of some of them.
         most: How many values and ranges to name; None names all.
     """
     parts: list[str] = []

@@ -21,20 +21,12 @@ _SHOWN_ELEMENTS = 64
 
 
 def title(decoded: DecodedMessage) -> str:
-    """Returns the first line of a message: its name, code and service.
-
-    Args:
-        decoded: The message.
-    """
+    """Returns the first line of a message: its name, code and service."""
     return f"{decoded.entry.name} {decoded.entry.code_text} ({decoded.service.label})"
 
 
 def lines(decoded: DecodedMessage) -> Iterator[str]:
-    """Yields the fields of a message, indented by depth.
-
-    Args:
-        decoded: The message.
-    """
+    """Yields the fields of a message, indented by depth."""
     writer = _Writer(decoded)
     for member in decoded.entry.record.members:
         yield from writer.field(member.name, member.kind, decoded.fields[member.name], "")

@@ -153,7 +153,7 @@ def scaled_down(value: float, lower: float, step: float, maximum: int, field: st
         EncodeError: The value is out of range or no number.
     """
     scaled(value, lower, step, maximum, field)
-    return min(math.floor((value - lower) / step + _SLACK), maximum)
+    return min(max(math.floor((value - lower) / step + _SLACK), 0), maximum)
 
 
 def scaled_up(value: float, lower: float, step: float, maximum: int, field: str) -> int:
