@@ -52,6 +52,8 @@ def plain_leaves(node: dict[str, Any], value: Any) -> Iterator[tuple[str, Any]]:
 
 
 def record_leaves(node: dict[str, Any], value: Any) -> Iterator[tuple[str, Any]]:
+    if unknown := value.keys() - {"_pv", *(member["name"] for member in node["fields"])}:
+        raise KeyError(*unknown)
     if "_pv" in value:
         yield f"{node['filter']}.presence", value["_pv"]
     for member in node["fields"]:
