@@ -175,6 +175,7 @@ class ContainerClass:
     segments: tuple[Run | Single, ...] = field(compare=False, repr=False)
     presence_struct: str = ""
     presence_size: int = 0
+    presence_mask: int = 0
     tag: int | None = None
     jaus_name: str = ""
     is_wrapper: bool = False
@@ -195,11 +196,6 @@ class ContainerClass:
         """Fewest bytes on the wire."""
         always = (member.value.min_size for member in self.members if not member.is_optional)
         return self.presence_size + sum(always)
-
-    @property
-    def presence_mask(self) -> int:
-        """The known bits of the presence vector."""
-        return sum(member.bit for member in self.members)
 
     @property
     def has_unknown_bits(self) -> bool:

@@ -110,10 +110,12 @@ class MessageBuilder:
         """Builds a class of members: those of a record or sequence, or the one field itself."""
         path = self._scope.path(name)
         presence: wire.IntegerType | None = None
+        known_bits = 0
         parts: tuple[wire.Field, ...] = ()
         is_wrapper = body is not None and not isinstance(body.kind, wire.Record)
         if body is not None and isinstance(body.kind, wire.Record):
             parts, presence = body.kind.members, body.kind.presence
+            known_bits = body.kind.known_bits
         elif body is not None:
             parts = (replace(body, bit=0),)
         members = self._members(path, parts)
@@ -127,6 +129,7 @@ class MessageBuilder:
             segments=self._segments(members, presence_format),
             presence_struct=self._scope.use(presence_format) if presence else "",
             presence_size=presence.size if presence else 0,
+            presence_mask=known_bits,
             tag=tag,
             jaus_name=body.name if body else "",
             is_wrapper=is_wrapper,
