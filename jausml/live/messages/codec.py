@@ -99,7 +99,7 @@ def may_hold(kind: wire.Kind) -> bool:
 
 
 class _Record:
-    """Reads and writes a record or sequence: an object of its members."""
+    """Reads and writes a record or sequence: an object of its members, with `_pv` for a vector."""
 
     def __init__(self, kind: wire.Record, encode_message: EncodeMessage) -> None:
         check_distinct((each.name for each in kind.members), PRESENCE)
@@ -146,7 +146,7 @@ class _Record:
 
 
 def _presence(kind: wire.Record, vector_type: wire.IntegerType) -> Named:
-    """Returns the presence vector among the members; its value is written, not made, here."""
+    """Returns what reads a presence vector as a member, and writes one that `_vector_of` made."""
     known_bits = kind.known_bits
 
     def from_wire(vector: int) -> int:
@@ -336,5 +336,6 @@ class _Variant:
 
 
 def _alone(field: wire.Field, encode_message: EncodeMessage) -> Codec:
+    """Returns what reads and writes a field by itself."""
     part = _inner(field, encode_message)
     return single(part) if isinstance(part, Item) else part
