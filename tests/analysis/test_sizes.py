@@ -35,7 +35,7 @@ def test_encoded_messages_lie_within_their_bounds():
     for entry in messages():
         layout = wire.resolve(entry.definition)
         size = jaus_size(layout, 1)
-        for fields in (sample(entry.codec), example(entry)):
+        for fields in (sample(entry.record), example(entry)):
             encoded = len(entry.encode(fields))
             assert size.least <= encoded, entry.name
             assert size.most is None or encoded <= size.most, entry.name

@@ -103,9 +103,9 @@ def test_all_meanings_of_a_code_are_shown(jausml):
 def test_examples_and_samples_of_all_messages_are_legal(catalogue):
     for entry in catalogue.messages:
         assert entry.decode(entry.encode(example(entry))) is not None
-        assert entry.encode(sample(entry.codec)) is not None
+        assert entry.encode(sample(entry.record)) is not None
         paths = [row.path for row in rows(entry)]
-        assert len(paths) >= len(entry.codec.members)
+        assert len(paths) >= len(entry.record.members)
 
 
 def test_kinds_of_fields_that_the_library_has_not(jausml):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import importlib.util
-import json
 import sys
 import tempfile
 from pathlib import Path
@@ -28,7 +27,6 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).resolve().parents[2]
 TEMPLATES = ROOT / "generators" / "jausml_generators" / "python" / "templates"
 LIBRARY = ROOT / "models" / "library" / "jaus"
-GOLDEN = ROOT.parent / "shared" / "golden" / "jaus_messages.jsonl"
 LIBRARY_FILES = {
     "core-v1.0": "core-1.0.xmi",
     "core-v1.1": "core-1.1.xmi",
@@ -123,13 +121,6 @@ def shipped_sets() -> list[str]:
     return [name for name, file in LIBRARY_FILES.items() if (LIBRARY / file).exists()]
 
 
-def golden_vectors() -> list[dict[str, Any]]:
-    """Returns the vectors made by other implementations, none when they are not there."""
-    if not GOLDEN.exists():
-        return []
-    return [json.loads(line) for line in GOLDEN.read_text(encoding="utf-8").splitlines()]
-
-
 class FieldNames:
     """Objects of the classes of a message, and the JSIDL names that the golden vectors use."""
 
@@ -186,7 +177,8 @@ class FieldNames:
             return {"index": obj.index, "value": obj.value}
         if [member.jaus_name for member in part.members] == ["format", "hex"]:
             return {"format": obj.format_index, "hex": obj.data.hex()}
-        return self._part_to_fields(part, obj)
+        fields = self._part_to_fields(part, obj)
+        return fields[part.members[0].jaus_name] if part.is_wrapper else fields
 
     def _part_from_fields(self, part: ContainerClass, cls: Any, fields: Any) -> Any:
         arguments = {
@@ -211,6 +203,8 @@ class FieldNames:
             if set(field) in ({"format", "hex"}, {"index", "value"}):
                 first, second = field.values()
                 return cls(first, bytes.fromhex(second) if "hex" in field else second)
+            if value.part.is_wrapper:
+                field = {value.part.members[0].jaus_name: field}
             return self._part_from_fields(value.part, cls, field)
         if value.kind == "blob" and not value.is_text:
             return bytes.fromhex(field["hex"])

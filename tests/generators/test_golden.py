@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import pytest
 from codec_nearness import coded_values
-from codec_support import FieldNames, golden_vectors, library, shipped_sets
+from codec_support import FieldNames, library, shipped_sets
+from wire_vectors import close, golden_vectors
 
 from jausml.runtime.wire.codec import scaled
 from jausml_generators.python.codec.scalars import Bits
@@ -25,16 +25,6 @@ def candidates(vector: dict[str, Any]) -> list[FieldNames]:
     found = [v for v in views if v.jaus_name == vector["message"] and v.code == code]
     assert found, "the library lacks the message"
     return [FieldNames(view, module) for view in found]
-
-
-def close(ours: Any, theirs: Any) -> bool:
-    if isinstance(theirs, float):
-        return isinstance(ours, float) and math.isclose(ours, theirs, rel_tol=1e-9, abs_tol=1e-9)
-    if isinstance(theirs, dict):
-        return ours.keys() == theirs.keys() and all(close(ours[k], theirs[k]) for k in theirs)
-    if isinstance(theirs, list):
-        return len(ours) == len(theirs) and all(map(close, ours, theirs))
-    return type(ours) is type(theirs) and ours == theirs
 
 
 def problems(names: FieldNames, vector: dict[str, Any]) -> list[str]:

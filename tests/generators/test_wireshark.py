@@ -13,8 +13,7 @@ from jausml.generation.errors import GenerationError
 from jausml.generation.header import has_valid_header
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
-from jausml_generators.wireshark.services import library_services, used_services
-from jausml_generators.wireshark.target import TARGET
+from jausml_generators.wireshark.target import TARGET, library_services, used_services
 from jausml_generators.wireshark.views import message_tables
 
 HERE = Path(__file__).parent
@@ -105,7 +104,7 @@ def test_filters_are_made_of_the_names(example):
     (effort, *_) = messages["SetWrenchEffort"].body["fields"]
 
     assert effort["filter"] == "jaus.set_wrench_effort.propulsive_linear_effort_x"
-    assert effort["scale"] == [-100.0, 100.0]
+    assert effort["scale"] == [-100.0, 200.0 / 65535]
     (velocity, *_) = messages["ReportVelocityState"].body["fields"]
     assert velocity["units"] == "meter per second"
     services = list(nodes(messages["ReportServices"].body))
@@ -136,7 +135,7 @@ def test_definitions_whose_filters_differ_in_type_have_two_names(tmp_path):
 def test_without_a_presence_vector_no_member_is_optional(tmp_path):
     (message,) = own(tmp_path, SERVICE.format(urn="urn:a", kind="uint8"))
 
-    assert "optional" not in message.body["fields"][0]
+    assert "presence_bit" not in message.body["fields"][0]
 
 
 def test_a_message_that_contains_itself_is_refused(tmp_path):

@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-import json
 import random
 import struct
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from wire_vectors import golden_vectors, payload_of, vectors
 
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml.live.messages import load_catalogue
-from jausml_generators.wireshark.services import library_services
+from jausml_generators.wireshark.target import library_services
 from jausml_generators.wireshark.views import DissectorView
 
-from .wireshark_bodies import body, matches
+from .wireshark_bodies import body, matches, tells
 from .wireshark_support import (
     ROOT,
     TSHARK,
     Shown,
+    SystemOfNothing,
     datagram,
     dissect,
     fields_of,
@@ -40,29 +41,12 @@ pytestmark = [
     pytest.mark.skipif(TSHARK is None, reason="tshark is not installed (package tshark)"),
 ]
 
-GOLDEN = ROOT.parent / "shared" / "golden"
 WRENCH = bytes.fromhex("05047008FF7FFFFF8000")
 """SetWrenchEffort with four optional members."""
 
 
-class SystemOfNothing:
-    """What a dissector of services alone needs of a system."""
-
-    name = "library"
-    hosts = ()
-    components = ()
-
-
-def lines(name: str) -> list[dict[str, Any]]:
-    """Returns the vectors of a file, none when it is not there."""
-    path = GOLDEN / name
-    if not path.exists():
-        return []
-    return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
-
-
-VECTORS = lines("jaus_messages.jsonl")
-DATAGRAMS = lines("judp_datagrams.jsonl")
+VECTORS = golden_vectors()
+DATAGRAMS = golden_vectors("judp_datagrams.jsonl")
 needs_vectors = pytest.mark.skipif(not VECTORS, reason="vectors of other implementations: absent")
 
 
@@ -317,6 +301,18 @@ def test_every_kind_of_field_is_shown(tmp_path: Path) -> None:
     assert {name: shown(fields, f"jaus.kinds.{name}") for name in values} == values
     assert not shown(fields, "jaus.malformed")
     assert not shown(fields, "jaus.surplus")
+
+
+MODELS_OF_VECTORS = sorted({each["model"] for each in vectors()})
+
+
+@pytest.mark.parametrize("model", MODELS_OF_VECTORS)
+def test_the_vectors_are_shown(model: str, tmp_path: Path) -> None:
+    script, view = dissector_of(ROOT / model, tmp_path)
+    decoded = [each for each in vectors() if each["model"] == model and "payload" in each]
+    packets = [udp(datagram(payload_of(each) or b"")) for each in decoded]
+    found = zip(decoded, dissect(script, packets, tmp_path), strict=True)
+    assert not [each["name"] for each, fields in found if not tells(view.messages, fields, each)]
 
 
 def test_wide_and_signed_fields_are_shown(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from jausml.language.wire import INTEGERS, REALS
 
 if TYPE_CHECKING:
     import random
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from .wireshark_support import Shown
 
@@ -52,6 +52,8 @@ def plain_leaves(node: dict[str, Any], value: Any) -> Iterator[tuple[str, Any]]:
 
 
 def record_leaves(node: dict[str, Any], value: Any) -> Iterator[tuple[str, Any]]:
+    if unknown := value.keys() - {"_pv", *(member["name"] for member in node["fields"])}:
+        raise KeyError(*unknown)
     if "_pv" in value:
         yield f"{node['filter']}.presence", value["_pv"]
     for member in node["fields"]:
@@ -83,6 +85,26 @@ def matches(fields: list[Shown], message: Any, vector: dict[str, Any]) -> bool:
     found = [field for field in fields if field.name in names]
     return [field.name for field in found] == [name for name, _ in wanted] and all(
         is_close(field, value) for field, (_, value) in zip(found, wanted, strict=True)
+    )
+
+
+def tells(messages: Iterable[Any], fields: list[Shown], vector: dict[str, Any]) -> bool:
+    """Tells whether a packet shows the fields of a vector of tests/vectors, or what it lacks."""
+    filters = [field.name for field in fields]
+    kind = vector.get("error", {}).get("kind", "")
+    if kind == "bytes left over":
+        return "jaus.surplus" in filters
+    if kind == "other code":
+        return vector["message"] not in [
+            each.show for each in fields if each.name == "jaus.message"
+        ]
+    if kind in ("count too large", "length too large"):
+        return "jaus.malformed" not in filters  # limits are not for those who only look
+    if kind:
+        return "jaus.malformed" in filters
+    named = (each for each in messages if each.name == vector["message"])
+    return not {"jaus.malformed", "jaus.surplus"} & {*filters} and any(
+        matches(fields, each, vector) for each in named
     )
 
 
@@ -127,14 +149,13 @@ def container(chance: random.Random, node: dict[str, Any]) -> bytes:
         tag = chance.randrange(max(1, len(node["options"])))
         option = body(chance, node["options"][tag]) if node["options"] else b""
         return struct.pack(f"<{_FORMATS[node['tag']]}", tag) + option
-    present, bit, data = 0, 1, b""
+    present, data = 0, b""
     # The library has a record with more optional members than its presence vector has bits.
-    last = INTEGERS[node.get("presence", "uint64")].upper
+    last = INTEGERS[node.get("presence", "uint64")].bits
     for member in node["fields"]:
-        is_there = not member.get("optional") or (bit <= last and chance.random() < 0.7)
-        if member.get("optional"):
-            present |= bit * is_there
-            bit <<= 1
+        bit = member.get("presence_bit")
+        is_there = bit is None or (bit < last and chance.random() < 0.7)
+        present |= is_there << bit if bit is not None else 0
         data += body(chance, member) if is_there else b""
     head = struct.pack(f"<{_FORMATS[node['presence']]}", present) if "presence" in node else b""
     return head + data

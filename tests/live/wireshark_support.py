@@ -28,6 +28,14 @@ _HOSTS = (bytes((127, 0, 0, 1)), bytes((127, 0, 0, 2)))
 _ERRORS = re.compile(r"Lua Error|error in the dissector|Dissector bug|Malformed Packet:")
 
 
+class SystemOfNothing:
+    """What a dissector of services alone needs of a system."""
+
+    name = "library"
+    hosts = ()
+    components = ()
+
+
 def write_dissector(path: Path, view: Any = None) -> Path:
     """Writes the dissector of the example system, or one of a view; returns its path."""
     model = read_models([CATVEHICLE]).model

@@ -3,37 +3,22 @@
 from __future__ import annotations
 
 import json
-import math
-from pathlib import Path
 
 import pytest
+from wire_vectors import close, golden_vectors
 
 from jausml.live.messages import AmbiguousMessageError
 
-GOLDEN = Path(__file__).resolve().parents[3] / "shared" / "golden" / "jaus_messages.jsonl"
+VECTORS = golden_vectors()
 
 pytestmark = pytest.mark.skipif(
-    not GOLDEN.exists(), reason="the vectors of other implementations are absent"
+    not VECTORS, reason="the vectors of other implementations are absent"
 )
-
-
-def vectors():
-    return [json.loads(line) for line in GOLDEN.read_text(encoding="utf-8").splitlines()]
-
-
-def close(ours, theirs):
-    if isinstance(theirs, float):
-        return isinstance(ours, float) and math.isclose(ours, theirs, rel_tol=1e-12)
-    if isinstance(theirs, dict):
-        return list(ours) == list(theirs) and all(close(ours[k], theirs[k]) for k in theirs)
-    if isinstance(theirs, list):
-        return len(ours) == len(theirs) and all(map(close, ours, theirs))
-    return type(ours) is type(theirs) and ours == theirs
 
 
 def test_every_vector_decodes_to_its_fields_and_back_to_its_bytes(catalogue):
     wrong = []
-    for vector in vectors():
+    for vector in VECTORS:
         service = f"{vector['service']}/{vector['service_version']}"
         entry = catalogue.message(vector["message"], service)
         data = bytes.fromhex(vector["hex"])
@@ -51,7 +36,7 @@ def test_every_vector_decodes_to_its_fields_and_back_to_its_bytes(catalogue):
 def test_what_is_printed_is_encoded_to_the_same_bytes(catalogue):
     """Without a service, too: the printed line names one."""
     ambiguous = set()
-    for vector in vectors():
+    for vector in VECTORS:
         data = bytes.fromhex(vector["hex"])
         try:
             decoded = catalogue.decode(data)
@@ -69,7 +54,7 @@ def test_presence_vectors_may_be_left_out(catalogue):
             return {key: bare(each) for key, each in value.items() if key != "_pv"}
         return [bare(each) for each in value] if isinstance(value, list) else value
 
-    for vector in vectors():
+    for vector in VECTORS:
         if "_pv" in json.dumps(vector["fields"]):
             service = f"{vector['service']}/{vector['service_version']}"
             entry = catalogue.message(vector["message"], service)

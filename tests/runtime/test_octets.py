@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.runtime.conversions import ConversionError, octets
+from jausml.runtime.bridge.messages import octets
+from jausml.runtime.conversions import ConversionError
 from jausml.runtime.conversions.grids import occupancy_to_cost, reverse_rows
 
 

@@ -45,11 +45,7 @@ class TableBuilder:
         self.types: dict[str, str] = {}
 
     def build(self, body: wire.Field | None) -> Table:
-        """Returns the table of a body; one without members for no body.
-
-        Args:
-            body: The body, or None.
-        """
+        """Returns the table of a body; one without members for no body."""
         return {} if body is None else self._inner(body, self._filter)
 
     def _inner(self, field: wire.Field, path: str) -> Table:
@@ -60,9 +56,9 @@ class TableBuilder:
         return self._field(field, f"{path}.{word}")
 
     def _field(self, field: wire.Field, path: str) -> Table:
-        optional = {"optional": True} if field.is_optional else {}
+        presence = {"presence_bit": field.bit.bit_length() - 1} if field.is_optional else {}
         table = self._kind(field.kind, path)
-        return {"name": label(field.name), **optional, "filter": path, **table}
+        return {"name": label(field.name), **presence, "filter": path, **table}
 
     def _kind(self, kind: wire.Kind, path: str) -> Table:  # noqa: C901 - a branch for each kind
         match kind:
@@ -114,7 +110,7 @@ class TableBuilder:
     def _number(self, kind: wire.Number, path: str) -> Table:
         table: Table = {"kind": "number", "type": kind.type.name}
         if isinstance(kind, wire.Scaled):
-            table["scale"] = [kind.lower, kind.upper]
+            table["scale"] = [kind.lower, kind.step]
         if isinstance(kind, wire.Integer) and kind.legal.offset:
             table["offset"] = kind.legal.offset
         is_raw = "scale" in table or "offset" in table
@@ -144,7 +140,7 @@ class TableBuilder:
 
     def _bytes(self, kind: wire.Octets, path: str) -> Table:
         self._typed(path, "bytes")
-        is_message = {"is_message": True} if kind.content == wire.JAUS_MESSAGE else {}
+        is_message = {"is_message": True} if kind.holds_message else {}
         count = self._typed(f"{path}.length", kind.count.type.name)
         return {"kind": "bytes", "count": count, **is_message}
 
@@ -178,8 +174,6 @@ def _names(legal: wire.LegalIntegers, names: Mapping[int, str], *, as_table: boo
     """Returns the named integers of a value set.
 
     Args:
-        legal: The value set.
-        names: The names of the integers that the dissector looks up.
         as_table: Whether the display filter cannot hold the names.
 
     Returns:

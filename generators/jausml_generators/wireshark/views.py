@@ -24,14 +24,7 @@ NEIGHBOUR_PORTS = range(53794, 53826)
 
 
 class MessageTable:
-    """A message of one code, name and layout, and the services that define it.
-
-    Args:
-        code: Message code.
-        name: Its name.
-        body: Its body as a table of tables.
-        filter_name: What display filters of its fields begin with.
-    """
+    """A message of one code, name and layout, and the services that define it."""
 
     def __init__(self, code: int, name: str, body: Table, filter_name: str) -> None:
         self.code = code
@@ -56,8 +49,6 @@ class DissectorView:
     """The dissector of a system.
 
     Args:
-        system: The `system.System`.
-        source: Name of its file.
         services: The `jaus.Service` elements whose messages are known; of several definitions of
             one message code the first that fits is shown, in this order.
     """
@@ -96,9 +87,6 @@ class DissectorView:
 
 def message_tables(services: Iterable[jaus.Service]) -> list[MessageTable]:
     """Returns the messages of some services, equal ones once, in the order of their codes.
-
-    Args:
-        services: `jaus.Service` elements in the order of preference.
 
     Raises:
         GenerationError: A message cannot be encoded; validation tells users before.

@@ -50,7 +50,7 @@ class _LineError(ValueError):
 
 
 def _message(line: str) -> dict[str, Any]:
-    from jausml.live.messages.codec import shown
+    from jausml.live.messages.legal import shown
 
     try:
         value = json.loads(line.rstrip(), object_pairs_hook=_object)

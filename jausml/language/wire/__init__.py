@@ -5,9 +5,9 @@ message is encoded (codecs of every language, dissectors, interface packages, ru
 result.
 """
 
-from jausml.language.wire.comparing import comparable
 from jausml.language.wire.errors import LayoutError, LimitError
 from jausml.language.wire.kinds import (
+    JAUS_MESSAGE,
     Alternative,
     Array,
     BitField,
@@ -17,34 +17,37 @@ from jausml.language.wire.kinds import (
     FixedText,
     Format,
     FormattedOctets,
-    Integer,
     Kind,
     Leaf,
     List,
     Message,
-    Number,
     Octets,
-    Real,
     Record,
-    Scaled,
+    Scalar,
     Sequence,
     Text,
     VariableNumber,
     Variant,
+    comparable,
 )
-from jausml.language.wire.legal import (
+from jausml.language.wire.legal import legal_integers, merged, offset_of
+from jausml.language.wire.numbers import (
+    INTEGERS,
+    REALS,
+    UNSIGNED,
+    Integer,
+    IntegerType,
     Interval,
     LegalIntegers,
     LegalReals,
     Listed,
+    Number,
     Ranges,
-    legal_integers,
-    merged,
-    offset_of,
+    Real,
+    RealType,
+    Scaled,
 )
-from jausml.language.wire.numbers import INTEGERS, REALS, UNSIGNED, IntegerType, RealType
 from jausml.language.wire.resolving import (
-    JAUS_MESSAGE,
     LARGEST,
     MAXIMUM_DEPTH,
     MOST_FIELDS,
@@ -89,6 +92,7 @@ __all__ = [
     "Real",
     "RealType",
     "Record",
+    "Scalar",
     "Scaled",
     "Sequence",
     "Text",

@@ -7,7 +7,6 @@ class LayoutError(ValueError):
     """A message definition that cannot be encoded; `jausml validate` tells more.
 
     Attributes:
-        reason: What is wrong.
         path: Names of the message and its fields down to the wrong one, joined by dots.
     """
 
@@ -20,11 +19,7 @@ class LayoutError(ValueError):
         return f"{self.path}: {self.reason}" if self.path else self.reason
 
     def inside(self, step: str) -> LayoutError:
-        """Puts a step before the path and returns the error, on its way out of a container.
-
-        Args:
-            step: Name of the field or message.
-        """
+        """Puts a step before the path and returns the error, on its way out of a container."""
         self.path = f"{step}.{self.path}" if self.path else step
         return self
 

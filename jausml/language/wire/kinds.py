@@ -3,92 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
-from jausml.language.wire.numbers import INTEGERS, IntegerType, RealType
+from jausml.language.wire.numbers import INTEGERS, IntegerType, Number
 
 if TYPE_CHECKING:
-    from jausml.language.wire.legal import LegalIntegers, LegalReals
+    from collections.abc import Collection
 
+    from jausml.language.wire.numbers import LegalIntegers
 
-@dataclass(frozen=True)
-class Integer:
-    """An integer (AS5684 fixed_field).
-
-    Attributes:
-        type: Wire type.
-        legal: Legal values.
-        units: Unit, as the model says it; empty without one.
-    """
-
-    type: IntegerType
-    legal: LegalIntegers
-    units: str = ""
-
-    @property
-    def reach(self) -> tuple[int, int]:
-        """Smallest and largest value that the wire can bring, legal or not."""
-        return self.type.lower + self.legal.offset, self.type.upper + self.legal.offset
-
-    @property
-    def minimum_size(self) -> int:
-        """Fewest bytes on the wire."""
-        return self.type.size
-
-
-@dataclass(frozen=True)
-class Real:
-    """A floating point number, finite (AS5684 fixed_field).
-
-    Attributes:
-        type: Wire type.
-        legal: Legal values.
-        units: Unit, as the model says it; empty without one.
-    """
-
-    type: RealType
-    legal: LegalReals
-    units: str = ""
-
-    @property
-    def minimum_size(self) -> int:
-        """Fewest bytes on the wire."""
-        return self.type.size
-
-
-@dataclass(frozen=True)
-class Scaled:
-    """An unsigned integer that stands for a real number (AS5684 scale_range).
-
-    The value is `lower + integer * step`.
-
-    Attributes:
-        type: Wire type.
-        lower: Value of the integer 0.
-        upper: Value of the largest integer.
-        rounding: How a value between two integers is encoded: `round`, `floor` or `ceiling`.
-        units: Unit of the value, as the model says it; empty without one.
-    """
-
-    type: IntegerType
-    lower: float
-    upper: float
-    rounding: str
-    units: str = ""
-
-    @property
-    def step(self) -> float:
-        """Difference between the values of neighbouring integers."""
-        return (self.upper - self.lower) / self.type.upper
-
-    @property
-    def minimum_size(self) -> int:
-        """Fewest bytes on the wire."""
-        return self.type.size
-
-
-Number: TypeAlias = Integer | Real | Scaled
 
 TIME_STAMP = (
     ("Milliseconds", 0, 9, 0, 999),
@@ -105,11 +29,7 @@ class Bits:
     """A group of bits of a bit field (AS5684 sub_field).
 
     Attributes:
-        name: Name in the model.
-        documentation: Text of the model.
         low: Lowest bit; bit 0 is the least significant.
-        high: Highest bit.
-        legal: Legal values.
     """
 
     name: str
@@ -143,12 +63,7 @@ def _limits(bits: Bits) -> tuple[int, ...]:
 
 @dataclass(frozen=True)
 class BitField:
-    """An unsigned integer divided into groups of bits (AS5684 bit_field).
-
-    Attributes:
-        type: Wire type.
-        groups: The groups in the order of the definition.
-    """
+    """An unsigned integer divided into groups of bits (AS5684 bit_field)."""
 
     type: IntegerType
     groups: tuple[Bits, ...]
@@ -174,11 +89,7 @@ class BitField:
 
 @dataclass(frozen=True)
 class FixedText:
-    """Text in Latin-1 of a fixed number of bytes, padded with NUL (AS5684 fixed_length_string).
-
-    Attributes:
-        length: Bytes.
-    """
+    """Text in Latin-1 of a fixed number of bytes, padded with NUL (AS5684 fixed_length_string)."""
 
     length: int
 
@@ -193,7 +104,6 @@ class Count:
     """A count before bytes or elements (AS5684 count_field).
 
     Attributes:
-        type: Wire type.
         lower: Fewest that are written; peers may send fewer.
         upper: Most that are written and read.
     """
@@ -205,11 +115,7 @@ class Count:
 
 @dataclass(frozen=True)
 class Text:
-    """A count and that many bytes of text in Latin-1 (AS5684 variable_length_string).
-
-    Attributes:
-        count: The count.
-    """
+    """A count and that many bytes of text in Latin-1 (AS5684 variable_length_string)."""
 
     count: Count
 
@@ -219,17 +125,25 @@ class Text:
         return self.count.type.size
 
 
+JAUS_MESSAGE = "JAUS MESSAGE"
+"""Format of bytes that are a message code and a body (AS5684)."""
+
+
 @dataclass(frozen=True)
 class Octets:
     """A count and that many bytes (AS5684 variable_length_field).
 
     Attributes:
-        count: The count.
         content: Format of the bytes; `JAUS_MESSAGE` means a message code and a body.
     """
 
     count: Count
     content: str
+
+    @property
+    def holds_message(self) -> bool:
+        """Whether the bytes are a message."""
+        return self.content == JAUS_MESSAGE
 
     @property
     def minimum_size(self) -> int:
@@ -239,12 +153,7 @@ class Octets:
 
 @dataclass(frozen=True)
 class Format:
-    """A format of bytes (AS5684 format_enum).
-
-    Attributes:
-        index: Its index on the wire.
-        name: Its name; `JAUS_MESSAGE` means a message code and a body.
-    """
+    """A format of bytes (AS5684 format_enum)."""
 
     index: int
     name: str
@@ -252,15 +161,19 @@ class Format:
 
 @dataclass(frozen=True)
 class FormattedOctets:
-    """The index of a format (one byte), a count and that many bytes (AS5684 variable_format_field).
-
-    Attributes:
-        formats: The formats to choose from.
-        count: The count.
-    """
+    """A format (one byte), a count and that many bytes (AS5684 variable_format_field)."""
 
     formats: tuple[Format, ...]
     count: Count
+
+    @property
+    def names(self) -> dict[int, str]:
+        """The names of the formats by index."""
+        return {each.index: each.name for each in self.formats}
+
+    def holds_message(self, index: int) -> bool:
+        """Tells whether bytes of a format are a message."""
+        return self.names.get(index) == JAUS_MESSAGE
 
     @property
     def minimum_size(self) -> int:
@@ -270,14 +183,7 @@ class FormattedOctets:
 
 @dataclass(frozen=True)
 class Alternative:
-    """A type that a variable number may take (AS5684 type_and_units_enum).
-
-    Attributes:
-        index: Its index on the wire.
-        name: Name in the model.
-        documentation: Text of the model.
-        number: The number.
-    """
+    """A type that a variable number may take (AS5684 type_and_units_enum)."""
 
     index: int
     name: str
@@ -287,13 +193,14 @@ class Alternative:
 
 @dataclass(frozen=True)
 class VariableNumber:
-    """The index of a type (one byte) and a number of that type (AS5684 variable_field).
-
-    Attributes:
-        alternatives: The types to choose from.
-    """
+    """The index of a type (one byte) and a number of that type (AS5684 variable_field)."""
 
     alternatives: tuple[Alternative, ...]
+
+    @property
+    def by_index(self) -> dict[int, Number]:
+        """The numbers by index."""
+        return {each.index: each.number for each in self.alternatives}
 
     @property
     def minimum_size(self) -> int:
@@ -307,8 +214,6 @@ class Field:
 
     Attributes:
         name: Name in the model: that of the outermost reference to a declared type.
-        documentation: Text of the model.
-        kind: What stands on the wire.
         bit: Its bit in the presence vector, e.g. 4; 0 for what is always there.
     """
 
@@ -328,7 +233,6 @@ class Record:
     """Fields one after the other (AS5684 record).
 
     Attributes:
-        members: The fields in wire order.
         presence: Wire type of the presence vector before them; None without one.
     """
 
@@ -357,8 +261,6 @@ class List:
     """A count and that many equal fields (AS5684 list).
 
     Attributes:
-        element: The field.
-        count: The count.
         stated: Smallest count that the definition states, which is not enforced.
     """
 
@@ -377,7 +279,6 @@ class Array:
     """A fixed number of equal fields without a count (AS5684 array).
 
     Attributes:
-        element: The field.
         dimensions: Size of each dimension; the first varies slowest.
     """
 
@@ -413,7 +314,10 @@ class Variant:
         return self.tag.size + min((each.kind.minimum_size for each in self.options), default=0)
 
 
-Leaf: TypeAlias = Number | BitField | FixedText | Text | Octets | FormattedOctets | VariableNumber
+Scalar: TypeAlias = Number | BitField | FixedText
+"""Every kind of field of a fixed size that holds no other fields: one item of a struct."""
+
+Leaf: TypeAlias = Scalar | Text | Octets | FormattedOctets | VariableNumber
 """Every kind of field that holds no other fields."""
 
 Kind: TypeAlias = Leaf | Record | Sequence | List | Array | Variant
@@ -428,11 +332,8 @@ class Message:
     """A message.
 
     Attributes:
-        name: Name in the model.
-        code: Message code.
         is_command: Whether it is of the command class (AS5710, AccessControl).
         body: The body; None for a message of its code alone.
-        documentation: Text of the model.
         service: URN of the service that defines it; empty outside of services.
     """
 
@@ -454,3 +355,18 @@ class Message:
         if self.body is None:
             return ()
         return self.body.kind.members if isinstance(self.body.kind, Record) else (self.body,)
+
+
+def comparable(layout: object, leaving_out: Collection[str]) -> object:
+    """Returns a value that is equal for layouts which differ in nothing that matters.
+
+    Args:
+        leaving_out: Attributes of layouts that do not matter, e.g. `documentation`.
+    """
+    if isinstance(layout, tuple):
+        return tuple(comparable(each, leaving_out) for each in layout)
+    if not is_dataclass(layout):
+        return layout
+    kept = (each.name for each in fields(layout) if each.name not in leaving_out)
+    values = (comparable(getattr(layout, each), leaving_out) for each in kept)
+    return (type(layout).__name__, *values)

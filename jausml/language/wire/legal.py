@@ -1,124 +1,23 @@
-"""Legal values of numbers (SAE AS5684, value_set)."""
+"""Resolution of value sets to the legal values of numbers (SAE AS5684, value_set)."""
 
 from __future__ import annotations
 
 import math
 import struct
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import jaus
 from jausml.language.wire.errors import LayoutError
+from jausml.language.wire.numbers import Interval, LegalIntegers, LegalReals, Listed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from jausml.language.wire.numbers import RealType
-
-Ranges = tuple[tuple[int, int], ...]
-"""Smallest and largest integer of each range, in order and apart."""
-
-
-@dataclass(frozen=True)
-class Listed:
-    """A single legal integer with a meaning.
-
-    Attributes:
-        name: Its meaning.
-        value: The integer.
-        documentation: Text of the model.
-    """
-
-    name: str
-    value: int
-    documentation: str = ""
-
-
-@dataclass(frozen=True)
-class Interval:
-    """A range of legal values as the definition states it.
-
-    Attributes:
-        lower: Lower limit.
-        upper: Upper limit.
-        has_lower: Whether the lower limit is legal.
-        has_upper: Whether the upper limit is legal.
-    """
-
-    lower: float
-    upper: float
-    has_lower: bool = True
-    has_upper: bool = True
-
-    @property
-    def first(self) -> float:
-        """Smallest legal integer; a limit that is not finite remains."""
-        if not math.isfinite(self.lower):
-            return self.lower
-        return math.ceil(self.lower) if self.has_lower else math.floor(self.lower) + 1
-
-    @property
-    def last(self) -> float:
-        """Largest legal integer; a limit that is not finite remains."""
-        if not math.isfinite(self.upper):
-            return self.upper
-        return math.floor(self.upper) if self.has_upper else math.ceil(self.upper) - 1
-
-
-@dataclass(frozen=True)
-class LegalIntegers:
-    """The legal values of an integer or a group of bits.
-
-    Attributes:
-        ranges: All of them.
-        listed: Those that have a meaning, in the order of the definition.
-        intervals: The ranges that the definition states.
-        offset: What is subtracted from a value to give the integer on the wire, which is 0 unless
-            the definition counts from its lower limit (AS5684, offset_to_lower_limit).
-    """
-
-    ranges: Ranges
-    listed: tuple[Listed, ...] = ()
-    intervals: tuple[Interval, ...] = ()
-    offset: int = 0
-
-    @property
-    def is_stated(self) -> bool:
-        """Whether the definition says more than the type does."""
-        return bool(self.listed or self.intervals)
-
-    @property
-    def is_closed(self) -> bool:
-        """Whether every legal integer has a meaning."""
-        return bool(self.listed) and not self.intervals
-
-    @property
-    def names(self) -> dict[int, str]:
-        """Meanings by integer; of several meanings of one integer the first."""
-        return {each.value: each.name for each in reversed(self.listed)}
-
-
-@dataclass(frozen=True)
-class LegalReals:
-    """The legal values of a real number.
-
-    Attributes:
-        lower: Smallest of them.
-        upper: Largest of them.
-        intervals: The ranges that the definition states.
-    """
-
-    lower: float
-    upper: float
-    intervals: tuple[Interval, ...] = ()
+    from jausml.language.wire.numbers import Ranges, RealType
 
 
 def intervals_of(value_set: jaus.ValueSet | None) -> tuple[Interval, ...]:
-    """Returns the ranges of a value set.
-
-    Args:
-        value_set: The value set, None for a field without one.
-    """
+    """Returns the ranges of a value set."""
     values = value_set.values if value_set is not None else ()
     return tuple(
         Interval(
@@ -133,11 +32,7 @@ def intervals_of(value_set: jaus.ValueSet | None) -> tuple[Interval, ...]:
 
 
 def listed_in(value_set: jaus.ValueSet | None) -> tuple[Listed, ...]:
-    """Returns the single integers of a value set.
-
-    Args:
-        value_set: The value set, None for a field without one.
-    """
+    """Returns the single integers of a value set."""
     values = value_set.values if value_set is not None else ()
     return tuple(
         Listed(str(value.name), int(value.value), str(value.documentation or ""))
@@ -150,14 +45,6 @@ def legal_integers(value_set: jaus.ValueSet | None, lower: int, upper: int) -> L
     """Returns the legal values of an integer.
 
     A value set of which nothing fits the type says nothing.
-
-    Args:
-        value_set: The value set, None for a field without one.
-        lower: Smallest integer that the type can say.
-        upper: Largest integer that the type can say.
-
-    Raises:
-        LayoutError: Its lower limit is no integer to count from.
     """
     listed, intervals = listed_in(value_set), intervals_of(value_set)
     offset = offset_of(value_set)
@@ -170,9 +57,6 @@ def legal_integers(value_set: jaus.ValueSet | None, lower: int, upper: int) -> L
 
 def offset_of(value_set: jaus.ValueSet | None) -> int:
     """Returns what a value set subtracts from a value to give the integer on the wire.
-
-    Args:
-        value_set: The value set, None for a field without one.
 
     Raises:
         LayoutError: Its lower limit is no integer to count from.
@@ -209,7 +93,6 @@ def legal_reals(value_set: jaus.ValueSet | None, kind: RealType) -> LegalReals:
     A set with single reals has no use; of several ranges the outer limits are kept.
 
     Args:
-        value_set: The value set, None for a field without one.
         kind: The wire type, whose precision counts.
 
     Raises:

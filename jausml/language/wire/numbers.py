@@ -1,9 +1,15 @@
-"""Numeric types of the wire, little endian (SAE AS5684, field_type)."""
+"""Numbers on the wire, little endian: types, legal values and kinds of fields (SAE AS5684)."""
 
 from __future__ import annotations
 
+import math
 import struct
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeAlias
+
+_SLACK = 1e-3
+"""Part of a step by which floating point may miss an integer that was decoded before."""
 
 
 @dataclass(frozen=True)
@@ -12,10 +18,6 @@ class IntegerType:
 
     Attributes:
         name: Its name in the metamodel, e.g. `uint16`.
-        format: Its struct format.
-        size: Bytes.
-        lower: Smallest integer.
-        upper: Largest integer.
     """
 
     name: str
@@ -37,14 +39,7 @@ class IntegerType:
 
 @dataclass(frozen=True)
 class RealType:
-    """A floating point type (IEEE 754).
-
-    Attributes:
-        name: Its name in the metamodel, e.g. `float32`.
-        format: Its struct format.
-        size: Bytes.
-        largest: Largest finite number.
-    """
+    """A floating point type (IEEE 754)."""
 
     name: str
     format: str
@@ -83,3 +78,188 @@ REALS = {
     "float64": RealType("float64", "d", 8, 1.7976931348623157e308),
 }
 """The floating point types by their names."""
+
+
+Ranges = tuple[tuple[int, int], ...]
+"""Smallest and largest integer of each range, in order and apart."""
+
+
+@dataclass(frozen=True)
+class Listed:
+    """A single legal integer with a meaning."""
+
+    name: str
+    value: int
+    documentation: str = ""
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A range of legal values as the definition states it.
+
+    Attributes:
+        has_lower: Whether the lower limit is legal.
+        has_upper: Whether the upper limit is legal.
+    """
+
+    lower: float
+    upper: float
+    has_lower: bool = True
+    has_upper: bool = True
+
+    @property
+    def first(self) -> float:
+        """Smallest legal integer; a limit that is not finite remains."""
+        if not math.isfinite(self.lower):
+            return self.lower
+        return math.ceil(self.lower) if self.has_lower else math.floor(self.lower) + 1
+
+    @property
+    def last(self) -> float:
+        """Largest legal integer; a limit that is not finite remains."""
+        if not math.isfinite(self.upper):
+            return self.upper
+        return math.floor(self.upper) if self.has_upper else math.ceil(self.upper) - 1
+
+
+@dataclass(frozen=True)
+class LegalIntegers:
+    """The legal values of an integer or a group of bits.
+
+    Attributes:
+        listed: Those that have a meaning, in the order of the definition.
+        offset: What is subtracted from a value to give the integer on the wire, which is 0 unless
+            the definition counts from its lower limit (AS5684, offset_to_lower_limit).
+    """
+
+    ranges: Ranges
+    listed: tuple[Listed, ...] = ()
+    intervals: tuple[Interval, ...] = ()
+    offset: int = 0
+
+    @property
+    def is_stated(self) -> bool:
+        """Whether the definition says more than the type does."""
+        return bool(self.listed or self.intervals)
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether every legal integer has a meaning."""
+        return bool(self.listed) and not self.intervals
+
+    @property
+    def names(self) -> dict[int, str]:
+        """Meanings by integer; of several meanings of one integer the first."""
+        return {each.value: each.name for each in reversed(self.listed)}
+
+
+@dataclass(frozen=True)
+class LegalReals:
+    """The legal values of a real number."""
+
+    lower: float
+    upper: float
+    intervals: tuple[Interval, ...] = ()
+
+
+@dataclass(frozen=True)
+class Integer:
+    """An integer (AS5684 fixed_field).
+
+    Attributes:
+        units: Unit, as the model says it; empty without one.
+    """
+
+    type: IntegerType
+    legal: LegalIntegers
+    units: str = ""
+
+    @property
+    def reach(self) -> tuple[int, int]:
+        """Smallest and largest value that the wire can bring, legal or not."""
+        return self.type.lower + self.legal.offset, self.type.upper + self.legal.offset
+
+    @property
+    def minimum_size(self) -> int:
+        """Fewest bytes on the wire."""
+        return self.type.size
+
+
+@dataclass(frozen=True)
+class Real:
+    """A floating point number, finite (AS5684 fixed_field)."""
+
+    type: RealType
+    legal: LegalReals
+    units: str = ""
+
+    @property
+    def minimum_size(self) -> int:
+        """Fewest bytes on the wire."""
+        return self.type.size
+
+
+@dataclass(frozen=True)
+class Scaled:
+    """An unsigned integer that stands for a real number (AS5684 scale_range).
+
+    The value is `lower + integer * step`.
+
+    Attributes:
+        lower: Value of the integer 0.
+        upper: Value of the largest integer.
+        rounding: How a value between two integers is encoded: `round`, `floor` or `ceiling`.
+    """
+
+    type: IntegerType
+    lower: float
+    upper: float
+    rounding: str
+    units: str = ""
+
+    @property
+    def ratio(self) -> tuple[float, int]:
+        """The step as dividend and divisor, for those who print it as a division."""
+        return self.upper - self.lower, self.type.upper
+
+    @cached_property
+    def step(self) -> float:
+        """Difference between the values of neighbouring integers."""
+        span, steps = self.ratio
+        return span / steps
+
+    def value_of(self, integer: int) -> float:
+        """Returns the value that an integer on the wire means."""
+        return integer * self.step + self.lower
+
+    def integer_of(self, value: float) -> int:
+        """Returns the integer on the wire that stands for a value.
+
+        A limit that went through text or through `value_of` may miss its end by a trifle.
+
+        Raises:
+            ValueError: The value lies outside of the limits, or is no number at all.
+        """
+        try:
+            position = (value - self.lower) / self.step
+        except OverflowError:
+            position = math.inf
+        slack = _SLACK + self.type.upper * 2.0**-50
+        if not -slack <= position <= self.type.upper + slack:
+            raise ValueError(f"the value is not within {self.lower!r} .. {self.upper!r}")
+        return min(max(self._rounded(position), 0), self.type.upper)
+
+    def _rounded(self, position: float) -> int:
+        if self.rounding == "floor":
+            return math.floor(position + _SLACK)
+        if self.rounding == "ceiling":
+            return math.ceil(position - _SLACK)
+        return round(position)
+
+    @property
+    def minimum_size(self) -> int:
+        """Fewest bytes on the wire."""
+        return self.type.size
+
+
+Number: TypeAlias = Integer | Real | Scaled

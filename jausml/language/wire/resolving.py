@@ -17,29 +17,31 @@ from jausml.language.wire.kinds import (
     FixedText,
     Format,
     FormattedOctets,
-    Integer,
     Kind,
     Leaf,
     List,
     Message,
-    Number,
     Octets,
-    Real,
     Record,
-    Scaled,
     Sequence,
     Text,
     VariableNumber,
     Variant,
 )
 from jausml.language.wire.legal import legal_integers, legal_reals
-from jausml.language.wire.numbers import INTEGERS, REALS, UNSIGNED, IntegerType
+from jausml.language.wire.numbers import (
+    INTEGERS,
+    REALS,
+    UNSIGNED,
+    Integer,
+    IntegerType,
+    Number,
+    Real,
+    Scaled,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
-
-JAUS_MESSAGE = "JAUS MESSAGE"
-"""Format of bytes that are a message code and a body (AS5684)."""
 
 LARGEST = 4 << 20
 """Most bytes of a text and elements of an array: larger messages are not put together."""
@@ -55,9 +57,6 @@ _BYTE = UNSIGNED["uint8"]
 
 def resolve(message: jaus.MessageDef) -> Message:
     """Returns the layout of a message.
-
-    Args:
-        message: The definition.
 
     Raises:
         LayoutError: The definition cannot be encoded.
@@ -78,25 +77,14 @@ def resolve(message: jaus.MessageDef) -> Message:
 
 
 def resolve_field(field: jaus.Field) -> Field:
-    """Returns the layout of a field with all that stands in it.
-
-    Args:
-        field: The definition.
-
-    Raises:
-        LayoutError: The definition cannot be encoded.
-    """
+    """Returns the layout of a field with all that stands in it."""
     found = _Resolver().field(field)
     _check_values(found.kind)
     return found
 
 
 def target_of(field: jaus.Field | None) -> jaus.Field | None:
-    """Returns the field that a reference stands for; None for a dangling one or a circle.
-
-    Args:
-        field: The field, which may be a reference to a reference.
-    """
+    """Returns the field that a reference stands for; None for a dangling one or a circle."""
     seen = set()
     while isinstance(field, jaus.TypeReference):
         if field in seen:
@@ -111,9 +99,6 @@ def leaf_of(part: jaus.Field | jaus.Alternative) -> Leaf | None:
 
     Args:
         part: A field that is no reference, or an alternative of a variable field.
-
-    Raises:
-        LayoutError: The definition cannot be encoded.
     """
     match part:
         case jaus.FixedField() | jaus.Alternative():

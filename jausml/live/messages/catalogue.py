@@ -10,7 +10,6 @@ from jausml.language.metamodel import load_jaus_metamodel
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import library_root, read_models
 from jausml.language.model.diagnostics import Severity
-from jausml.live.messages.codec import shown
 from jausml.live.messages.embedded import (
     MAXIMUM_DEPTH,
     DecodedMessage,
@@ -29,7 +28,7 @@ from jausml.live.messages.errors import (
     UnknownServiceError,
     similar,
 )
-from jausml.live.messages.scalars import check_names
+from jausml.live.messages.legal import check_names, shown
 
 if TYPE_CHECKING:
     import os
@@ -56,10 +55,7 @@ def load_catalogue(
     of the library's service of the same URN and version.
 
     Args:
-        models: The user's models.
         project_root: The folder that their references may not leave; see `read_models`.
-        allow_outside: True to let them leave it.
-        notations: What reads models that are no XMI.
 
     Raises:
         CatalogueError: A model cannot be read; the text has all errors with their places.
@@ -93,18 +89,10 @@ def _catalogue_of(result: ReadResult) -> Catalogue:
 
 
 class Catalogue:
-    """Services and messages by name and code.
-
-    Attributes:
-        services: The services by URN and version, the user's first.
-    """
+    """Services and messages by name and code."""
 
     def __init__(self, model: Model) -> None:
-        """Lists what a model defines; codecs are made when they are used.
-
-        Args:
-            model: A model that was read without errors.
-        """
+        """Lists what a model defines; codecs are made when they are used."""
         self.services: dict[tuple[str, str], ServiceEntry] = {}
         self._by_code: dict[int, list[tuple[jaus.MessageDef, ServiceEntry]]] = {}
         self._codes: dict[str, list[int]] = {}
@@ -165,9 +153,6 @@ class Catalogue:
 
         Args:
             service: URN, the end of a URN or name, then `/VERSION` if one is meant.
-
-        Raises:
-            UnknownServiceError: There is none; the error suggests similar ones.
         """
         name, _, version = service.partition("/")
         every = list(self.services.values())
@@ -183,15 +168,7 @@ class Catalogue:
         raise UnknownServiceError(f"no service '{shown(name)[1:-1]}'", similar(name, known))
 
     def find(self, code: int, service: str | None = None) -> tuple[MessageEntry, ...]:
-        """Returns the messages of a code; several when it has several meanings.
-
-        Args:
-            code: The message code.
-            service: Service that defines or inherits the message; see `find_services`.
-
-        Raises:
-            UnknownServiceError: There is no such service.
-        """
+        """Returns the messages of a code; several when it has several meanings."""
         entries = self._with_code(code)
         if service is None:
             return entries
@@ -215,11 +192,9 @@ class Catalogue:
 
         Args:
             name_or_code: Name, code, or code in hexadecimal such as `4002` or `0x4002`.
-            service: Service that defines or inherits it; see `find_services`.
 
         Raises:
             UnknownMessageError: There is none; the error suggests similar ones.
-            UnknownServiceError: There is no such service.
             AmbiguousMessageError: There are several; the error lists them.
         """
         found = self.named(name_or_code)
@@ -265,7 +240,6 @@ class Catalogue:
         Where a code has several meanings, that one is taken whose definition fits the bytes.
 
         Args:
-            payload: Message code and body.
             service: Service whose messages are meant where a code has several meanings; other
                 codes are those of the whole catalogue.
             message: Name of the message that is meant where a code still has several meanings.
@@ -273,7 +247,6 @@ class Catalogue:
         Raises:
             DecodeError: The bytes are no message of their code.
             UnknownMessageError: There is no message of the code.
-            UnknownServiceError: There is no such service.
             AmbiguousMessageError: Several definitions fit; the error lists them.
             DefinitionError: The only definition gives no codec.
         """
@@ -327,13 +300,6 @@ class Catalogue:
             message: An object with `message` (name) or `code`, and `fields`; a `service` and
                 `service_version` choose between several meanings. The one record of a body need
                 not be named.
-
-        Raises:
-            EncodeError: The object or a field is wrong.
-            UnknownMessageError: There is no such message.
-            UnknownServiceError: There is no such service.
-            AmbiguousMessageError: Several messages are meant.
-            DefinitionError: The definition gives no codec.
         """
         try:
             return self._encode(message)

@@ -1,4 +1,4 @@
-"""Codecs: small objects that each know how one field stands on the wire (SAE AS5684).
+"""The interpreting codec: two functions that read and write a field of any kind (SAE AS5684).
 
 Decoding is as lenient as the layout allows: an integer that a value set does not list and a byte
 string that is too short are carried on, because peers send them. Encoding is strict, but for lists
@@ -8,174 +8,334 @@ that are too short. The fields have the shapes of JSON: objects, lists, numbers,
 from __future__ import annotations
 
 import struct
-from abc import ABC, abstractmethod
-from numbers import Integral, Real
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from jausml.live.messages.errors import DecodeError, EncodeError
+from jausml.language import wire
+from jausml.live.messages.counted import (
+    EncodeMessage,
+    count_of,
+    formatted_of,
+    octets_of,
+    text_of,
+    variable_of,
+)
+from jausml.live.messages.errors import DecodeError, DefinitionError, EncodeError
+from jausml.live.messages.items import (
+    Codec,
+    Item,
+    Named,
+    Run,
+    check_distinct,
+    item_of,
+    single,
+    too_short,
+    unsigned,
+)
+from jausml.live.messages.legal import (
+    as_list,
+    as_object,
+    check_names,
+    in_words,
+    legal_integer,
+    options_in_words,
+    shown,
+)
 
-MAXIMUM_SHOWN = 60
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
 
+PRESENCE = "_pv"
+"""Name under which a presence vector stands among the members."""
 
-class Codec(ABC):
-    """A field on the wire.
+TAG = "_tag"
+"""Name under which the tag of a variant stands beside its option."""
 
-    Attributes:
-        minimum_size: Fewest bytes on the wire.
-    """
-
-    __slots__ = ()
-
-    minimum_size: int
-
-    @abstractmethod
-    def decode(self, buffer: bytes, offset: int) -> tuple[Any, int]:
-        """Returns the value at an offset, and the offset after it.
-
-        Args:
-            buffer: The whole payload.
-            offset: Where the field begins.
-
-        Raises:
-            DecodeError: The bytes are no such field.
-        """
-
-    @abstractmethod
-    def encode(self, value: Any, out: bytearray) -> None:
-        """Appends a value.
-
-        Args:
-            value: The value in its JSON shape.
-            out: The bytes written so far.
-
-        Raises:
-            EncodeError: The value has no place on the wire.
-        """
-
-    @abstractmethod
-    def legal(self) -> str:
-        """Returns what may stand in the field, in words for an error message."""
+_MOST_SEGMENTATIONS = 256
 
 
-class Scalar(Codec):
-    """A field of a fixed number of bytes, one item of a struct format.
+def codec_of(kind: wire.Kind, encode_message: EncodeMessage) -> Codec:
+    """Returns reader and writer of a kind of field."""
+    match kind:
+        case wire.Record():
+            record = _Record(kind, encode_message)
+            return Codec(record.read, record.write)
+        case wire.List():
+            return _list(kind, encode_message)
+        case wire.Array():
+            return _array(kind, encode_message)
+        case wire.Variant():
+            variant = _Variant(kind, encode_message)
+            return Codec(variant.read, variant.write)
+        case wire.Text():
+            return text_of(kind)
+        case wire.Octets():
+            return octets_of(kind, encode_message)
+        case wire.FormattedOctets():
+            return formatted_of(kind, encode_message)
+        case wire.VariableNumber():
+            return variable_of(kind)
+        case _:
+            return single(item_of(kind))
 
-    Attributes:
-        format: The struct format without the byte order.
-        struct: The compiled format; little endian.
-    """
 
-    __slots__ = ("format", "minimum_size", "struct")
+def may_hold(kind: wire.Kind) -> bool:
+    """Tells whether a field can hold a message, which `codec_of` then encodes."""
+    match kind:
+        case wire.Record():
+            return any(may_hold(member.kind) for member in kind.members)
+        case wire.List() | wire.Array():
+            return may_hold(kind.element.kind)
+        case wire.Variant():
+            return any(may_hold(option.kind) for option in kind.options)
+        case wire.FormattedOctets():
+            return any(map(kind.holds_message, kind.names))
+        case wire.Octets():
+            return kind.holds_message
+        case _:
+            return False
 
-    def __init__(self, struct_format: str) -> None:
-        self.format = struct_format
-        self.struct = struct.Struct(f"<{struct_format}")
-        self.minimum_size = self.struct.size
 
-    def decode(self, buffer: bytes, offset: int) -> tuple[Any, int]:
-        """Returns the value at an offset, and the offset after it."""
+# -- records ---------------------------------------------------------------------------------------
+
+
+class _Record:
+    """Reads and writes a record or sequence: an object of its members, with `_pv` for a vector."""
+
+    def __init__(self, kind: wire.Record, encode_message: EncodeMessage) -> None:
+        check_distinct((each.name for each in kind.members), PRESENCE)
+        self._kind = kind
+        self._parts = {each.name: _inner(each, encode_message) for each in kind.members}
+        self._needed = [each.name for each in kind.members if not each.is_optional]
+        self._presence = _presence(kind, kind.presence) if kind.presence is not None else None
+        vector = [] if kind.presence is None else [PRESENCE]
+        self._known = dict.fromkeys([*self._parts, *vector])
+        self._segments: dict[int, list[Run | Named]] = {}
+
+    def read(self, buffer: bytes, offset: int) -> tuple[dict[str, Any], int]:
+        fields: dict[str, Any] = {}
+        vector = 0
+        if self._presence is not None:
+            offset = self._presence.read(fields, buffer, offset)
+            vector = fields[PRESENCE]
+        for segment in self._segments_of(vector):
+            offset = segment.read(fields, buffer, offset)
+        return fields, offset
+
+    def write(self, value: Any, out: bytearray) -> None:
+        fields = as_object(value)
+        check_names(fields, self._known, self._needed, self._legal)
+        vector = 0
+        if self._presence is not None:
+            vector = _vector_of(fields, self._kind)
+            self._presence.write({PRESENCE: vector}, out)
+        for segment in self._segments_of(vector):
+            segment.write(fields, out)
+
+    def _legal(self, name: str) -> str:
+        return next(in_words(each.kind) for each in self._kind.members if each.name == name)
+
+    def _segments_of(self, vector: int) -> list[Run | Named]:
+        """Returns the members that a presence vector names, by what is read together."""
+        segments = self._segments.get(vector)
+        if segments is None:
+            there = (each for each in self._kind.members if not each.bit or vector & each.bit)
+            segments = _segments([(each.name, self._parts[each.name]) for each in there])
+            if len(self._segments) < _MOST_SEGMENTATIONS:
+                self._segments[vector] = segments
+        return segments
+
+
+def _presence(kind: wire.Record, vector_type: wire.IntegerType) -> Named:
+    """Returns what reads a presence vector as a member, and writes one that `_vector_of` made."""
+    known_bits = kind.known_bits
+
+    def from_wire(vector: int) -> int:
+        if unknown := vector & ~known_bits:
+            raise DecodeError(f"bits 0x{unknown:X} stand for no member")
+        return vector
+
+    item = unsigned(vector_type)
+    return Named(PRESENCE, single(item._replace(from_wire=from_wire)))
+
+
+def _vector_of(fields: Mapping[str, Any], kind: wire.Record) -> int:
+    """Returns the presence vector of the members that are there; one that is given must agree."""
+    there = [each for each in kind.members if each.name in fields]
+    vector = sum(each.bit for each in there)
+    given = fields.get(PRESENCE, vector)
+    if type(given) is not int or given != vector:
+        reason = f"{shown(given)} given, but the members that are there make {vector}"
+        raise EncodeError(reason, PRESENCE)
+    # A definition may have more optional members than its vector has bits.
+    bits = kind.presence.bits if kind.presence is not None else 0
+    if vector >> bits:
+        name = next(each.name for each in there if each.bit >> bits)
+        reason = f"no bit stands for {name}, the vector has {bits}: leave it out"
+        raise EncodeError(reason, PRESENCE)
+    return vector
+
+
+def _segments(parts: Sequence[tuple[str, Item | Codec]]) -> list[Run | Named]:
+    segments: list[Run | Named] = []
+    waiting: list[tuple[str, Item]] = []
+    for name, part in parts:
+        if isinstance(part, Item):
+            waiting.append((name, part))
+            continue
+        if waiting:
+            segments.append(Run(waiting))
+            waiting = []
+        segments.append(Named(name, part))
+    return [*segments, Run(waiting)] if waiting else segments
+
+
+def _inner(field: wire.Field, encode_message: EncodeMessage) -> Item | Codec:
+    """Returns what reads and writes a field inside of another; errors tell the path to it."""
+    try:
+        if isinstance(field.kind, wire.Scalar):
+            return item_of(field.kind)
+        return codec_of(field.kind, encode_message)
+    except DefinitionError as error:
+        raise error.inside(field.name) from None
+
+
+# -- lists, arrays, variants -----------------------------------------------------------------------
+
+
+def _list(kind: wire.List, encode_message: EncodeMessage) -> Codec:
+    elements = _elements(kind.element, encode_message)
+    count = count_of(kind.count, "count")
+    # An element of no bytes would make any count possible.
+    least = max(1, kind.element.kind.minimum_size)
+
+    def read(buffer: bytes, offset: int) -> tuple[list[Any], int]:
+        found, offset = count.read(buffer, offset)
+        # Before memory is taken.
+        room = len(buffer) - offset
+        if found * least > room:
+            raise DecodeError(f"count {found} needs more than the {room} bytes that follow")
+        return elements.read(found, buffer, offset)
+
+    def write(value: Any, out: bytearray) -> None:
+        values = as_list(value)
+        count.write(len(values), out)
+        elements.write(values, out)
+
+    return Codec(read, write)
+
+
+def _array(kind: wire.Array, encode_message: EncodeMessage) -> Codec:
+    elements = _elements(kind.element, encode_message)
+    length, size = kind.length, kind.minimum_size
+
+    def read(buffer: bytes, offset: int) -> tuple[list[Any], int]:
+        room = max(len(buffer) - offset, 0)
+        if size > room:
+            raise DecodeError(f"{length} elements need more than the {room} bytes that follow")
+        return elements.read(length, buffer, offset)
+
+    def write(value: Any, out: bytearray) -> None:
+        values = as_list(value)
+        if len(values) != length:
+            raise EncodeError(f"{len(values)} elements instead of {length}")
+        elements.write(values, out)
+
+    return Codec(read, write)
+
+
+class _Elements(NamedTuple):
+    """Reader and writer of a known number of equal fields; there must be room for them."""
+
+    read: Callable[[int, bytes, int], tuple[list[Any], int]]
+    write: Callable[[Sequence[Any], bytearray], None]
+
+
+def _elements(element: wire.Field, encode_message: EncodeMessage) -> _Elements:
+    part = _inner(element, encode_message)
+    one = single(part) if isinstance(part, Item) else part
+
+    def read(count: int, buffer: bytes, offset: int) -> tuple[list[Any], int]:
+        values: list[Any] = []
         try:
-            (item,) = self.struct.unpack_from(buffer, offset)
-        except struct.error:
-            raise too_short(self.minimum_size, buffer, offset) from None
-        return self.from_wire(item), offset + self.minimum_size
+            for _ in range(count):
+                value, offset = one.read(buffer, offset)
+                values.append(value)
+        except DecodeError as error:
+            raise error.inside(f"[{len(values)}]") from None
+        return values, offset
 
-    def encode(self, value: Any, out: bytearray) -> None:
-        """Appends a value."""
-        out += self.struct.pack(self.to_wire(value))
+    def write(values: Sequence[Any], out: bytearray) -> None:
+        index = 0
+        try:
+            for index, value in enumerate(values):  # noqa: B007 - the error tells it
+                one.write(value, out)
+        except EncodeError as error:
+            raise error.inside(f"[{index}]") from None
 
-    def from_wire(self, item: Any) -> Any:
-        """Returns the value that the wire item means.
-
-        Args:
-            item: What the struct unpacked.
-        """
-        return item
-
-    @abstractmethod
-    def to_wire(self, value: Any) -> Any:
-        """Returns the wire item of a value.
-
-        Args:
-            value: The value.
-
-        Raises:
-            EncodeError: The value is not legal.
-        """
+    if isinstance(part, Item) and not part.format.endswith("s"):
+        return _Elements(_read_run(part), write)
+    return _Elements(read, write)
 
 
-def no_words(_name: str) -> str:
-    """Returns nothing, where it goes without saying what may stand in a field."""
-    return ""
+def _read_run(item: Item) -> Callable[[int, bytes, int], tuple[list[Any], int]]:
+    """Returns what reads a number of equal numbers at once."""
+
+    def read(count: int, buffer: bytes, offset: int) -> tuple[list[Any], int]:
+        size = count * item.size
+        if offset + size > len(buffer):
+            raise too_short(size, buffer, offset)
+        found = struct.unpack_from(f"<{count}{item.format}", buffer, offset)
+        values = list(found) if item.from_wire is None else [*map(item.from_wire, found)]
+        return values, offset + size
+
+    return read
 
 
-def too_short(size: int, buffer: bytes, offset: int) -> DecodeError:
-    """Returns the error of a payload that ends within a field.
+class _Variant:
+    """Reads and writes a tag and the option that it chooses, as `{"_tag": ..., OPTION: ...}`."""
 
-    Args:
-        size: Bytes of the field.
-        buffer: The whole payload.
-        offset: Where the field begins.
-    """
-    left = max(len(buffer) - offset, 0)
-    return DecodeError(f"{size} byte{'s' * (size != 1)} wanted at offset {offset}, {left} left")
+    def __init__(self, kind: wire.Variant, encode_message: EncodeMessage) -> None:
+        check_distinct((each.name for each in kind.options), TAG)
+        self._options = kind.options
+        self._codecs = [Named(each.name, _alone(each, encode_message)) for each in kind.options]
+        self._tag = Named(TAG, single(unsigned(kind.tag)))
+        self._choices = options_in_words(kind)
 
+    def read(self, buffer: bytes, offset: int) -> tuple[dict[str, Any], int]:
+        fields: dict[str, Any] = {}
+        offset = self._tag.read(fields, buffer, offset)
+        tag = fields[TAG]
+        if not self._options:
+            return fields, offset
+        if tag >= len(self._options):
+            raise DecodeError(f"{tag} names no option, {self._choices}", TAG)
+        return fields, self._codecs[tag].read(fields, buffer, offset)
 
-def shown(value: Any) -> str:
-    """Returns a value for an error message, cut when it is long.
+    def write(self, value: Any, out: bytearray) -> None:
+        fields = as_object(value)
+        tag = self._tag_of(fields)
+        self._tag.write({TAG: tag}, out)
+        if not self._options:
+            check_names(fields, (TAG,), ())
+            return
+        name, kind = self._options[tag].name, self._options[tag].kind
+        check_names(fields, (TAG, name), (name,), lambda _: in_words(kind))
+        self._codecs[tag].write(fields, out)
 
-    Args:
-        value: The value.
-    """
-    if isinstance(value, (dict, list, tuple)):
-        return f"{'an object' if isinstance(value, dict) else 'a list'} of {len(value)}"
-    if value is None or isinstance(value, bool):
-        return {None: "null", True: "true", False: "false"}[value]
-    if isinstance(value, int) and value.bit_length() > 4 * MAXIMUM_SHOWN:
-        return f"an integer of {value.bit_length()} bits"
-    text = repr(value)
-    return text if len(text) <= MAXIMUM_SHOWN else f"{text[:MAXIMUM_SHOWN]}..."
-
-
-def as_number(value: Any) -> int | float:
-    """Returns a value that is a number.
-
-    Args:
-        value: The value.
-
-    Raises:
-        EncodeError: It is something else; true and false are no numbers either.
-    """
-    if isinstance(value, (int, float)) and not isinstance(value, bool):
-        return value
-    if isinstance(value, Real) and not isinstance(value, bool):  # such as those of numpy
-        return int(value) if isinstance(value, Integral) else float(value)
-    raise EncodeError(f"{shown(value)} is not a number")
-
-
-def as_object(value: Any) -> dict[str, Any]:
-    """Returns a value that is an object.
-
-    Args:
-        value: The value.
-
-    Raises:
-        EncodeError: It is something else.
-    """
-    if isinstance(value, dict):
-        return value
-    raise EncodeError(f"{shown(value)} is not an object of fields")
+    def _tag_of(self, fields: Mapping[str, Any]) -> int:
+        """Returns the tag, which a single known option tells when it is absent."""
+        if TAG not in fields:
+            named = [tag for tag, each in enumerate(self._options) if each.name in fields]
+            if len(named) != 1:
+                raise EncodeError(f"this field is absent, {self._choices}", TAG)
+            return named[0]
+        try:
+            return legal_integer(fields[TAG], ((0, max(len(self._options) - 1, 0)),))
+        except EncodeError as error:
+            raise EncodeError(f"{error.reason}, {self._choices}", TAG) from None
 
 
-def as_list(value: Any) -> list[Any]:
-    """Returns a value that is a list.
-
-    Args:
-        value: The value.
-
-    Raises:
-        EncodeError: It is something else.
-    """
-    if isinstance(value, (list, tuple)):
-        return list(value)
-    raise EncodeError(f"{shown(value)} is not a list")
+def _alone(field: wire.Field, encode_message: EncodeMessage) -> Codec:
+    """Returns what reads and writes a field by itself."""
+    part = _inner(field, encode_message)
+    return single(part) if isinstance(part, Item) else part

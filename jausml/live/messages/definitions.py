@@ -22,15 +22,10 @@ class Row:
 
     Attributes:
         path: Its path, as errors of `encode` name it; `[]` stands for an element.
-        depth: How many fields it lies in.
-        type: Its type on the wire.
         legal: Its legal values, in words; empty when all that the type can say are legal, and when
             `names` say it.
-        units: Its unit, empty without one.
         presence: `optional` when a presence vector says whether it is there, `option 0` and so on
             in a variant, else empty.
-        names: Names of values, which may stand for them.
-        documentation: Text of the model.
     """
 
     path: str
@@ -62,26 +57,12 @@ class Row:
 
 
 def rows(entry: MessageEntry) -> list[Row]:
-    """Returns the fields of a message from the outermost inwards.
-
-    Args:
-        entry: The message.
-
-    Raises:
-        DefinitionError: The definition gives no layout.
-    """
+    """Returns the fields of a message from the outermost inwards."""
     return rows_of(entry.definition)
 
 
 def rows_of(definition: jaus.MessageDef) -> list[Row]:
-    """Returns the fields of a definition from the outermost inwards, as `rows` does.
-
-    Args:
-        definition: The definition.
-
-    Raises:
-        DefinitionError: The definition gives no layout.
-    """
+    """Returns the fields of a definition from the outermost inwards, as `rows` does."""
     try:
         body = wire.resolve(definition).body
     except wire.LayoutError as error:

@@ -6,14 +6,14 @@ from copy import deepcopy
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.messages.blobs import MESSAGE, FormattedOctets, Octets
-from jausml.live.messages.containers import TAG, Array, List, Record, Variant
+from jausml.language import wire
+from jausml.live.messages.codec import TAG
+from jausml.live.messages.counted import MESSAGE
 from jausml.live.messages.errors import MessageError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Mapping
 
-    from jausml.live.messages.codec import Codec
     from jausml.live.messages.entries import MessageEntry, ServiceEntry
 
 MAXIMUM_DEPTH = 8
@@ -25,9 +25,7 @@ class EmbeddedMessage:
     """A message inside another.
 
     Attributes:
-        path: Path of the field that holds it.
         message: The message, None when it cannot be decoded.
-        error: Why it cannot be decoded, empty when it can.
     """
 
     path: str
@@ -41,14 +39,7 @@ class EmbeddedMessage:
 
 @dataclass(frozen=True)
 class DecodedMessage:
-    """A message with its fields.
-
-    Attributes:
-        entry: What the catalogue says of it.
-        fields: The fields of its body.
-        service: The service that is named with it, one of the entry's.
-        embedded: The messages inside it, in their order.
-    """
+    """A message with its fields."""
 
     entry: MessageEntry
     fields: dict[str, Any]
@@ -61,7 +52,7 @@ class DecodedMessage:
             return self.fields
         fields = deepcopy(self.fields)
         for (_, holder), found in zip(
-            holders(self.entry.codec, fields), self.embedded, strict=True
+            holders(self.entry.record, fields), self.embedded, strict=True
         ):
             holder[MESSAGE] = found.to_json()
         return fields
@@ -82,17 +73,11 @@ def decode_embedded(
     fields: dict[str, Any],
     decode: Callable[[bytes], DecodedMessage],
 ) -> tuple[EmbeddedMessage, ...]:
-    """Returns the messages inside a message; what cannot be decoded says why.
-
-    Args:
-        entry: What the catalogue says of the message.
-        fields: Its fields.
-        decode: Decodes a payload.
-    """
+    """Returns the messages inside a message; what cannot be decoded says why."""
     if not entry.may_hold_messages:
         return ()
     found = []
-    for path, holder in holders(entry.codec, fields):
+    for path, holder in holders(entry.record, fields):
         try:
             found.append(EmbeddedMessage(path, decode(bytes.fromhex(holder["hex"]))))
         except MessageError as error:
@@ -100,35 +85,36 @@ def decode_embedded(
     return tuple(found)
 
 
-def holders(codec: Codec, value: Any, path: str = "") -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yields the objects of a decoded field that hold a message, with their paths.
+def holds(kind: wire.Octets | wire.FormattedOctets, value: Mapping[str, Any]) -> bool:
+    """Tells whether a decoded byte field holds a message."""
+    if isinstance(kind, wire.Octets):
+        return kind.holds_message
+    return kind.holds_message(value["format"])
 
-    Args:
-        codec: The codec of the field.
-        value: Its decoded value.
-        path: Path of the field.
-    """
-    if isinstance(codec, Octets):
-        if codec.holds_message:
+
+def holders(kind: wire.Kind, value: Any, path: str = "") -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yields the objects of a decoded field that hold a message, with their paths."""
+    if isinstance(kind, wire.Octets | wire.FormattedOctets):
+        if holds(kind, value):
             yield path, value
-    elif isinstance(codec, FormattedOctets):
-        if codec.holds_message(value["format"]):
-            yield path, value
-    else:
-        for step, inner, part in _parts(codec, value):
-            joint = "" if not path or step.startswith("[") else "."
-            yield from holders(inner, part, f"{path}{joint}{step}")
+        return
+    for step, inner, part in parts(kind, value):
+        joint = "" if not path or step.startswith("[") else "."
+        yield from holders(inner, part, f"{path}{joint}{step}")
 
 
-def _parts(codec: Codec, value: Any) -> Iterator[tuple[str, Codec, Any]]:
-    """Yields the fields inside a decoded field: their names or indices, codecs and values."""
-    if isinstance(codec, Record):
-        for name, inner, _ in codec.members:
-            if name in value:
-                yield name, inner, value[name]
-    elif isinstance(codec, (List, Array)):
-        for index, item in enumerate(value):
-            yield f"[{index}]", codec.element, item
-    elif isinstance(codec, Variant) and codec.options:
-        name, inner = codec.options[value[TAG]]
-        yield name, inner, value[name]
+def parts(kind: wire.Kind, value: Any) -> Iterator[tuple[str, wire.Kind, Any]]:
+    """Yields the fields inside a decoded field: their names or `[index]`, kinds and values."""
+    match kind:
+        case wire.Record():
+            for member in kind.members:
+                if member.name in value:
+                    yield member.name, member.kind, value[member.name]
+        case wire.List() | wire.Array():
+            for index, item in enumerate(value):
+                yield f"[{index}]", kind.element.kind, item
+        case wire.Variant() if kind.options:
+            option = kind.options[value[TAG]]
+            yield option.name, option.kind, value[option.name]
+        case _:
+            pass  # a leaf

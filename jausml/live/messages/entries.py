@@ -7,17 +7,15 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from jausml.language import wire
-from jausml.live.messages.compiling import compile_message
-from jausml.live.messages.containers import PRESENCE
-from jausml.live.messages.errors import DecodeError, EncodeError
-from jausml.live.messages.nesting import may_hold
+from jausml.live.messages.codec import PRESENCE, codec_of, may_hold
+from jausml.live.messages.errors import DecodeError, DefinitionError, EncodeError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
     from jausml.language.metamodel.classes import jaus
-    from jausml.live.messages.blobs import EncodeMessage
-    from jausml.live.messages.containers import Record
+    from jausml.live.messages.counted import EncodeMessage
+    from jausml.live.messages.items import Codec
 
 _CODE = struct.Struct("<H")
 # Two definitions that differ in these alone decode and encode the same.
@@ -25,14 +23,7 @@ _BESIDE_BYTES = frozenset({"documentation", "units", "listed", "intervals"})
 
 
 def read_code(payload: bytes) -> int:
-    """Returns the message code that a payload begins with.
-
-    Args:
-        payload: Message code and body.
-
-    Raises:
-        DecodeError: It is too short for a code.
-    """
+    """Returns the message code that a payload begins with."""
     if len(payload) < _CODE.size:
         raise DecodeError(f"{len(payload)} bytes are too few for a message code")
     code: int = _CODE.unpack_from(payload)[0]
@@ -43,12 +34,6 @@ class ServiceEntry:
     """A service of the catalogue.
 
     Attributes:
-        urn: Its URN, e.g. `urn:jaus:jss:core:Management`.
-        version: Its version, e.g. `1.1`.
-        name: Its name in the model.
-        set_name: Name of its service set.
-        set_version: Version of its service set.
-        documentation: Text of the model.
         inherits: The service that it extends, None when it extends none.
     """
 
@@ -57,12 +42,7 @@ class ServiceEntry:
         definition: jaus.Service,
         messages: Callable[[Iterable[jaus.MessageDef]], tuple[MessageEntry, ...]],
     ) -> None:
-        """Makes an entry.
-
-        Args:
-            definition: The service in the model.
-            messages: Returns the entries of messages.
-        """
+        """Makes an entry."""
         self.urn = str(definition.urn)
         self.version = str(definition.version)
         self.name = str(definition.name)
@@ -112,20 +92,11 @@ class MessageEntry:
     """A message of the catalogue: one name, code and layout, defined by one or more services.
 
     Attributes:
-        name: Its name, e.g. `ReportStatus`.
-        code: Its message code.
         is_command: Whether it is a command, which only a controller may send (AS5710).
-        services: The services that define it.
-        definition: The first MessageDef of the model.
     """
 
     def __init__(self, definition: jaus.MessageDef, encode_message: EncodeMessage) -> None:
-        """Makes an entry without services.
-
-        Args:
-            definition: The message in the model.
-            encode_message: Encodes messages that stand in this one.
-        """
+        """Makes an entry without services."""
         self.name = str(definition.name)
         self.code = int(str(definition.code), 16)
         self.is_command = bool(definition.isCommand)
@@ -147,39 +118,45 @@ class MessageEntry:
         return f"{self.name} of {self.services[0].label}" if self.services else self.name
 
     @cached_property
-    def codec(self) -> Record:
-        """The codec of the body, made at the first use.
+    def record(self) -> wire.Record:
+        """The body as a record of its one field; without fields for a message of its code alone.
 
         Raises:
-            DefinitionError: The definition gives no codec.
+            DefinitionError: The definition gives no layout.
         """
-        return compile_message(self.definition, self._encode_message)
+        try:
+            body = wire.resolve(self.definition).body
+        except wire.LayoutError as error:
+            raise DefinitionError(error.reason, error.path) from None
+        return wire.Record(() if body is None else (body,))
+
+    @cached_property
+    def _codec(self) -> Codec:
+        try:
+            return codec_of(self.record, self._encode_message)
+        except DefinitionError as error:
+            raise error.inside(self.name) from None
 
     @cached_property
     def may_hold_messages(self) -> bool:
         """Whether a field of the body can hold a message."""
-        return may_hold(self.codec)
+        return may_hold(self.record)
 
     @cached_property
     def identity(self) -> tuple[Any, ...]:
-        """What two definitions of one message share.
-
-        Raises:
-            DefinitionError: The definition gives no codec.
-        """
-        body = wire.resolve(self.definition).body if self.codec.members else None
-        return (self.name, self.code, wire.comparable(body, _BESIDE_BYTES))
+        """What two definitions of one message share."""
+        return (self.name, self.code, wire.comparable(self.record, _BESIDE_BYTES))
 
     def completed(self, fields: dict[str, Any]) -> dict[str, Any]:
         """Returns fields in the shapes of `decode`; the one record of a body need not be named."""
-        members = self.codec.members
+        members = self.record.members
         if len(members) != 1 or members[0].name in fields:
             return fields
         return {members[0].name: fields}
 
     def shortened(self, fields: dict[str, Any]) -> dict[str, Any]:
         """Returns fields without the one record of a body, and without its presence vector."""
-        members = self.codec.members
+        members = self.record.members
         inner = fields.get(members[0].name) if len(members) == 1 else None
         shown = inner if isinstance(inner, dict) else fields
         return {name: value for name, value in shown.items() if name != PRESENCE}
@@ -191,18 +168,12 @@ class MessageEntry:
         vector; a variant `{"_tag": n, OPTION: ...}`; a variable field `{"index", "value"}`; a
         variable format field `{"format", "hex"}`; a variable length field `{"hex"}`; a bit field
         an object of integers; arrays and lists are lists.
-
-        Args:
-            payload: Message code and body.
-
-        Raises:
-            DecodeError: The bytes are no such message.
-            DefinitionError: The definition gives no codec.
         """
         code = read_code(payload)
         if code != self.code:
             raise DecodeError(f"0x{code:04X} is not the code of {self.name}, {self.code_text}")
-        fields, end = self.codec.decode(payload, _CODE.size)
+        fields: dict[str, Any]
+        fields, end = self._codec.read(payload, _CODE.size)
         if end != len(payload):
             # A longer body is of another definition: what was read of it cannot be trusted.
             raise DecodeError(f"{len(payload) - end} bytes follow the body of {self.name}")
@@ -214,14 +185,10 @@ class MessageEntry:
         Args:
             fields: The fields in the shapes of `decode`. `_pv` may be left out; if it stands there
                 it must agree with the members that are there.
-
-        Raises:
-            EncodeError: A field is absent, unknown or not legal.
-            DefinitionError: The definition gives no codec.
         """
         out = bytearray(_CODE.pack(self.code))
         try:
-            self.codec.encode(fields, out)
+            self._codec.write(fields, out)
         except struct.error as error:
             raise EncodeError(str(error)) from None
         return bytes(out)

@@ -21,7 +21,6 @@ class CodecError(MessageError):
     """Something is wrong at one place of a message.
 
     Attributes:
-        reason: What is wrong.
         path: Path of the field, e.g. `NodeList[2].NodeRec.NodeID`; empty for the message itself.
     """
 
@@ -61,11 +60,7 @@ class CatalogueError(MessageError):
 
 
 class UnknownServiceError(MessageError):
-    """No service has the name.
-
-    Attributes:
-        suggestions: Names that are similar.
-    """
+    """No service has the name."""
 
     def __init__(self, message: str, suggestions: Sequence[str] = ()) -> None:
         super().__init__(message + did_you_mean(suggestions))
@@ -96,13 +91,7 @@ def did_you_mean(suggestions: Sequence[str]) -> str:
 
 
 def similar(name: str, known: Iterable[str], limit: int = 3) -> list[str]:
-    """Returns the known names that resemble one or begin with it, without regard to case.
-
-    Args:
-        name: The name that was not found.
-        known: The names that exist.
-        limit: How many to return at most.
-    """
+    """Returns the known names that resemble one or begin with it, without regard to case."""
     by_folded = {each.casefold(): each for each in sorted(known)}
     folded = name.casefold()[:200]
     found = get_close_matches(folded, by_folded, n=limit, cutoff=0.8)

@@ -5,38 +5,28 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.messages.blobs import FormattedOctets, Octets, Text, VariableNumber
-from jausml.live.messages.containers import Array, List, Record, Variant
-from jausml.live.messages.scalars import BitField, FixedText, Integer, Real, Scaled
+from jausml.language import wire
+from jausml.live.messages.codec import TAG
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from jausml.live.messages.codec import Codec
     from jausml.live.messages.entries import MessageEntry
 
 
-def sample(codec: Codec) -> Any:
+def sample(kind: wire.Kind) -> Any:
     """Returns a legal value in the shape that `MessageEntry.encode` takes.
 
     Numbers are the smallest legal ones (0 if legal), optional members are left out, lists are as
     short as they may be.
-
-    Args:
-        codec: The codec of the field.
     """
-    return _Sampler(is_full=False).value(codec)
+    return _Sampler(is_full=False).value(kind)
 
 
 def example(entry: MessageEntry) -> dict[str, Any]:
     """Returns legal fields of a message that show what it may hold.
 
     As `sample`, but with optional members, an element in each list, and values by their names.
-
-    Args:
-        entry: The message.
     """
-    fields: dict[str, Any] = _Sampler(is_full=True).value(entry.codec)
+    fields: dict[str, Any] = _Sampler(is_full=True).value(entry.record)
     return fields
 
 
@@ -46,57 +36,56 @@ class _Sampler:
 
     is_full: bool
 
-    def value(self, codec: Codec) -> Any:
-        if isinstance(codec, Record):
-            return self._record(codec)
-        if isinstance(codec, List):
-            least = max(codec.counted.lower, min(1, codec.counted.upper) if self.is_full else 0)
-            return [self.value(codec.element) for _ in range(least)]
-        if isinstance(codec, Array):
-            return [self.value(codec.element) for _ in range(codec.count)]
-        if isinstance(codec, Variant):
-            if not codec.options:
-                return {"_tag": 0}
-            name, option = codec.options[0]
-            return {"_tag": 0, name: self.value(option)}
-        return self._leaf(codec)
+    def value(self, kind: wire.Kind) -> Any:
+        match kind:
+            case wire.Record():
+                return self._record(kind)
+            case wire.List():
+                least = max(kind.count.lower, min(1, kind.count.upper) if self.is_full else 0)
+                return [self.value(kind.element.kind) for _ in range(least)]
+            case wire.Array():
+                return [self.value(kind.element.kind) for _ in range(kind.length)]
+            case wire.Variant():
+                first = kind.options[:1]
+                return {TAG: 0, **{option.name: self.value(option.kind) for option in first}}
+            case _:
+                return self._leaf(kind)
 
-    def _record(self, codec: Record) -> dict[str, Any]:
+    def _record(self, kind: wire.Record) -> dict[str, Any]:
         # A definition may have more optional members than its vector has bits.
-        bits = 8 * codec.presence.minimum_size if codec.presence is not None else 0
-        shown = (each for each in codec.members if not each.bit or self._shows(each.bit, bits))
-        return {each.name: self.value(each.codec) for each in shown}
+        most = kind.presence.upper if kind.presence is not None and self.is_full else 0
+        return {each.name: self.value(each.kind) for each in kind.members if each.bit <= most}
 
-    def _shows(self, bit: int, bits: int) -> bool:
-        return self.is_full and not bit >> bits
+    def _leaf(self, kind: wire.Leaf) -> Any:
+        match kind:
+            case wire.Integer():
+                return self._integer(kind.legal)
+            case wire.Scaled():
+                return min(max(0.0, kind.lower), kind.upper)
+            case wire.Real():
+                return min(max(0.0, kind.legal.lower), kind.legal.upper)
+            case wire.BitField():
+                return {each.name: self._integer(each.legal) for each in kind.groups}
+            case wire.Octets():
+                return {"hex": bytes(kind.count.lower).hex()}
+            case wire.FormattedOctets():
+                return {"format": min(kind.names), "hex": bytes(kind.count.lower).hex()}
+            case wire.VariableNumber():
+                index, number = min(kind.by_index.items(), key=lambda each: each[0])
+                return {"index": index, "value": self.value(number)}
+            case wire.Text():
+                return " " * kind.count.lower
+            case wire.FixedText():
+                return ""
 
-    def _leaf(self, codec: Codec) -> Any:
-        if isinstance(codec, Integer):
-            return self._integer(codec.ranges, codec.names)
-        if isinstance(codec, Scaled | Real):
-            return min(max(0.0, codec.lower), codec.upper)
-        if isinstance(codec, BitField):
-            return {each.name: self._integer(each.ranges, each.names) for each in codec.groups}
-        if isinstance(codec, Octets):
-            return {"hex": bytes(codec.counted.lower).hex()}
-        if isinstance(codec, FormattedOctets):
-            return {"format": min(codec.formats), "hex": bytes(codec.counted.lower).hex()}
-        if isinstance(codec, VariableNumber):
-            index = min(codec.alternatives)
-            return {"index": index, "value": self.value(codec.alternatives[index])}
-        if isinstance(codec, Text):
-            return " " * codec.counted.lower
-        if isinstance(codec, FixedText):
-            return ""
-        raise TypeError(f"no sample of a {type(codec).__name__}")
-
-    def _integer(self, ranges: tuple[tuple[int, int], ...], names: Mapping[int, str]) -> int | str:
+    def _integer(self, legal: wire.LegalIntegers) -> int | str:
+        names = legal.names
         known = list(names.values())
         telling = (
             names[value]
             for value in sorted(names)
             if known.count(names[value]) == 1 and not names[value].lower().startswith("reserved")
         )
-        legal_zero = any(low <= 0 <= high for low, high in ranges)
-        number = 0 if legal_zero else ranges[0][0]
+        legal_zero = any(low <= 0 <= high for low, high in legal.ranges)
+        number = 0 if legal_zero else legal.ranges[0][0]
         return next(telling, number) if self.is_full else number

@@ -9,9 +9,9 @@ from copy import deepcopy
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from jausml.language import wire
 from jausml.language.semantics.jaus.answers import PRESENCE_VECTOR
 from jausml.live.messages import AmbiguousMessageError, MessageError, UnknownMessageError
-from jausml.live.messages.containers import Record
 from jausml.live.messages.samples import sample
 from jausml.runtime.wire.message import DecodeError, EncodeError, Message
 
@@ -135,7 +135,7 @@ def plain_query(query: MessageEntry) -> dict[str, Any]:
     """Returns fields with which a query is answered with something, as far as we can know."""
     if query.name in _TELLING_FIELDS:
         return deepcopy(_TELLING_FIELDS[query.name])
-    fields: dict[str, Any] = sample(query.codec)
+    fields: dict[str, Any] = sample(query.record)
     return fields
 
 
@@ -161,15 +161,14 @@ def presence_holder(fields: Any) -> dict[str, Any] | None:
 def optional_bits(reports: Sequence[MessageEntry]) -> int:
     """Returns the presence vector with all bits of the first record that has optional fields."""
     for report in reports:
-        for record in _records(report.codec):
-            bits = sum(member.bit for member in record.members)
-            if bits:
-                return bits
+        for record in _records(report.record):
+            if record.known_bits:
+                return record.known_bits
     return 0
 
 
-def _records(codec: Any) -> Iterator[Record]:
-    if isinstance(codec, Record):
-        yield codec
-        for member in codec.members:
-            yield from _records(member.codec)
+def _records(kind: wire.Kind) -> Iterator[wire.Record]:
+    if isinstance(kind, wire.Record):
+        yield kind
+        for member in kind.members:
+            yield from _records(member.kind)

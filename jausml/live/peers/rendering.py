@@ -6,16 +6,14 @@ import json
 from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.messages.blobs import VariableNumber
-from jausml.live.messages.containers import TAG, Array, List, Record, Variant
-from jausml.live.messages.scalars import BitField, Integer, Real, Scaled
+from jausml.language import wire
+from jausml.live.messages.codec import TAG
 from jausml.live.peers.discovery import controller_of, type_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from jausml.live.messages import MessageEntry
-    from jausml.live.messages.codec import Codec
     from jausml.live.peers.discovery import KnownComponent, KnownSubsystem
     from jausml.runtime.base.address import JausAddress
     from jausml.runtime.messages import ReportControl
@@ -55,41 +53,42 @@ _CLOCK = {"Hour", "Minutes", "Seconds", "Milliseconds"}
 
 def shown_fields(entry: MessageEntry, fields: dict[str, Any]) -> str:
     """Returns the fields of a message on one line, e.g. `Velocity_X=1.25 m/s YawRate=0 rad/s`."""
-    pairs = list(field_texts(entry.codec, fields))
+    pairs = list(field_texts(entry.record, fields))
     return "  ".join(f"{path}={text}" for path, text in pairs) or "(no fields)"
 
 
-def field_texts(codec: Codec, value: Any, path: str = "") -> Iterator[tuple[str, str]]:
+def field_texts(kind: wire.Kind, value: Any, path: str = "") -> Iterator[tuple[str, str]]:
     """Yields the path and the text of each value; the outermost record is not named."""
-    if isinstance(codec, Record):
-        yield from _record_texts(codec, value, path)
-    elif isinstance(codec, List | Array):
-        if not value:
-            yield path, "[]"
-        for index, item in enumerate(value):
-            yield from field_texts(codec.element, item, f"{path}[{index}]")
-    elif isinstance(codec, Variant):
-        if not codec.options:
+    match kind:
+        case wire.Record():
+            yield from _record_texts(kind, value, path)
+        case wire.List() | wire.Array():
+            if not value:
+                yield path, "[]"
+            for index, item in enumerate(value):
+                yield from field_texts(kind.element.kind, item, f"{path}[{index}]")
+        case wire.Variant(options=()):
             yield _joined(path, TAG), str(value[TAG])
-            return
-        name, inner = codec.options[value[TAG]]
-        yield from field_texts(inner, value[name], _joined(path, name))
-    elif isinstance(codec, BitField) and value.keys() >= _CLOCK:
-        yield path, _clock(value)
-    elif isinstance(codec, BitField):
-        for group in codec.groups:
-            number = value[group.name]
-            yield _joined(path, group.name), _named(number, group.names.get(number, ""))
-    else:
-        yield path, _leaf(codec, value)
+        case wire.Variant():
+            option = kind.options[value[TAG]]
+            yield from field_texts(option.kind, value[option.name], _joined(path, option.name))
+        case wire.BitField() if value.keys() >= _CLOCK:
+            yield path, _clock(value)
+        case wire.BitField():
+            for group in kind.groups:
+                number = value[group.name]
+                name = group.legal.names.get(number, "")
+                yield _joined(path, group.name), _named(number, name)
+        case _:
+            yield path, _leaf(kind, value)
 
 
-def _record_texts(codec: Record, value: dict[str, Any], path: str) -> Iterator[tuple[str, str]]:
-    outermost = len(codec.members) == 1 and not path
-    for name, inner, _ in codec.members:
-        if name in value:
-            step = "" if outermost and isinstance(inner, Record) else name
-            yield from field_texts(inner, value[name], _joined(path, step))
+def _record_texts(kind: wire.Record, value: dict[str, Any], path: str) -> Iterator[tuple[str, str]]:
+    outermost = len(kind.members) == 1 and not path
+    for member in kind.members:
+        if member.name in value:
+            step = "" if outermost and isinstance(member.kind, wire.Record) else member.name
+            yield from field_texts(member.kind, value[member.name], _joined(path, step))
 
 
 def _clock(value: dict[str, int]) -> str:
@@ -98,19 +97,21 @@ def _clock(value: dict[str, int]) -> str:
     return f"{day}{value['Hour']:02}:{value['Minutes']:02}:{seconds}"
 
 
-def _leaf(codec: Codec, value: Any) -> str:
-    if isinstance(codec, VariableNumber):
-        return _leaf(codec.alternatives[value["index"]], value["value"])
-    if isinstance(codec, Integer):
-        return _with_unit(_named(value, codec.names.get(value, "")), codec.units)
-    if isinstance(codec, Scaled):
-        # No more digits than the step of the scale carries.
-        return _with_unit(_rounded(value, codec.step), codec.units)
-    if isinstance(codec, Real):
-        return _with_unit(f"{value:.7g}", codec.units)
-    if isinstance(value, dict):
-        return str(value.get("hex", value))
-    return repr(value)
+def _leaf(kind: wire.Leaf, value: Any) -> str:
+    match kind:
+        case wire.VariableNumber():
+            return _leaf(kind.by_index[value["index"]], value["value"])
+        case wire.Integer():
+            return _with_unit(_named(value, kind.legal.names.get(value, "")), kind.units)
+        case wire.Scaled():
+            # No more digits than the step of the scale carries.
+            return _with_unit(_rounded(value, kind.step), kind.units)
+        case wire.Real():
+            return _with_unit(f"{value:.7g}", kind.units)
+        case wire.Octets() | wire.FormattedOctets():
+            return str(value["hex"])
+        case _:
+            return repr(value)
 
 
 def _joined(path: str, step: str) -> str:

@@ -149,6 +149,6 @@ def _report_lines(report: EntryMessage | None) -> list[str]:
     if report is None:
         return ["no answer"]
     entry: MessageEntry = report.ENTRY
-    return [f"{path}: {text}" for path, text in field_texts(entry.codec, report.fields)][
+    return [f"{path}: {text}" for path, text in field_texts(entry.record, report.fields)][
         :MOST_LINES
     ]

@@ -89,7 +89,7 @@ def scaled(value: float, lower: float, step: float, maximum: int, field: str) ->
 def scaled_down(value: float, lower: float, step: float, maximum: int, field: str) -> int:
     """Returns the integer below a scaled value (AS5684 scale_range, function floor)."""
     scaled(value, lower, step, maximum, field)
-    return min(math.floor((value - lower) / step + _SLACK), maximum)
+    return min(max(math.floor((value - lower) / step + _SLACK), 0), maximum)
 
 
 def scaled_up(value: float, lower: float, step: float, maximum: int, field: str) -> int:

@@ -29,9 +29,7 @@ class Enumeration:
     """The listed values of a field.
 
     Attributes:
-        name: Name of the class.
         of: What it lists the values of, clean text.
-        constants: Names and values.
     """
 
     kind: ClassVar[str] = "enumeration"
@@ -40,11 +38,7 @@ class Enumeration:
     constants: tuple[tuple[str, int], ...]
 
     def docstring(self, column: int) -> str:
-        """Returns the docstring of the class.
-
-        Args:
-            column: Column at which it will stand.
-        """
+        """Returns the docstring of the class."""
         return docs.docstring(f"Values of {self.of}.", column)
 
 
@@ -53,12 +47,6 @@ class SubField:
     """A group of bits of a bit field.
 
     Attributes:
-        jaus_name: Name in the model.
-        attribute: Name in Python.
-        low: Lowest bit.
-        mask: Its bits, shifted down.
-        value: Its legal values.
-        documentation: Clean text of the model.
         enumeration: Name of the class of its listed values, or empty.
     """
 
@@ -95,10 +83,6 @@ class BitFieldClass:
     """The class of a bit field.
 
     Attributes:
-        name: Name of the class.
-        path: Full name.
-        summary: First line of the docstring.
-        sub_fields: The groups of bits.
         is_inherited: Whether the base of the message, StampedMessage, brings it.
     """
 
@@ -110,11 +94,7 @@ class BitFieldClass:
     is_inherited: bool = False
 
     def docstring(self, column: int) -> str:
-        """Returns the docstring of the class.
-
-        Args:
-            column: Column at which it will stand.
-        """
+        """Returns the docstring of the class."""
         return docs.docstring(self.summary, column, (), self.attributes)
 
     @property
@@ -130,14 +110,7 @@ class BitFieldClass:
 
 @dataclass(frozen=True)
 class Alternative:
-    """A type that a variable field may take.
-
-    Attributes:
-        index: Its index on the wire.
-        value: The number.
-        jaus_name: Name in the model.
-        units: Unit of the number, as the model says it.
-    """
+    """A type that a variable field may take."""
 
     index: int
     value: Fixed
@@ -153,16 +126,7 @@ class Alternative:
 
 @dataclass(frozen=True)
 class VariableFieldClass:
-    """The class of a variable field: an index and a number.
-
-    Attributes:
-        name: Name of the class.
-        path: Full name.
-        summary: First line of the docstring.
-        python_type: Type of the number.
-        alternatives: What may be chosen.
-        jaus_name: Name in the model.
-    """
+    """The class of a variable field: an index and a number."""
 
     kind: ClassVar[str] = "variable_field"
     name: str
@@ -188,11 +152,7 @@ class VariableFieldClass:
         return self.alternatives[0].value.default
 
     def docstring(self, column: int) -> str:
-        """Returns the docstring of the class.
-
-        Args:
-            column: Column at which it will stand.
-        """
+        """Returns the docstring of the class."""
         return docs.docstring(self.summary, column, (), self.attributes)
 
     @property
@@ -212,15 +172,8 @@ class ContainerClass:
     """A class of members: the message itself or a record or sequence inside it.
 
     Attributes:
-        name: Name of the class.
-        path: Full name.
-        summary: First line of the docstring.
-        paragraphs: What follows in the docstring.
-        members: The attributes.
         segments: How they stand on the wire, which follows from the members.
         presence_struct: Name of the constant for the presence vector, or empty.
-        presence_size: Bytes of the presence vector.
-        tag: Position in the variant that it is an option of.
         jaus_name: Name in the model of what it is the class of.
         is_wrapper: Whether it only gives a class to a list, array, variant or single field.
         is_format: Whether it is the index of a format and bytes (AS5684 variable_format_field).
@@ -235,6 +188,7 @@ class ContainerClass:
     segments: tuple[Run | Single, ...] = field(compare=False, repr=False)
     presence_struct: str = ""
     presence_size: int = 0
+    presence_mask: int = 0
     tag: int | None = None
     jaus_name: str = ""
     is_wrapper: bool = False
@@ -252,11 +206,6 @@ class ContainerClass:
         return self.presence_size + sum(always)
 
     @property
-    def presence_mask(self) -> int:
-        """The known bits of the presence vector."""
-        return sum(member.bit for member in self.members)
-
-    @property
     def has_unknown_bits(self) -> bool:
         """Whether the presence vector has bits that no member uses."""
         return self.presence_mask < (1 << 8 * self.presence_size) - 1
@@ -267,11 +216,7 @@ class ContainerClass:
         return self.presence_mask != 0
 
     def docstring(self, column: int) -> str:
-        """Returns the docstring of the class.
-
-        Args:
-            column: Column at which it will stand.
-        """
+        """Returns the docstring of the class."""
         return docs.docstring(self.summary, column, self.paragraphs, self.attributes)
 
     @property
@@ -333,12 +278,7 @@ def _row_field(member: Member) -> str:
 
 @dataclass(frozen=True)
 class VariantAlias:
-    """The union of the classes of a variant.
-
-    Attributes:
-        name: Its name in the message class.
-        options: Names of the classes.
-    """
+    """The union of the classes of a variant."""
 
     kind: ClassVar[str] = "alias"
     name: str

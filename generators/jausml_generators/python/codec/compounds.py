@@ -60,8 +60,6 @@ class VariantValue:
     Attributes:
         reader: Name of the static method that reads it.
         python_type: Full name of the union of the classes, or of the only one.
-        tag_format: Struct format of the tag.
-        options: The classes in the order of their tags.
     """
 
     kind: ClassVar[str] = "variant"
@@ -96,10 +94,7 @@ class ListValue:
     """A counted list.
 
     Attributes:
-        element: What is in it.
-        count_format: Struct format of the count.
         stated: Smallest count that the definition states, which is not enforced.
-        upper: Largest legal count.
     """
 
     kind: ClassVar[str] = "list"
@@ -160,7 +155,6 @@ class ArrayValue:
     """A list of a fixed number of elements, in wire order.
 
     Attributes:
-        element: What is in it.
         dimensions: Size of each dimension; the first varies slowest.
         struct: Name of the constant for all elements, when they are numbers or fixed strings.
     """

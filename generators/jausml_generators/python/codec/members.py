@@ -22,14 +22,9 @@ class Member:
     """An attribute of a message or part.
 
     Attributes:
-        jaus_name: Name in the model.
-        attribute: Name in Python.
-        value: What it holds.
         default: Default value, as Python text.
         item: Name of a local for an element, when the value is a list or an array.
         bit: Its bit in the presence vector; 0 when it is always there.
-        units: Unit, as the model says it.
-        documentation: Clean text of the model.
         enumeration: Name of the class of its listed values, or empty.
     """
 
@@ -87,14 +82,7 @@ class Member:
 
 @dataclass(frozen=True)
 class Run:
-    """Members of fixed size one after the other, packed by one struct.
-
-    Attributes:
-        struct: Name of the module's constant.
-        members: The members.
-        has_presence: Whether the presence vector comes before them.
-        size: Bytes.
-    """
+    """Members of fixed size one after the other, packed by one struct."""
 
     kind: ClassVar[str] = "run"
     struct: str
@@ -122,11 +110,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Single:
-    """A member that is read and written by itself.
-
-    Attributes:
-        member: The member.
-    """
+    """A member that is read and written by itself."""
 
     kind: ClassVar[str] = "single"
     member: Member

@@ -35,7 +35,6 @@ def build_message(element: jaus.MessageDef, class_name: str | None = None) -> Me
     """Returns the view of a message.
 
     Args:
-        element: The message.
         class_name: Name of the class; made from the message's name when it is not given.
 
     Raises:
@@ -53,25 +52,12 @@ def build_messages(elements: Iterable[jaus.MessageDef]) -> tuple[MessageView, ..
 
     A message that occurs more than once (several services of a set define SetTravelSpeed) becomes
     one class; messages that share no more than a name get different ones.
-
-    Args:
-        elements: The messages.
-
-    Raises:
-        GenerationError: A message cannot be encoded.
     """
     return tuple(dict.fromkeys(build_message_map(elements).values()))
 
 
 def build_message_map(elements: Iterable[jaus.MessageDef]) -> dict[jaus.MessageDef, MessageView]:
-    """Returns the views of `build_messages` by model element.
-
-    Args:
-        elements: The messages.
-
-    Raises:
-        GenerationError: A message cannot be encoded.
-    """
+    """Returns the views of `build_messages` by model element."""
     scope = names.Scope(names.RESERVED_CLASSES, separator="")
     classes: dict[MessageView, MessageView] = {}
     found: dict[jaus.MessageDef, MessageView] = {}
@@ -87,12 +73,7 @@ def build_message_map(elements: Iterable[jaus.MessageDef]) -> dict[jaus.MessageD
 
 
 class MessageBuilder:
-    """Builds the view of one message.
-
-    Args:
-        layout: How it stands on the wire.
-        class_name: Name of the class.
-    """
+    """Builds the view of one message."""
 
     def __init__(self, layout: wire.Message, class_name: str) -> None:
         self._layout = layout
@@ -129,10 +110,12 @@ class MessageBuilder:
         """Builds a class of members: those of a record or sequence, or the one field itself."""
         path = self._scope.path(name)
         presence: wire.IntegerType | None = None
+        known_bits = 0
         parts: tuple[wire.Field, ...] = ()
         is_wrapper = body is not None and not isinstance(body.kind, wire.Record)
         if body is not None and isinstance(body.kind, wire.Record):
             parts, presence = body.kind.members, body.kind.presence
+            known_bits = body.kind.known_bits
         elif body is not None:
             parts = (replace(body, bit=0),)
         members = self._members(path, parts)
@@ -146,6 +129,7 @@ class MessageBuilder:
             segments=self._segments(members, presence_format),
             presence_struct=self._scope.use(presence_format) if presence else "",
             presence_size=presence.size if presence else 0,
+            presence_mask=known_bits,
             tag=tag,
             jaus_name=body.name if body else "",
             is_wrapper=is_wrapper,

@@ -18,11 +18,7 @@ if TYPE_CHECKING:
 
 
 def example_bytes(view: MessageView) -> bytes:
-    """Returns the code and the body of a message with every field present.
-
-    Args:
-        view: The message.
-    """
+    """Returns the code and the body of a message with every field present."""
     bits = {item.path: item for item in view.nested if isinstance(item, BitFieldClass)}
     return struct.pack("<H", view.code) + _Examples(bits).container(view.body)
 

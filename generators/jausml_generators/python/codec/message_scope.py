@@ -21,8 +21,6 @@ class MessageScope:
     """The inside of one message class while it is built.
 
     Attributes:
-        classes: The classes in the order to write.
-        structs: Formats of the module's constants by name.
         known: What was built already, by what makes it equal to another.
     """
 
@@ -38,11 +36,7 @@ class MessageScope:
 
     @contextmanager
     def inside(self, name: str) -> Iterator[None]:
-        """Builds what a class encloses.
-
-        Args:
-            name: Name of the class.
-        """
+        """Builds what a class encloses."""
         self._enclosing.append(name)
         yield
         self._enclosing.pop()
@@ -52,9 +46,6 @@ class MessageScope:
 
         Of two fields State with different values, one of them in the record Wheel, the classes are
         called State and WheelState: the plain name is for the one that stands first.
-
-        Args:
-            name: What the class should be called.
         """
         return self._scope.claim(name, names.class_name(f"{self._enclosing[-1]}{name}"))
 
@@ -95,11 +86,7 @@ class MessageScope:
         return found
 
     def is_inherited(self, path: str) -> bool:
-        """Returns whether the base of the message brings a class.
-
-        Args:
-            path: Full name of the class.
-        """
+        """Returns whether the base of the message brings a class."""
         bit_fields = (each for each in self.classes if isinstance(each, BitFieldClass))
         return any(each.is_inherited and each.path == path for each in bit_fields)
 
@@ -120,13 +107,7 @@ class MessageScope:
         return self.listed(names.class_name(field), docs.clean(field), pairs)
 
     def listed(self, name: str, of: str, listed: Sequence[tuple[int, str]]) -> str:
-        """Returns the name of the class of some values with names, or nothing without any.
-
-        Args:
-            name: What the class should be called.
-            of: What the values are of, clean text.
-            listed: The values and their names.
-        """
+        """Returns the name of the class of some values with names, or nothing without any."""
         if not listed:
             return ""
         scope = names.Scope()

@@ -35,13 +35,7 @@ class MessageView:
     """A message as a class.
 
     Attributes:
-        jaus_name: Name in the model.
-        code: Message code.
-        is_command: Whether it is of the command class.
-        body: The class itself.
         nested: Enumerations, parts, bit fields and unions inside it, in the order to write.
-        structs: Names and formats of the module's constants that it uses.
-        layout: How it stands on the wire.
     """
 
     jaus_name: str
@@ -132,11 +126,7 @@ class MessagesModule:
     """A module of messages.
 
     Attributes:
-        summary: First line of the module's docstring.
         runtime: Package that the codecs are imported from: `.` inside its services.
-        messages: The messages.
-        source: Model file.
-        element_id: Identity of the model element that the module is of.
     """
 
     summary: str
@@ -158,11 +148,7 @@ class MessagesModule:
         return any(getattr(item, "is_complex", False) for item in classes)
 
     def has_late_names(self, body: str) -> bool:
-        """Whether a default is made by a lambda that only calls a class.
-
-        Args:
-            body: The text of the module.
-        """
+        """Whether a default is made by a lambda that only calls a class."""
         return re.search(r"=lambda: [\w.]+\(\)", body) is not None
 
     @property

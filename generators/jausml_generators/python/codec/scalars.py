@@ -26,11 +26,7 @@ _WORDS = {
 
 
 def struct_name(struct_format: str) -> str:
-    """Returns the name of the constant for a struct, e.g. `_U16_U8X2` for `HBB`.
-
-    Args:
-        struct_format: Its format without the byte order.
-    """
+    """Returns the name of the constant for a struct, e.g. `_U16_U8X2` for `HBB`."""
     items: list[tuple[str, int]] = []
     for count, letter in re.findall("([0-9]*)([A-Za-z])", struct_format):
         if letter == "s":
@@ -47,16 +43,12 @@ class Fixed:
     """A value of a fixed number of bytes, one item of a struct format.
 
     Attributes:
-        format: Its struct format.
-        python_type: Its type in Python.
         default: A legal value, as Python text.
         check: Function that checks and converts a value for the wire.
         limits: Arguments of that function between the value and the attribute name.
         back: What turns the integer on the wire (`{}`) into the value.
         reader: Function that turns the wire item into the value, instead of `back`.
-        range_text: Its legal values in words.
         scale: Lower and upper limit of a scaled field.
-        listed: Names and values of single legal integers, as the model has them.
         offset: What the value of an integer is more than the integer on the wire.
     """
 
@@ -94,21 +86,12 @@ class Fixed:
         return self.back == "{}" and not self.reader
 
     def pack(self, value: str, field: str) -> str:
-        """Returns the expression that makes the wire item.
-
-        Args:
-            value: The value, as Python text.
-            field: Attribute that an error names.
-        """
+        """Returns the expression that makes the wire item."""
         call = f'{self.check}({value}, {", ".join(self.limits)}, "{field}")'
         return f"{call}{_plus(-self.offset)}"
 
     def unpack(self, raw: str) -> str:
-        """Returns the expression that makes the value.
-
-        Args:
-            raw: The wire item, as Python text.
-        """
+        """Returns the expression that makes the value."""
         return f"{self.reader}({raw})" if self.reader else self.back.format(raw)
 
 
@@ -135,15 +118,7 @@ class Tag(Fixed):
 
 @dataclass(frozen=True)
 class Blob:
-    """Counted bytes, or text when `is_text`.
-
-    Attributes:
-        count_format: Struct format of the count.
-        lower: Smallest legal length.
-        upper: Largest legal length.
-        is_text: Whether the value is a string.
-        content: What the bytes are, in words.
-    """
+    """Counted bytes, or text when `is_text`."""
 
     kind: ClassVar[str] = "blob"
     count_format: str
@@ -194,11 +169,7 @@ class Blob:
 
 
 def as_real(value: Fixed) -> Fixed:
-    """Describes a number whose Python type is float because another choice of it is.
-
-    Args:
-        value: The number.
-    """
+    """Describes a number whose Python type is float because another choice of it is."""
     if value.python_type == "float":
         return value
     check = "whole_of" if value.check == "one_of" else "whole"
@@ -206,11 +177,7 @@ def as_real(value: Fixed) -> Fixed:
 
 
 def number(kind: wire.Number) -> Fixed:
-    """Describes a number.
-
-    Args:
-        kind: Its layout.
-    """
+    """Describes a number."""
     match kind:
         case wire.Integer():
             return legal_integer(kind.type.format, kind.legal)
@@ -221,12 +188,7 @@ def number(kind: wire.Number) -> Fixed:
 
 
 def legal_integer(struct_format: str, legal: wire.LegalIntegers) -> Fixed:
-    """Describes an integer with the meanings of its values.
-
-    Args:
-        struct_format: Its struct format.
-        legal: Its legal values.
-    """
+    """Describes an integer with the meanings of its values."""
     return replace(
         integer(struct_format, legal.ranges),
         listed=tuple((each.name, each.value) for each in legal.listed),
@@ -241,12 +203,7 @@ def _plus(offset: int) -> str:
 
 
 def integer(struct_format: str, ranges: wire.Ranges) -> Fixed:
-    """Describes an integer.
-
-    Args:
-        struct_format: Its struct format.
-        ranges: Its legal values.
-    """
+    """Describes an integer."""
     default = 0 if any(a <= 0 <= b for a, b in ranges) else ranges[0][0]
     text = ", ".join(str(a) if a == b else f"{a} .. {b}" for a, b in ranges)
     if len(ranges) == 1:
@@ -266,8 +223,8 @@ def _real(kind: wire.Real) -> Fixed:
 
 def _scaled(kind: wire.Scaled) -> Fixed:
     lower, upper = kind.lower, kind.upper
-    maximum = f"0x{kind.type.upper:X}"
-    step = f"{python_literal(upper - lower)} / {maximum}"
+    span, steps = kind.ratio
+    step = f"{python_literal(span)} / 0x{steps:X}"
     # The sum and the product are the standard's own: value = lower + raw * step.
     if lower == 0.0:
         back = f"{{}} * ({step})"
@@ -278,7 +235,7 @@ def _scaled(kind: wire.Scaled) -> Fixed:
         "float",
         python_literal(0.0 if lower <= 0.0 <= upper else lower),
         _SCALED[kind.rounding],
-        (python_literal(lower), step, maximum),
+        (python_literal(lower), step, f"0x{kind.type.upper:X}"),
         back,
         range_text=f"{lower:.12g} .. {upper:.12g}",
         scale=(lower, upper),
@@ -286,11 +243,7 @@ def _scaled(kind: wire.Scaled) -> Fixed:
 
 
 def fixed_text(length: int) -> Fixed:
-    """Describes a string of fixed length.
-
-    Args:
-        length: Its bytes.
-    """
+    """Describes a string of fixed length."""
     return Fixed(
         f"{length}s",
         "str",

@@ -10,17 +10,14 @@ from jausml.authoring.proposals.elements import AnswerError
 from jausml.language import wire
 from jausml.language.semantics.jaus.layouts import is_group
 from jausml.live.messages import MessageEntry, MessageError
-from jausml.live.messages.blobs import FormattedOctets, Octets, Text, VariableNumber
-from jausml.live.messages.codec import Scalar
-from jausml.live.messages.containers import TAG, Array, List, Record, Variant
+from jausml.live.messages.codec import TAG
+from jausml.live.messages.embedded import parts
 from jausml.live.messages.samples import sample
-from jausml.live.messages.scalars import BitField, FixedText, Real, Scaled
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from jausml.language.metamodel.classes import jaus
-    from jausml.live.messages.codec import Codec
 
 _STEP = re.compile(r"(.+?)((?:\[\d{1,4}\])*)")
 _PRESENCE = "_pv"
@@ -41,10 +38,10 @@ def payload(message: jaus.MessageDef, values: Mapping[str, str]) -> bytes:
     """
     entry = _entry(message)
     try:
-        fields: Any = sample(entry.codec)
+        fields: Any = sample(entry.record)
         for path, text in values.items():
-            codec, value = _body(message, entry, fields)
-            _put(codec, value, path.split("."), text, path)
+            kind, value = _body(message, entry, fields)
+            _put(kind, value, path.split("."), text, path)
         return entry.encode(fields)
     except MessageError as error:
         raise AnswerError(str(error)) from error
@@ -65,8 +62,8 @@ def rows(message: jaus.MessageDef, data: bytes) -> list[tuple[str, str]]:
         fields = entry.decode(data)
     except MessageError as error:
         raise AnswerError(str(error)) from error
-    codec, value = _body(message, entry, fields)
-    return list(_rows(codec, value, ""))
+    kind, value = _body(message, entry, fields)
+    return list(_rows(kind, value, ""))
 
 
 def moment(text: str) -> datetime:
@@ -92,87 +89,101 @@ def _no_message(_: Any, /) -> bytes:
     raise MessageError("a message inside a message cannot be typed here")
 
 
-def _body(message: jaus.MessageDef, entry: MessageEntry, fields: Any) -> tuple[Record, Any]:
+def _body(message: jaus.MessageDef, entry: MessageEntry, fields: Any) -> tuple[wire.Record, Any]:
     """Returns what paths start in: the top record, or the one body field."""
     if is_group(wire.target_of(message.body)):
-        [member] = entry.codec.members
-        if isinstance(member.codec, Record):
-            return member.codec, fields[member.name]
-    return entry.codec, fields
+        [member] = entry.record.members
+        if isinstance(member.kind, wire.Record):
+            return member.kind, fields[member.name]
+    return entry.record, fields
 
 
-def _put(codec: Codec, value: Any, steps: Sequence[str], text: str, path: str) -> None:
+def _put(kind: wire.Kind, value: Any, steps: Sequence[str], text: str, path: str) -> None:
     """Gives a member of a record a value; optional ones and elements on the way come to be."""
     name, indices = _split(steps[0])
-    member = _member(codec, name)
+    member = _member(kind, name)
     if member is None:
         raise AnswerError(f"there is no member {path}")
+    if isinstance(member, wire.Bits):
+        if indices:
+            raise AnswerError(f"{path}: {name} is no list")
+        value[name] = _integer(text)
+        return
     if name not in value:
-        _choose(codec, value, name)
+        _choose(kind, value, name)
         value[name] = sample(member)
     inner, at = member, value
     key: Any = name
     for index in indices:
-        if not isinstance(inner, List | Array):
+        if not isinstance(inner, wire.List | wire.Array):
             raise AnswerError(f"{path}: {name} is no list")
-        at, key, inner = at[key], index, inner.element
+        at, key, inner = at[key], index, inner.element.kind
         while isinstance(at, list) and len(at) <= index:
             at.append(sample(inner))
-    if steps[1:] and isinstance(inner, Record | Variant | BitField):
+    if steps[1:] and isinstance(inner, wire.Record | wire.Variant | wire.BitField):
         _put(inner, at[key], steps[1:], text, path)
-    elif steps[1:] and isinstance(inner, VariableNumber):
+    elif steps[1:] and isinstance(inner, wire.VariableNumber):
         at[key] = _variable(inner, steps[1], text, path)
     else:
         at[key] = _value(inner, text, path)
 
 
-def _member(codec: Codec, name: str) -> Any:
-    """Returns the codec of a member, itself for a group of bits."""
-    if isinstance(codec, Record):
-        return next((each.codec for each in codec.members if each.name == name), None)
-    if isinstance(codec, Variant):
-        return next((inner for option, inner in codec.options if option == name), None)
-    if isinstance(codec, BitField):
-        return next((each for each in codec.groups if each.name == name), None)
-    return None
+def _member(kind: wire.Kind, name: str) -> wire.Kind | wire.Bits | None:
+    match kind:
+        case wire.Record():
+            return next((each.kind for each in kind.members if each.name == name), None)
+        case wire.Variant():
+            return next((each.kind for each in kind.options if each.name == name), None)
+        case wire.BitField():
+            return next((each for each in kind.groups if each.name == name), None)
+        case _:
+            return None
 
 
-def _choose(codec: Codec, value: Any, name: str) -> None:
-    if isinstance(codec, Variant):
+def _choose(kind: wire.Kind, value: Any, name: str) -> None:
+    if isinstance(kind, wire.Variant):
         value.clear()
-        value[TAG] = [option for option, _ in codec.options].index(name)
+        value[TAG] = [option.name for option in kind.options].index(name)
 
 
-def _variable(codec: VariableNumber, name: str, text: str, path: str) -> dict[str, Any]:
+def _variable(kind: wire.VariableNumber, name: str, text: str, path: str) -> dict[str, Any]:
+    numbers = kind.by_index
     try:
         index = int(name)
     except ValueError:
-        index = min(codec.alternatives)
-    return {"index": index, "value": _value(codec.alternatives[index], text, path)}
+        index = min(numbers)
+    return {"index": index, "value": _value(numbers[index], text, path)}
 
 
-def _value(codec: Any, text: str, path: str) -> Any:
-    if isinstance(codec, BitField):
-        return _time(codec, text, path)
-    if isinstance(codec, Text | FixedText):
-        return text
-    if isinstance(codec, Octets | FormattedOctets):
-        return {"hex": text}
-    if isinstance(codec, Scaled | Real):
-        try:
-            return float(text)
-        except ValueError as error:
-            raise AnswerError(f"{path}: {text!a} is no number") from error
-    if isinstance(codec, Record | List | Array | Variant):
-        raise AnswerError(f"{path}: give its members values")
+def _value(kind: wire.Kind, text: str, path: str) -> Any:
+    match kind:
+        case wire.BitField():
+            return _time(kind, text, path)
+        case wire.Text() | wire.FixedText():
+            return text
+        case wire.Octets() | wire.FormattedOctets():
+            return {"hex": text}
+        case wire.Scaled() | wire.Real():
+            try:
+                return float(text)
+            except ValueError as error:
+                raise AnswerError(f"{path}: {text!a} is no number") from error
+        case wire.Record() | wire.List() | wire.Array() | wire.Variant():
+            raise AnswerError(f"{path}: give its members values")
+        case _:
+            return _integer(text)
+
+
+def _integer(text: str) -> int | str:
+    """Returns an integer, or the name of one."""
     try:
         return int(text, 0)
     except ValueError:
-        return text  # the name of a value
+        return text
 
 
-def _time(codec: BitField, text: str, path: str) -> dict[str, int]:
-    if {each.name for each in codec.groups} != set(_TIME):
+def _time(kind: wire.BitField, text: str, path: str) -> dict[str, int]:
+    if {each.name for each in kind.groups} != set(_TIME):
         raise AnswerError(f"{path}: give its bits values")
     at = moment(text)
     values = (at.microsecond // 1000, at.second, at.minute, at.hour, at.day)
@@ -186,46 +197,36 @@ def _split(step: str) -> tuple[str, list[int]]:
     return match[1], [int(each) for each in re.findall(r"\d+", match[2])]
 
 
-def _rows(codec: Codec, value: Any, before: str) -> Iterator[tuple[str, str]]:
+def _rows(kind: wire.Kind, value: Any, before: str) -> Iterator[tuple[str, str]]:
     """Yields the values below a place; of long lists the first."""
-    for step, inner, part in _parts(codec, value):
-        yield from _rows(inner, part, f"{before}{step}" if before else step.lstrip("."))
-    match codec:
-        case List() | Array() if len(value) > _SHOWN:
+    few = value[:_SHOWN] if isinstance(kind, wire.List | wire.Array) else value
+    for step, inner, part in parts(kind, few):
+        joint = "." if before and not step.startswith("[") else ""
+        yield from _rows(inner, part, f"{before}{joint}{step}")
+    match kind:
+        case wire.List() | wire.Array() if len(value) > _SHOWN:
             yield before, f"... ({len(value)} elements)"
-        case BitField():
-            yield from _bits(codec, value, before)
-        case VariableNumber():
+        case wire.BitField():
+            yield from _bits(kind, value, before)
+        case wire.VariableNumber():
             yield before, _text(value["value"])
-        case Octets() | FormattedOctets():
+        case wire.Octets() | wire.FormattedOctets():
             yield before, str(value["hex"])
-        case Scalar() | Text():
-            yield before, _named(value, getattr(codec, "names", {}))
+        case wire.Integer():
+            yield before, _named(value, kind.legal.names)
+        case wire.Real() | wire.Scaled() | wire.FixedText() | wire.Text():
+            yield before, _text(value)
+        case _:
+            pass  # nothing beside its parts
 
 
-def _parts(codec: Codec, value: Any) -> Iterator[tuple[str, Codec, Any]]:
-    """Yields what a value consists of: step of the path, codec and value."""
-    match codec:
-        case Record():
-            for member in codec.members:
-                if member.name in value:
-                    yield f".{member.name}", member.codec, value[member.name]
-        case Variant():
-            for option, inner in codec.options:
-                if option in value:
-                    yield f".{option}", inner, value[option]
-        case List() | Array():
-            for index, each in enumerate(value[:_SHOWN]):
-                yield f"[{index}]", codec.element, each
-
-
-def _bits(codec: BitField, value: Mapping[str, int], before: str) -> Iterator[tuple[str, str]]:
-    if {each.name for each in codec.groups} == set(_TIME):
+def _bits(kind: wire.BitField, value: Mapping[str, int], before: str) -> Iterator[tuple[str, str]]:
+    if {each.name for each in kind.groups} == set(_TIME):
         clock = f"{value['Hour']:02}:{value['Minutes']:02}:{value['Seconds']:02}"
         yield before, f"day {value['Day']}, {clock}.{value['Milliseconds']:03}"
         return
-    for each in codec.groups:
-        yield f"{before}.{each.name}", _named(value[each.name], each.names)
+    for each in kind.groups:
+        yield f"{before}.{each.name}", _named(value[each.name], each.legal.names)
 
 
 def _named(value: Any, names: Mapping[int, str]) -> str:

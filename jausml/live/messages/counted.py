@@ -1,0 +1,177 @@
+"""Counted bytes, and fields whose type an index on the wire chooses (SAE AS5684)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol
+
+from jausml.live.messages.errors import DecodeError, EncodeError
+from jausml.live.messages.items import Codec, Item, Named, item_of, single, too_short
+from jausml.live.messages.legal import (
+    as_object,
+    check_names,
+    formats_in_words,
+    latin1,
+    legal_integer,
+    shown,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from jausml.language import wire
+
+MESSAGE = "message"
+"""Name under which the decoded form of an embedded message stands beside its `hex`."""
+
+
+class EncodeMessage(Protocol):
+    """Encodes an embedded message."""
+
+    def __call__(self, message: Any, /) -> bytes:
+        """Returns the payload of a message in the shape that `jausml decode` prints."""
+
+
+def count_of(count: wire.Count, what: str) -> Codec:
+    """Returns what reads and writes a count; a peer may send fewer than may be written."""
+    lower, upper = count.lower, count.upper
+
+    def from_wire(found: int) -> int:
+        if found > upper:
+            raise DecodeError(f"{what} {found} is more than {upper}")
+        return found
+
+    def to_wire(found: int) -> int:
+        if not lower <= found <= upper:
+            raise EncodeError(f"{what} {found} is outside {lower} .. {upper}")
+        return found
+
+    return single(Item(count.type.format, count.type.size, from_wire, to_wire))
+
+
+def _counted(limits: wire.Count) -> Codec:
+    """Returns what reads and writes bytes with their count before them."""
+    count = count_of(limits, "length")
+
+    def read(buffer: bytes, offset: int) -> tuple[bytes, int]:
+        size, start = count.read(buffer, offset)
+        data = bytes(buffer[start : start + size])
+        if len(data) != size:
+            raise DecodeError(f"length {size} is more than the {len(data)} bytes that follow")
+        return data, start + size
+
+    def write(data: bytes, out: bytearray) -> None:
+        count.write(len(data), out)
+        out += data
+
+    return Codec(read, write)
+
+
+def text_of(kind: wire.Text) -> Codec:
+    """Returns what reads and writes text with its count before it."""
+    counted = _counted(kind.count)
+
+    def read(buffer: bytes, offset: int) -> tuple[str, int]:
+        data, offset = counted.read(buffer, offset)
+        return data.decode("latin-1"), offset
+
+    def write(value: Any, out: bytearray) -> None:
+        counted.write(latin1(value), out)
+
+    return Codec(read, write)
+
+
+def octets_of(kind: wire.Octets, encode_message: EncodeMessage) -> Codec:
+    """Returns what reads and writes counted bytes, as `{"hex": ...}`."""
+    counted = _counted(kind.count)
+    encode_inner = encode_message if kind.holds_message else None
+
+    def read(buffer: bytes, offset: int) -> tuple[dict[str, str], int]:
+        data, offset = counted.read(buffer, offset)
+        return {"hex": data.hex()}, offset
+
+    def write(value: Any, out: bytearray) -> None:
+        counted.write(_bytes_of(as_object(value), encode_inner), out)
+
+    return Codec(read, write)
+
+
+def formatted_of(kind: wire.FormattedOctets, encode_message: EncodeMessage) -> Codec:
+    """Returns what reads and writes bytes with a format, as `{"format": ..., "hex": ...}`."""
+    counted = _counted(kind.count)
+    names = kind.names
+    ranges = tuple((index, index) for index in sorted(names))
+
+    def read(buffer: bytes, offset: int) -> tuple[dict[str, Any], int]:
+        if offset >= len(buffer):
+            raise too_short(1, buffer, offset).inside("format")
+        try:
+            data, end = counted.read(buffer, offset + 1)
+        except DecodeError as error:
+            raise error.inside("hex") from None
+        return {"format": buffer[offset], "hex": data.hex()}, end
+
+    def write(value: Any, out: bytearray) -> None:
+        fields = as_object(value)
+        known = ("format", "hex", MESSAGE)
+        check_names(fields, known, ("format",), lambda _: formats_in_words(kind))
+        try:
+            index = legal_integer(fields["format"], ranges, names)
+        except EncodeError as error:
+            raise error.inside("format") from None
+        out.append(index)
+        encode_inner = encode_message if kind.holds_message(index) else None
+        counted.write(_bytes_of(fields, encode_inner, "format"), out)
+
+    return Codec(read, write)
+
+
+def _bytes_of(fields: Mapping[str, Any], encode_inner: EncodeMessage | None, *more: str) -> bytes:
+    """Returns the bytes that an object of a byte field describes.
+
+    Args:
+        fields: The object: `hex`, and for an embedded message its decoded form, which counts only
+            when there is no `hex`.
+        encode_inner: Encodes an embedded message; None when the bytes are none.
+    """
+    if encode_inner is not None and MESSAGE in fields and "hex" not in fields:
+        try:
+            return encode_inner(fields[MESSAGE])
+        except EncodeError as error:
+            raise error.inside(MESSAGE) from None
+    known = ("hex", *more) if encode_inner is None else ("hex", MESSAGE, *more)
+    instead = "" if encode_inner is None else f", or {MESSAGE} in its stead an object of one"
+    check_names(fields, known, ("hex",), lambda _: f"bytes in hexadecimal{instead}")
+    text = fields["hex"]
+    if not isinstance(text, str):
+        raise EncodeError(f"{shown(text)} is not a string", "hex")
+    try:
+        return bytes.fromhex(text)
+    except ValueError:
+        raise EncodeError(f"{shown(text)} is not hexadecimal", "hex") from None
+
+
+def variable_of(kind: wire.VariableNumber) -> Codec:
+    """Returns what reads and writes a number of some type, as `{"index": ..., "value": ...}`."""
+    found = kind.by_index.items()
+    numbers = {index: Named("value", single(item_of(each))) for index, each in found}
+    known = f"known are {', '.join(map(str, numbers))}"
+
+    def read(buffer: bytes, offset: int) -> tuple[dict[str, Any], int]:
+        if offset >= len(buffer):
+            raise too_short(1, buffer, offset).inside("index")
+        index = buffer[offset]
+        if index not in numbers:
+            raise DecodeError(f"{index} names no type, {known}", "index")
+        fields: dict[str, Any] = {"index": index}
+        return fields, numbers[index].read(fields, buffer, offset + 1)
+
+    def write(value: Any, out: bytearray) -> None:
+        fields = as_object(value)
+        check_names(fields, ("index", "value"), ("index", "value"))
+        index = fields["index"]
+        if type(index) is not int or index not in numbers:
+            raise EncodeError(f"{shown(index)} names no type, {known}", "index")
+        out.append(index)
+        numbers[index].write(fields, out)
+
+    return Codec(read, write)

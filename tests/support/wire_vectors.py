@@ -1,0 +1,48 @@
+"""Vectors of messages: those of tests/vectors, and those that other implementations made."""
+
+from __future__ import annotations
+
+import functools
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+VECTORS = Path(__file__).resolve().parents[1] / "vectors"
+GOLDEN = Path(__file__).resolve().parents[3] / "shared" / "golden"
+
+
+@functools.cache
+def vectors() -> list[dict[str, Any]]:
+    """Returns the vectors of tests/vectors, which its README.md describes."""
+    files = sorted(VECTORS.glob("*.json"))
+    return [each for file in files for each in json.loads(file.read_text(encoding="utf-8"))]
+
+
+def golden_vectors(name: str = "jaus_messages.jsonl") -> list[dict[str, Any]]:
+    """Returns the vectors of other implementations, none when they are not there."""
+    path = GOLDEN / name
+    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    return [json.loads(line) for line in lines]
+
+
+def payload_of(vector: dict[str, Any]) -> bytes | None:
+    """Returns code and body; None of a vector that is only encoded."""
+    return bytes.fromhex(vector["payload"]) if "payload" in vector else None
+
+
+def given(vector: dict[str, Any]) -> dict[str, Any] | None:
+    """Returns the fields that are encoded; None of a vector that is only decoded."""
+    fields: dict[str, Any] | None = vector.get("given", vector["fields"])
+    return fields
+
+
+def close(ours: Any, theirs: Any) -> bool:
+    """Tells whether fields are those of a vector; real numbers may differ by their last digits."""
+    if isinstance(theirs, float):
+        return isinstance(ours, float) and math.isclose(ours, theirs, rel_tol=1e-12, abs_tol=1e-12)
+    if isinstance(theirs, dict):
+        return list(ours) == list(theirs) and all(close(ours[k], theirs[k]) for k in theirs)
+    if isinstance(theirs, list):
+        return len(ours) == len(theirs) and all(map(close, ours, theirs))
+    return type(ours) is type(theirs) and bool(ours == theirs)
