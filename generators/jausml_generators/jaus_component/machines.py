@@ -21,7 +21,7 @@ from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.inherited_machines import (
     CORE_STATES,
     Machine,
-    Node,
+    StateNode,
     event_name,
     machines_of,
 )
@@ -117,7 +117,7 @@ class Machines:
 
     # -- what is used ----------------------------------------------------------------------------
 
-    def _transitions(self, machine: Machine) -> Iterator[tuple[Node, jaus.Transition]]:
+    def _transitions(self, machine: Machine) -> Iterator[tuple[StateNode, jaus.Transition]]:
         for node in machine.nodes.values():
             for state in node.elements:
                 for transition in [*state.transitions, *state.defaults]:
@@ -334,13 +334,13 @@ def messages_of(services: Iterable[jaus.Service]) -> list[jaus.MessageDef]:
     return [message for message in found if message is not None]
 
 
-def generated_transitions(node: Node) -> list[jaus.Transition]:
+def generated_transitions(node: StateNode) -> list[jaus.Transition]:
     """Returns the transitions of a state that are generated: those that the runtime leaves."""
     found = (each for state in node.elements for each in state.transitions)
     return [each for each in found if not is_core_trigger(each)]
 
 
-def generated_defaults(node: Node) -> list[jaus.Transition]:
+def generated_defaults(node: StateNode) -> list[jaus.Transition]:
     """Returns the default transitions of a state that are generated."""
     found = (each for state in node.elements for each in state.defaults)
     return [each for each in found if not is_core_trigger(each)]

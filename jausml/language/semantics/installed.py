@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Difference:
+class TypeDifference:
     """One difference between a type of a model and the installed one."""
 
     element: EObject
@@ -35,7 +35,7 @@ class InstalledTypes:
         self._installation = installation
         self._folders: dict[str, Path | None] = {}
 
-    def differences(self, element: InterfaceType) -> Iterator[Difference]:
+    def differences(self, element: InterfaceType) -> Iterator[TypeDifference]:
         """Yields how a type of the model differs from the installed one.
 
         Nothing is yielded when its package is not installed, or its definition cannot be
@@ -48,7 +48,7 @@ class InstalledTypes:
         try:
             text = read_text(folder / kind / f"{element.name}.{kind}")
         except FileNotFoundError:
-            yield Difference(element, f"the installed {package} has no {element.name}")
+            yield TypeDifference(element, f"the installed {package} has no {element.name}")
             return
         except (OSError, ValueError):
             return
@@ -92,24 +92,24 @@ def package_of(element: EObject) -> str:
     return str(around.name) if around is not None else ""
 
 
-def _fields(message: ros.MessageType, section: Section, package: str) -> Iterator[Difference]:
+def _fields(message: ros.MessageType, section: Section, package: str) -> Iterator[TypeDifference]:
     here = {str(each.name): each for each in message.fields}
     there = {each.name: _installed_type(each, package) for each in section.fields}
     renamed = _renamed(here, there)
     for name, element in here.items():
         if name in renamed:
-            yield Difference(element, f"field '{name}' is named '{renamed[name]}' there")
+            yield TypeDifference(element, f"field '{name}' is named '{renamed[name]}' there")
         elif name not in there:
-            yield Difference(element, f"there is no field '{name}' there")
+            yield TypeDifference(element, f"there is no field '{name}' there")
         elif _type(element) != there[name]:
             message_text = f"field '{name}' is {_type(element)} here, {there[name]} there"
-            yield Difference(element, message_text)
+            yield TypeDifference(element, message_text)
     for name, kind in there.items():
         if name not in here and name not in renamed.values():
-            yield Difference(message, f"field '{name}' ({kind}) is missing here")
+            yield TypeDifference(message, f"field '{name}' ({kind}) is missing here")
     common = [name for name in here if name in there]
     if common != [name for name in there if name in here]:
-        yield Difference(message, "its fields stand in another order there")
+        yield TypeDifference(message, "its fields stand in another order there")
 
 
 def _renamed(here: dict[str, ros.Field], there: dict[str, str]) -> dict[str, str]:
@@ -124,17 +124,17 @@ def _renamed(here: dict[str, ros.Field], there: dict[str, str]) -> dict[str, str
     }
 
 
-def _constants(message: ros.MessageType, section: Section) -> Iterator[Difference]:
+def _constants(message: ros.MessageType, section: Section) -> Iterator[TypeDifference]:
     there = {each.name: each for each in section.constants}
     for element in message.constants:
         installed = there.get(element.name)
         if installed is None:
-            yield Difference(element, f"there is no constant '{element.name}' there")
+            yield TypeDifference(element, f"there is no constant '{element.name}' there")
             continue
         ours = (element.type.name, element.value or "")
         if not _is_same(ours, (installed.type, installed.value)):
             values = f"{' '.join(ours)} here, {installed.type} {installed.value} there"
-            yield Difference(element, f"constant '{element.name}' is {values}")
+            yield TypeDifference(element, f"constant '{element.name}' is {values}")
 
 
 def _is_same(ours: tuple[str, str], theirs: tuple[str, str]) -> bool:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from jausml.language.importers.ros import (
+    InterfaceFile,
     PackageSource,
-    Source,
     import_packages,
     package_sources,
     placed,
@@ -18,7 +18,8 @@ from jausml.language.model.xmi.writer import to_xmi
 def package(name, **texts):
     """Returns a package of definitions: `Winch_msg="float64 x"`."""
     files = [
-        Source(f"{name}/{key.replace('_', '.')}", text.encode()) for key, text in texts.items()
+        InterfaceFile(f"{name}/{key.replace('_', '.')}", text.encode())
+        for key, text in texts.items()
     ]
     return PackageSource(name, files)
 
@@ -137,12 +138,18 @@ def test_header_of_the_package_itself_is_no_shorthand():
 @pytest.mark.parametrize(
     ("source", "rule"),
     [
-        (PackageSource("Winch", [Source("Winch/A.msg", b"bool x")]), "JML641"),
-        (PackageSource("a_msgs", [Source("a_msgs/lower.msg", b"bool x")]), "JML641"),
-        (PackageSource("a_msgs", [Source("a_msgs/A.msg", b"bool \xff")]), "JML642"),
-        (PackageSource("a_msgs", [Source("a_msgs/A.msg", None, "Permission denied")]), "JML001"),
-        (PackageSource("a_msgs", [Source("a_msgs/A.msg", b"#" * 2**21)]), "JML002"),
-        (PackageSource("a_msgs", [Source("a/A.msg", b""), Source("b/A.msg", b"")]), "JML647"),
+        (PackageSource("Winch", [InterfaceFile("Winch/A.msg", b"bool x")]), "JML641"),
+        (PackageSource("a_msgs", [InterfaceFile("a_msgs/lower.msg", b"bool x")]), "JML641"),
+        (PackageSource("a_msgs", [InterfaceFile("a_msgs/A.msg", b"bool \xff")]), "JML642"),
+        (
+            PackageSource("a_msgs", [InterfaceFile("a_msgs/A.msg", None, "Permission denied")]),
+            "JML001",
+        ),
+        (PackageSource("a_msgs", [InterfaceFile("a_msgs/A.msg", b"#" * 2**21)]), "JML002"),
+        (
+            PackageSource("a_msgs", [InterfaceFile("a/A.msg", b""), InterfaceFile("b/A.msg", b"")]),
+            "JML647",
+        ),
         (PackageSource("a_msgs"), "JML651"),
         (PackageSource("a_msgs", [], ["a_msgs/msg/A.idl"]), "JML661"),
     ],

@@ -11,7 +11,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from jausml.language.importers.ros import ROS_RULES, PackageSource, Source, import_packages, placed
+from jausml.language.importers.ros import (
+    ROS_RULES,
+    InterfaceFile,
+    PackageSource,
+    import_packages,
+    placed,
+)
 from jausml.language.interfaces import parse_definition
 from jausml.language.interfaces.definitions import PRIMITIVES, TEXTS, FieldType
 from jausml.language.interfaces.literals import integer_range
@@ -127,7 +133,7 @@ def written(package):
     return "\n".join(file.sections[0].lines)
 
 
-OTHER = PackageSource("geometry_msgs", [Source("Point.msg", b"float64 x\n")])
+OTHER = PackageSource("geometry_msgs", [InterfaceFile("Point.msg", b"float64 x\n")])
 
 
 @QUICK
@@ -135,14 +141,15 @@ OTHER = PackageSource("geometry_msgs", [Source("Point.msg", b"float64 x\n")])
 def test_facts_survive_the_import(drawn):
     text, facts = drawn
     own = PackageSource(
-        "demo_msgs", [Source("M.msg", text.encode()), Source("Other.msg", b"uint8 x\n")]
+        "demo_msgs",
+        [InterfaceFile("M.msg", text.encode()), InterfaceFile("Other.msg", b"uint8 x\n")],
     )
     result = import_packages([own, OTHER], library=False)
     assert result.diagnostics == []
     fields, constants = facts_of(result.packages[0])
     assert fields == [each for each in facts if each[0] == "field"]
     assert constants == [each for each in facts if each[0] == "constant"]
-    again = Source("M.msg", written(result.packages[0]).encode())
+    again = InterfaceFile("M.msg", written(result.packages[0]).encode())
     own = PackageSource("demo_msgs", [again, own.files[1]])
     result = import_packages([own, OTHER], library=False)
     assert result.diagnostics == []
@@ -206,7 +213,7 @@ TOKENS = st.sampled_from(
 @given(st.lists(TOKENS, max_size=30), st.sampled_from(["msg", "srv", "action"]))
 def test_any_text_is_read_or_refused_with_its_place(tokens, kind):
     data = " ".join(tokens).encode()
-    source = Source(f"M.{kind}", data)
+    source = InterfaceFile(f"M.{kind}", data)
     result = import_packages([PackageSource("demo_msgs", [source])], library=False)
     for each in result.diagnostics:
         assert each.rule in ROS_RULES or each.rule in READER_RULES
@@ -234,5 +241,5 @@ def test_what_is_accepted_rosidl_accepts_and_reads_the_same(tokens):
 @QUICK
 @given(st.binary(max_size=60))
 def test_any_bytes(data):
-    source = PackageSource("demo_msgs", [Source("M.msg", data)])
+    source = PackageSource("demo_msgs", [InterfaceFile("M.msg", data)])
     import_packages([source], library=False)

@@ -94,10 +94,10 @@ class Values:
         """Returns the numeric type that an attribute names."""
         return self.choice(place, name, NUMERIC_TYPES)
 
-    def unsigned_type(self, place: NodePlace, name: str = "field_type_unsigned") -> str | None:
+    def unsigned_type(self, place: NodePlace) -> str | None:
         """Returns the unsigned integer type that an attribute names."""
         unsigned = {key: each for key, each in NUMERIC_TYPES.items() if each.startswith("u")}
-        return self.choice(place, name, unsigned)
+        return self.choice(place, "field_type_unsigned", unsigned)
 
     def integer(
         self, scope: Scope, place: NodePlace, name: str, bounds: tuple[int, int] = INT

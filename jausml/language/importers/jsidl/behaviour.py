@@ -21,7 +21,7 @@ from jausml.language.model.words import parts, snake_case
 
 if TYPE_CHECKING:
     from jausml.language.importers.jsidl.building import Builder
-    from jausml.language.importers.jsidl.inheritance import KnownNames
+    from jausml.language.importers.jsidl.inheritance import BehaviourNames
     from jausml.language.model.xmi.parsing import Node
 
 _KINDS = ("simple", "internal", "push", "pop")
@@ -35,7 +35,7 @@ class BehaviourBuilder:
     """Makes the state machines of one service."""
 
     def __init__(
-        self, names: KnownNames, builder: Builder, values: Values, findings: Findings
+        self, names: BehaviourNames, builder: Builder, values: Values, findings: Findings
     ) -> None:
         self._builder = builder
         self._values = values

@@ -18,7 +18,7 @@ from jausml.language.importers.jsidl.building import (
 )
 from jausml.language.importers.jsidl.fields import FieldBuilder
 from jausml.language.importers.jsidl.inheritance import (
-    KnownNames,
+    BehaviourNames,
     finish_machines,
     library_model,
     services_by_urn,
@@ -208,7 +208,7 @@ class _Import:
     def _behave(self, services: list[ImportedService]) -> None:
         declared = self._scopes.declared_names()
         for each in services:
-            names = KnownNames(each.service, declared)
+            names = BehaviourNames(each.service, declared)
             behaviour = BehaviourBuilder(names, self._builder, self._values, self._findings)
             for child in each.place.node.children:
                 if child.tag == "protocol_behavior":

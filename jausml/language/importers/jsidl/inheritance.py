@@ -47,7 +47,7 @@ def bases_first(services: Iterable[jaus.Service]) -> list[jaus.Service]:
     return sorted(services, key=lambda service: len(lineage(service)))
 
 
-class KnownNames:
+class BehaviourNames:
     """The names that the protocol behaviour of a service may use.
 
     Attributes:

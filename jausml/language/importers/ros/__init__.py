@@ -3,8 +3,8 @@
 from jausml.language.importers.ros.importing import ImportResult, import_packages, placed
 from jausml.language.importers.ros.rules import ROS_RULES
 from jausml.language.importers.ros.sources import (
+    InterfaceFile,
     PackageSource,
-    Source,
     installed_source,
     package_sources,
 )
@@ -12,8 +12,8 @@ from jausml.language.importers.ros.sources import (
 __all__ = [
     "ROS_RULES",
     "ImportResult",
+    "InterfaceFile",
     "PackageSource",
-    "Source",
     "import_packages",
     "installed_source",
     "package_sources",

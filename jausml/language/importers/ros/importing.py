@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.importers.ros.building import Builder, Use
 from jausml.language.importers.ros.rules import ROS_RULES
-from jausml.language.importers.ros.sources import PackageSource, Source, installed_source
+from jausml.language.importers.ros.sources import InterfaceFile, PackageSource, installed_source
 from jausml.language.interfaces.definitions import is_package_name, is_type_name
 from jausml.language.interfaces.parsing import PARTS, parse_definition
 from jausml.language.metamodel import load_metamodels
@@ -126,7 +126,9 @@ class _Import:
             self._define(package, file, document)
         self._packages[source.name] = package or self._builder.package(source.name, None)
 
-    def _define(self, package: ros.InterfacePackage, file: Source, document: Document) -> None:
+    def _define(
+        self, package: ros.InterfacePackage, file: InterfaceFile, document: Document
+    ) -> None:
         place = Location(file.path)
         if file.data is None:
             self._report("JML001", place, file.fault)
@@ -232,7 +234,7 @@ def _remedy(package: str, near: str) -> str:
     return f"{near} Else {remedy}" if near else remedy
 
 
-def _document(file: Source) -> Document:
+def _document(file: InterfaceFile) -> Document:
     document = Document(Path(os.path.realpath(file.path)), file.path, is_library=False, given=True)
     document.data = file.data or b""
     document.readable = file.data is not None

@@ -20,7 +20,7 @@ SUFFIXES = tuple(f".{kind}" for kind in PARTS)
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class InterfaceFile:
     """A definition file.
 
     Attributes:
@@ -51,7 +51,7 @@ class PackageSource:
     """
 
     name: str
-    files: list[Source] = field(default_factory=list)
+    files: list[InterfaceFile] = field(default_factory=list)
     idl: list[str] = field(default_factory=list)
 
 
@@ -81,12 +81,12 @@ def installed_source(name: str, folder: Path) -> PackageSource:
     )
 
 
-def load(path: Path) -> Source:
+def load(path: Path) -> InterfaceFile:
     """Reads a definition file."""
     try:
-        return Source(str(path), read_input(path))
+        return InterfaceFile(str(path), read_input(path))
     except OSError as error:
-        return Source(str(path), None, error.strerror or str(error))
+        return InterfaceFile(str(path), None, error.strerror or str(error))
 
 
 def _found(path: Path) -> Iterator[tuple[Path, list[Path]]]:

@@ -63,12 +63,10 @@ class ReadResult:
 
     Attributes:
         model: The elements that could be built, which is all of them when there are no errors.
-        project_root: The folder that hrefs could not leave.
     """
 
     model: Model
     diagnostics: list[Diagnostic] = field(default_factory=list)
-    project_root: Path = field(default_factory=Path)
     lost: tuple[LostReference, ...] = ()
 
     @property
@@ -119,7 +117,7 @@ def read_models(
         except NotShareableError:
             reading = _Reading(*given, None)
             model, diagnostics = reading.run(names)
-    return ReadResult(model, diagnostics, root, reading.lost)
+    return ReadResult(model, diagnostics, reading.lost)
 
 
 class _Reading:

@@ -67,7 +67,7 @@ _GROUPS = ("Receiving.Ready.NotControlled.StateA", "Receiving.Ready.Controlled.S
 
 
 @dataclass
-class Node:
+class StateNode:
     """A state of a machine.
 
     Attributes:
@@ -93,7 +93,7 @@ class Machine:
 
     name: str
     elements: list[jaus.StateMachine] = field(default_factory=list)
-    nodes: dict[str, Node] = field(default_factory=dict)
+    nodes: dict[str, StateNode] = field(default_factory=dict)
     _inside: dict[str, dict[str, None]] = field(default_factory=dict, init=False, repr=False)
     _initial: dict[str, str | None] = field(default_factory=dict, init=False, repr=False)
 
@@ -119,13 +119,13 @@ class Machine:
         for path, state in states_of(element):
             self.enter(path).elements.insert(0, state)
 
-    def enter(self, path: str) -> Node:
+    def enter(self, path: str) -> StateNode:
         """Returns the state of a path, which is there from now on with those that enclose it."""
         names = path.split(".")
         for length in range(1, len(names) + 1):
             enclosing = ".".join(names[:length])
             if enclosing not in self.nodes:
-                self.nodes[enclosing] = Node(enclosing)
+                self.nodes[enclosing] = StateNode(enclosing)
                 self._enclose(enclosing)
         return self.nodes[path]
 
