@@ -12,7 +12,7 @@ from ports import free_domain, free_port
 
 pytest.importorskip("rclpy")
 
-from jausml.cli.shared.models import open_catalogue, read_model
+from jausml.cli.shared.models import open_catalogue, readable_model
 from jausml.live.peers.network import make_network
 from jausml.live.peers.operator import running_operator
 from jausml.live.systems.declared import components_of, declarations_of
@@ -209,7 +209,7 @@ def test_a_hostile_status_is_data(system):
 
 
 def test_the_last_message_on_both_sides(system):
-    model = read_model(str(MODEL))
+    model = readable_model([str(MODEL)], is_one=True)
     monitor = Monitor(expected(declarations_of(model), components_of(model), 0.0))
     catalogue = open_catalogue([str(MODEL)])
     before = system.ros.node.count_subscribers("/odometry")

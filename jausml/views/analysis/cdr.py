@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from jausml.language.cdr.layout import PRIMITIVES
 from jausml.language.metamodel.classes import ros
 from jausml.views.analysis.sizes import TEXT_LENGTH, Size
 
@@ -14,21 +15,6 @@ HEADER = 4
 """Bytes of the encapsulation header."""
 
 _COUNT = 4
-_WIDTHS = {
-    "bool": 1,
-    "byte": 1,
-    "char": 1,
-    "int8": 1,
-    "uint8": 1,
-    "int16": 2,
-    "uint16": 2,
-    "int32": 4,
-    "uint32": 4,
-    "float32": 4,
-    "int64": 8,
-    "uint64": 8,
-    "float64": 8,
-}
 _GREATEST_ALIGNMENT = 8
 
 
@@ -112,12 +98,13 @@ class _Writer:
             return self.message(field.messageType, position)
         assert isinstance(field, ros.PrimitiveField)  # noqa: S101 - the only other class
         name = field.type.name
-        if name not in _WIDTHS:
+        if name not in PRIMITIVES:
             count = self._characters(int(field.stringBound))
             # A string ends with a NUL that counts; a wide one is UTF-16 without.
             octets = count + 1 if name == "string" else 2 * count
             return _aligned(position, _COUNT) + _COUNT + octets
-        return _aligned(position, _WIDTHS[name]) + _WIDTHS[name]
+        width = PRIMITIVES[name].size
+        return _aligned(position, width) + width
 
 
 def _aligned(position: int, width: int) -> int:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.generation.docstrings import clean
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import python_literal, python_string
-from jausml_generators.bridge.light.layout import fields_of, nested
+from jausml.language.cdr.layout import fields_of, nested
 from jausml_generators.bridge.light.serializing import reading_lines, writing_lines
 from jausml_generators.common.ros import ros_type
 from jausml_generators.python.statements import call, tuple_of
@@ -17,8 +17,8 @@ from jausml_generators.python.statements import call, tuple_of
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from jausml.language.cdr.layout import FieldLayout, Sizes
     from jausml.language.metamodel.classes import ros
-    from jausml_generators.bridge.light.layout import FieldLayout, Sizes
     from jausml_generators.bridge.light.serializing import Runs
 
 _OWN_CONSTANTS = frozenset({"LAYOUT", "LEAST", "NESTED", "TYPE"})

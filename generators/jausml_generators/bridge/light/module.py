@@ -5,9 +5,10 @@ from __future__ import annotations
 import functools
 from typing import TYPE_CHECKING
 
+from jausml.generation.errors import GenerationError
 from jausml.generation.languages.python import Imports, Origin, offered
+from jausml.language.cdr.layout import PRIMITIVES, CdrError, Sizes, fields_of, types_within
 from jausml_generators.bridge.light.classes import LightClass
-from jausml_generators.bridge.light.layout import PRIMITIVES, Sizes, fields_of, types_within
 from jausml_generators.bridge.light.serializing import Runs
 from jausml_generators.common import runtime
 from jausml_generators.common.ros import local_names, ros_type
@@ -37,7 +38,10 @@ class LightModule:
         Raises:
             GenerationError: A message contains itself.
         """
-        return tuple(types_within(self._roots))
+        try:
+            return tuple(types_within(self._roots))
+        except CdrError as error:
+            raise GenerationError(str(error)) from error
 
     @functools.cached_property
     def classes(self) -> tuple[LightClass, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import printable
+from jausml.language.cdr.layout import full_name
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.semantics.connections.stops import stop_assignments
 from jausml_generators.bridge.translation.body import Body
@@ -13,7 +14,7 @@ from jausml_generators.bridge.translation.lists import add_list
 from jausml_generators.bridge.translation.messages import add_message
 from jausml_generators.bridge.translation.places import Equal, Place
 from jausml_generators.bridge.translation.printing import printed
-from jausml_generators.bridge.translation.ros_fields import RosStart, full_name
+from jausml_generators.bridge.translation.ros_fields import RosStart
 from jausml_generators.bridge.translation.sources import JausSource, RosSource
 from jausml_generators.bridge.translation.steps import Require, Write
 from jausml_generators.bridge.translation.surroundings import NestedTranslation

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from jausml.language.cdr.layout import full_name
 from jausml.language.metamodel.classes import ros
-from jausml.language.semantics.installed import package_of
 from jausml.language.semantics.paths.ros_paths import fields_by_name, named_constants
 from jausml_generators.bridge.translation.places import Local, Place
 
@@ -102,11 +102,6 @@ def ros_field(message_type: ros.MessageType, path: str, start: RosStart | None =
         field,
         named_constants(holder),
     )
-
-
-def full_name(message_type: ros.MessageType) -> str:
-    """Returns package and name, e.g. `geometry_msgs/Quaternion`."""
-    return f"{package_of(message_type)}/{message_type.name}"
 
 
 def _counts(field: ros.Field) -> tuple[int, int] | None:

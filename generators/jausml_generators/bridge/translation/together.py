@@ -11,6 +11,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.language.attributes.expressions import Call, Operation, operands_of
+from jausml.language.cdr.layout import PRIMITIVES, fields_of
 from jausml.language.metamodel.classes import ros
 from jausml.language.semantics.conversions.angles import (
     DegreesToRadians,
@@ -33,7 +34,6 @@ from jausml.language.semantics.conversions.orientations import (
     NedAnglesToEnuQuaternion,
 )
 from jausml.language.semantics.conversions.times import TimestampToTime, TimeToTimestamp
-from jausml_generators.bridge.light.layout import PRIMITIVES, fields_of
 from jausml_generators.bridge.translation import expressions as values
 from jausml_generators.bridge.translation.places import Local, Place, There
 from jausml_generators.bridge.translation.ros_fields import RosStart

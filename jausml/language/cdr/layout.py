@@ -6,9 +6,8 @@ import json
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation.errors import GenerationError
 from jausml.language.metamodel.classes import ros
-from jausml_generators.bridge.translation.ros_fields import full_name
+from jausml.language.semantics.installed import package_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -17,6 +16,10 @@ SINGLE, FIXED, BOUNDED = "single", "fixedArray", "boundedSequence"
 TEXTS = ("string", "wstring")
 LARGEST_INLINED = 64
 """Most fields of messages inside a message that are read and written together with its own."""
+
+
+class CdrError(ValueError):
+    """A type whose messages have no serialized form."""
 
 
 @dataclass(frozen=True)
@@ -101,6 +104,11 @@ class FieldLayout:
         return f"sequence<{base}, {self.count}>" if self.is_bounded else f"sequence<{base}>"
 
 
+def full_name(message_type: ros.MessageType) -> str:
+    """Returns package and name, e.g. `geometry_msgs/Quaternion`."""
+    return f"{package_of(message_type)}/{message_type.name}"
+
+
 def fields_of(message: ros.MessageType) -> tuple[FieldLayout, ...]:
     """Returns the fields of a message in order."""
     return tuple(_field(each) for each in message.fields)
@@ -111,7 +119,7 @@ def _field(field: ros.Field) -> FieldLayout:
     if isinstance(field, ros.MessageField):
         return FieldLayout(name, array, field.arraySize, message=field.messageType)
     if not isinstance(field, ros.PrimitiveField):
-        raise GenerationError(f"field {name} has no type")
+        raise CdrError(f"field {name} has no type")
     kind = field.type.name
     default = None if field.defaultValue is None else _default(field.defaultValue, kind, array)
     return FieldLayout(
@@ -139,7 +147,7 @@ def types_within(roots: Iterable[ros.MessageType]) -> list[ros.MessageType]:
     """Returns types and those of the messages inside them, the inner ones first.
 
     Raises:
-        GenerationError: A message contains itself.
+        CdrError: A message contains itself.
     """
     found: dict[ros.MessageType, None] = {}
     for root in sorted(set(roots), key=full_name):
@@ -153,7 +161,7 @@ def _collect(
     around: tuple[ros.MessageType, ...],
 ) -> None:
     if message in around:
-        raise GenerationError(f"ROS type {full_name(message)} contains itself")
+        raise CdrError(f"ROS type {full_name(message)} contains itself")
     if message not in found:
         for inner in nested(message):
             _collect(inner, found, (*around, message))

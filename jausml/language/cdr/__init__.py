@@ -1,0 +1,1 @@
+"""CDR, the serialized form of ROS messages: layouts of their types, resolved once."""
