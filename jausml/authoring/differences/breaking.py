@@ -108,14 +108,7 @@ _NAMED_IN_CODE = (
 
 
 def breaks(kind: Kind, table: ClassTable, feature: str, *, is_lost: bool) -> tuple[Breaks, ...]:
-    """Returns whom a change may break.
-
-    Args:
-        kind: What became of the element.
-        table: Its class.
-        feature: The feature that changed, empty for the element as a whole.
-        is_lost: Whether something is no longer there: a value of the feature, or the element.
-    """
+    """Returns whom a change may break."""
     classes = {each.qualified_name for each in table.supertypes}
     found = []
     if _breaks_peers(kind, classes, feature, is_lost=is_lost):

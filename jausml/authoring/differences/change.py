@@ -36,18 +36,11 @@ class Change:
     """One change.
 
     Attributes:
-        kind: What became of the element.
         element: The class of the element in words, such as `bridge connection`.
         path: Where it stands, by the names of the new state, of the old one if it was removed.
         feature: The feature that changed; empty for the whole element.
-        old: The old value; empty without one.
-        new: The new value; empty without one.
-        text: The change in words.
-        breaks: Whom it may break.
         old_place: Where the old state says it, None where it does not.
         new_place: Where the new state says it, None where it does not.
-        old_element: The element of the old state, None without one.
-        new_element: The element of the new state, None without one.
     """
 
     kind: Kind

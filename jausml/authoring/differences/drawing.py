@@ -33,13 +33,7 @@ _OLD = "old!"
 
 @dataclass(frozen=True)
 class Drawn:
-    """A state and its graph.
-
-    Attributes:
-        graph: The graph.
-        model: The model.
-        root: What the references of the graph are relative to.
-    """
+    """A state and its graph."""
 
     graph: Graph
     model: Model
@@ -47,14 +41,7 @@ class Drawn:
 
 
 def compared(old: Drawn, new: Drawn, matching: Matching, found: Sequence[Change]) -> Graph:
-    """Returns the graph of the new state with what was added, removed and changed.
-
-    Args:
-        old: The old state.
-        new: The new state, in the same view.
-        matching: Which elements of both are the same one.
-        found: What changed.
-    """
+    """Returns the graph of the new state with what was added, removed and changed."""
     same: dict[Ref, Ref] = {}
     for before, after in matching.news.items():
         same[refs.ref_of(before, old.model, old.root)] = refs.ref_of(after, new.model, new.root)

@@ -28,11 +28,6 @@ class Matching:
     Identity is looked for in this order: the id in the file, the class and name, the class and
     what tells unnamed elements apart, the same content, and at last much the same content, which
     is what an element has that was renamed.
-
-    Args:
-        old: The old state.
-        new: The new state.
-        roots: The pairs of root elements.
     """
 
     def __init__(self, old: Model, new: Model, roots: Sequence[tuple[EObject, EObject]]) -> None:

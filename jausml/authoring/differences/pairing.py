@@ -22,12 +22,6 @@ def paired_roots(
     Nothing can be said of a file that cannot be parsed in one of the states, so it has none.
 
     Where each state has one given file, these are a pair whatever their names are.
-
-    Args:
-        old: The old state.
-        new: The new state.
-        old_folder: What names of files of the old state are relative to.
-        new_folder: The same of the new state.
     """
     before, after = _files(old, old_folder), _files(new, new_folder)
     unread = {*_unread(old, old_folder), *_unread(new, new_folder)}

@@ -29,15 +29,12 @@ class Applying:
     """Applies one command to a forest.
 
     Args:
-        forest: The forest.
         find: Returns the thing of a ref, or the ref itself when it is of a file that the forest
             has not; and the class of either.
-        metamodels: The metamodels.
 
     Attributes:
         steps: The command, and what follows from it: all of the state before it.
         removed: What goes, the owners alone.
-        created: What it makes.
     """
 
     def __init__(
@@ -251,11 +248,7 @@ def _put(values: dict[str, ValuesT], name: str, new: ValuesT) -> None:
 
 
 def feature_of(table: ClassTable, name: str) -> FeatureTable:
-    """Returns a feature of a class.
-
-    Raises:
-        EditError: It has none of the name.
-    """
+    """Returns a feature of a class."""
     feature = table.features.get(name)
     if feature is None:
         hint = suggest(name, table.features)
@@ -264,11 +257,7 @@ def feature_of(table: ClassTable, name: str) -> FeatureTable:
 
 
 def canonical(values: Values, feature: FeatureTable) -> tuple[str, ...]:
-    """Returns values of an attribute as EMF writes them; none where the default need not stand.
-
-    Raises:
-        EditError: One is no value of the attribute.
-    """
+    """Returns values of an attribute as EMF writes them; none where the default need not stand."""
     found = [lexical(each, feature) for each in converted(values, feature)]
     if feature.many or feature.unsettable or found != [default_text(feature)]:
         return tuple(dict.fromkeys(found)) if feature.unique else tuple(found)

@@ -21,7 +21,6 @@ def with_created(
     """Returns a command with refs to what is there in place of those to what was made.
 
     Args:
-        command: The command.
         known: Returns the ref for which one such as `new:0` stands, and any other text as it is.
     """
     if isinstance(command, Set):

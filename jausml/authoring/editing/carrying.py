@@ -44,8 +44,6 @@ class Outcome:
     """What commands did.
 
     Attributes:
-        created: The elements that they made.
-        referrers: What lost its reference to what went, or went too.
         forest: The elements of the files that were changed, and of those that refer to them.
         shifts: How each command changed refs: new ones by old ones, empty for what is gone.
     """
@@ -67,8 +65,6 @@ def carry_out(commands: Sequence[Command], draft: Draft, known: Forest | None = 
     """Carries out commands in a draft.
 
     Args:
-        commands: The commands, each of which finds what those before it did.
-        draft: The draft.
         known: The forest of an earlier outcome, which spares making one where it still holds. It
             is worth nothing any more.
 
@@ -88,11 +84,7 @@ def names_elements(file: str, data: bytes) -> bool:
 
 
 def referrers(ref: Ref, draft: Draft) -> tuple[Referrer, ...]:
-    """Returns what refers to an element or to what it owns, in all files.
-
-    Raises:
-        EditError: There is no such element, or it is one of the library.
-    """
+    """Returns what refers to an element or to what it owns, in all files."""
     models = {each: draft.read(each).model for each in draft.referring(draft.editable(ref))}
     forest = Forest.grown(models, draft.root)
     targets = set(thing_of(ref, forest).everything())
@@ -105,11 +97,7 @@ def referrers(ref: Ref, draft: Draft) -> tuple[Referrer, ...]:
 
 
 def thing_of(ref: Ref, forest: Forest) -> Thing:
-    """Returns the thing of a ref of one of the files of a forest.
-
-    Raises:
-        EditError: There is none.
-    """
+    """Returns the thing of a ref of one of the files of a forest."""
     thing = forest.find(ref)
     if thing is None:
         raise EditError(f"there is no element {ref} any more", conflict=True)

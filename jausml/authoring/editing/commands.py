@@ -52,10 +52,7 @@ class Child:
     """An element that a new element owns.
 
     Attributes:
-        feature: The feature that owns it.
         kind: Its class with the package, such as `bridge.PeriodicConnection`.
-        values: Its values by feature.
-        children: What it owns.
     """
 
     feature: str
@@ -69,11 +66,6 @@ class Add:
     """Adds an element with what it owns.
 
     Attributes:
-        owner: The element that shall own it.
-        feature: The feature of the owner.
-        kind: Its class with the package, such as `bridge.PeriodicConnection`.
-        values: Its values by feature.
-        children: What it owns.
         position: Its position among the values of the feature, None for the end.
     """
 
@@ -115,13 +107,7 @@ class Rename:
 
 @dataclass(frozen=True, slots=True)
 class Create:
-    """Makes a model file with one root element.
-
-    Attributes:
-        file: The file, relative to the root with forward slashes.
-        kind: Class of the root element with the package, such as `system.System`.
-        values: Its values by feature.
-    """
+    """Makes a model file with one root element."""
 
     file: str
     kind: str
@@ -133,8 +119,6 @@ class Place:
     """Places boxes of a view by hand.
 
     Attributes:
-        file: The model file whose view it is.
-        view: Name of the view.
         positions: Upper left corners in pixels by the key of the box; None leaves a box to the
             layout engine again.
     """

@@ -20,8 +20,6 @@ def renewed(wanted: Forest, models: Mapping[str, Model], changed: Collection[Thi
 
     Args:
         wanted: A forest that a command was applied to. Its things become those of what was read.
-        models: What was read of its files.
-        changed: The things whose values or references the command changed.
 
     Raises:
         EditError: Something else was read than is meant; the forest is worth nothing any more.

@@ -11,13 +11,7 @@ if TYPE_CHECKING:
 
 
 def takes_back(entry: Entry | None, known: Stored | None, new: bytes | None) -> bool:
-    """Tells whether a file has the lines again that an edit has replaced, and none that it made.
-
-    Args:
-        entry: The last entry of the log, if there is one.
-        known: The file as the project left it, None for a new one.
-        new: What another program has made of it, None if it is gone.
-    """
+    """Tells whether a file has the lines again that an edit has replaced, and none that it made."""
     if entry is None or known is None or new is None or entry.is_outside:
         return False
     for change in entry.changes:

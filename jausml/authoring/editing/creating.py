@@ -23,15 +23,7 @@ if TYPE_CHECKING:
 
 
 def new_document(command: Create, draft: Draft) -> tuple[bytes, dict[str, Values]]:
-    """Returns the bytes of a new file, and references of its root that are still to be set.
-
-    Args:
-        command: What is wanted.
-        draft: The files that are there.
-
-    Raises:
-        EditError: There is such a file, or it must not be made.
-    """
+    """Returns the bytes of a new file, and references of its root that are still to be set."""
     _check_name(command.file, draft)
     metamodels = load_metamodels()
     root, later = _root(command, metamodels)

@@ -33,10 +33,6 @@ def described(
     The owner of each is empty, its feature the one that owns it now. What they refer to within
     what is copied becomes a ref to the copy, such as `new:0/@maps.1`: a copy of a bridge has its
     connections use its own maps. What refers so is added after what it refers to.
-
-    Args:
-        elements: The elements, each with a model that has it.
-        ref_of: Returns the ref of an element of a model.
     """
     return _Describing(elements, ref_of).commands()
 
@@ -223,17 +219,7 @@ def pasted(
     model: Model,
     ref_of: Callable[[EObject, Model], Ref],
 ) -> tuple[Add | Set, ...]:
-    """Returns descriptions as commands that add to an owner, with names that are free there.
-
-    Args:
-        commands: The descriptions.
-        chosen: The owner, or what stands in it.
-        model: The model of it.
-        ref_of: Returns the ref of an element of a model.
-
-    Raises:
-        EditError: Neither the element nor one around it can own what is described.
-    """
+    """Returns descriptions as commands that add to an owner, with names that are free there."""
     taken: dict[EObject, set[str]] = {}
     found: list[Add | Set] = []
     for each in commands:

@@ -26,14 +26,7 @@ if TYPE_CHECKING:
 
 
 class Draft:
-    """The files of a project with changes that nobody else sees yet.
-
-    Args:
-        root: The opened folder, symbolic links followed.
-        files: The files as they are.
-        reader: Reads models.
-        revision: The revision that the changes would lead to.
-    """
+    """The files of a project with changes that nobody else sees yet."""
 
     def __init__(
         self, root: Path, files: Mapping[str, Stored], reader: Reader, revision: int
@@ -64,11 +57,7 @@ class Draft:
         return self._reader.documents(file, self.files)
 
     def editable(self, ref: Ref) -> str:
-        """Returns the file of a ref.
-
-        Raises:
-            EditError: It must not be changed, or cannot be as it is.
-        """
+        """Returns the file of a ref."""
         file, _ = refs.split(ref)
         if is_library(file):
             raise EditError(f"{ref} is part of the library, which cannot be changed")
@@ -79,11 +68,7 @@ class Draft:
         return file
 
     def element(self, ref: Ref) -> tuple[EObject, Model]:
-        """Returns an element, and the model of its own file.
-
-        Raises:
-            EditError: There is no such element, or it must not be changed.
-        """
+        """Returns an element, and the model of its own file."""
         model = self.read(self.editable(ref)).model
         found = refs.find(ref, model, self.root)
         if found is None:
@@ -91,11 +76,7 @@ class Draft:
         return found, model
 
     def locate(self, ref: Ref) -> tuple[EObject, Model]:
-        """Returns an element, be it one of the library, and a model that has it.
-
-        Raises:
-            EditError: There is no such element.
-        """
+        """Returns an element, be it one of the library, and a model that has it."""
         file, _ = refs.split(ref)
         if is_library(file):
             model = self._reader.library(file).model
@@ -133,11 +114,7 @@ class Draft:
             self.files[file] = stored(file, data, self._revision, before)
 
     def check(self, file: str) -> None:
-        """Sees to it that a file that was changed can be parsed.
-
-        Raises:
-            EditError: It cannot.
-        """
+        """Sees to it that a file that was changed can be parsed."""
         held = self.files[file]
         if held == self._before.get(file):
             return

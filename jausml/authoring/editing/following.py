@@ -15,14 +15,7 @@ if TYPE_CHECKING:
 
 
 def followed(layout: Layout, file: str, before: Forest, after: Forest) -> Layout:
-    """Returns the layout of a file after an edit: what was renamed keeps its place.
-
-    Args:
-        layout: The layout before.
-        file: The model file.
-        before: The elements before.
-        after: The elements after, with the things of those before; what is gone is not among them.
-    """
+    """Returns the layout of a file after an edit: what was renamed keeps its place."""
     old, new = before.models[file], after.models[file]
     elements = {after.things[obj]: obj for obj in new.elements() if obj in after.things}
     old_keys, new_keys = old.made(Keys), new.made(Keys)

@@ -31,17 +31,12 @@ class Thing:
     """An element.
 
     Attributes:
-        table: Its class.
         file: The file of which it was read or for which it was made.
         obj: The element of the model of that file, None when it is new.
-        identifier: Its id, empty without one.
         values: What its attributes have, as XMI writes it, by name; None is no value where
             there is a default. What has its default is left out.
         references: What it refers to, by the name of the feature: things, and the refs of
             elements of files that the forest has not.
-        owned: What it owns, by the name of the feature.
-        owner: What owns it, None for a root.
-        feature: The feature of the owner, empty for a root.
         open: Attributes that a text leaves open: what they have follows from all else, and may
             be another value after an edit.
     """
@@ -103,17 +98,7 @@ class Thing:
 
 
 class Forest:
-    """The elements of some files of a project; `Forest.grown` has all of them.
-
-    Args:
-        models: The models of the files, by their names.
-        root: The opened folder, symbolic links followed.
-
-    Attributes:
-        models: The models of the files.
-        roots: The roots of each file.
-        things: Things by the elements of all those models.
-    """
+    """The elements of some files of a project; `Forest.grown` has all of them."""
 
     def __init__(self, models: Mapping[str, Model], root: Path) -> None:
         self.models = dict(models)
@@ -125,12 +110,7 @@ class Forest:
 
     @classmethod
     def grown(cls, models: Mapping[str, Model], root: Path) -> Forest:
-        """Returns the forest of all elements of some files.
-
-        Args:
-            models: The models of the files, by their names.
-            root: The opened folder, symbolic links followed.
-        """
+        """Returns the forest of all elements of some files."""
         forest = cls(models, root)
         for file, model in models.items():
             document = model.documents[0]
@@ -147,11 +127,7 @@ class Forest:
         return self.things.get(obj) if obj is not None else None
 
     def fragments(self, paths: Mapping[Thing, str] | None = None) -> dict[Thing, str]:
-        """Returns by which fragments things are found: ids, else paths.
-
-        Args:
-            paths: The paths of things, those of now when None.
-        """
+        """Returns by which fragments things are found: ids, else paths."""
         return {**(self.paths() if paths is None else paths), **self._identifiers}
 
     def paths(self) -> dict[Thing, str]:
@@ -171,20 +147,11 @@ class Forest:
         return found
 
     def ref(self, thing: Thing, fragments: Mapping[Thing, str] | None = None) -> Ref:
-        """Returns the ref of a thing as it stands now.
-
-        Args:
-            thing: A thing of the forest.
-            fragments: What `fragments` gives, where that is known.
-        """
+        """Returns the ref of a thing as it stands now."""
         return f"{thing.root.file}#{(fragments or self.fragments())[thing]}"
 
     def refs(self, paths: Mapping[Thing, str] | None = None) -> dict[Thing, Ref]:
-        """Returns the refs of all things in the files that they were read of.
-
-        Args:
-            paths: The paths of things, those of now when None.
-        """
+        """Returns the refs of all things in the files that they were read of."""
         return {each: f"{each.file}#{at}" for each, at in self.fragments(paths).items()}
 
     def referrers(self, targets: set[Thing]) -> Iterator[tuple[Thing, str]]:

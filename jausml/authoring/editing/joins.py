@@ -15,12 +15,7 @@ _SOURCE, _PATH = "source", "path"
 
 
 def paths_through(join: Thing, name: str) -> Iterator[tuple[Thing, str, str]]:
-    """Yields what has paths through a join, the feature, and the paths with another name for it.
-
-    Args:
-        join: The join, or any other element, which has none.
-        name: The other name.
-    """
+    """Yields what has paths through a join, the feature, and the paths with another name for it."""
     if join.owner is None or join.feature not in _DIRECTIONS or not join.name:
         return
     feature, way = _DIRECTIONS[join.feature]

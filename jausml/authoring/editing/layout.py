@@ -81,7 +81,6 @@ def renamed(layout: Layout, new_name: Callable[[LayoutKey], LayoutKey | None]) -
     """Returns a layout whose boxes have other keys.
 
     Args:
-        layout: The layout.
         new_name: Returns the new key of an element, None for one that is gone.
     """
     return {view: _renamed(boxes, new_name) for view, boxes in layout.items()}

@@ -25,11 +25,6 @@ class Outside:
 
     An element is the same if it has the same names up to its root. What has no name of its own is
     found again only where nothing of it has changed, since its position says nothing.
-
-    Args:
-        file: The file.
-        before: Its elements before.
-        after: Its elements after.
     """
 
     def __init__(self, file: str, before: Forest, after: Forest) -> None:
@@ -51,7 +46,6 @@ class Outside:
         """Returns a command with the refs after the change.
 
         Args:
-            command: A command with the refs before it.
             is_first: Whether the command gives way where both change the same; else it wins.
 
         Raises:

@@ -26,12 +26,9 @@ class Context:
     """The file for which is planned, and the model that was read of it and all it refers to.
 
     Attributes:
-        file: The file, relative to the root with forward slashes.
         root: The opened folder, symbolic links followed.
-        model: The model.
         forest: The elements of all files concerned, as the commands will have them.
         paths: The paths of things of the forest before the commands.
-        locate: Returns the element of a ref, and a model that has it.
     """
 
     file: str
@@ -72,8 +69,4 @@ class Planner(Protocol):
 
         Args:
             commands: The commands, all of the same state of the files.
-            context: The file and its model as they are.
-
-        Raises:
-            EditError: The notation cannot say what is wanted.
         """

@@ -62,11 +62,7 @@ class Project:
 
     Every change is written at once and logged. All methods may be called from any thread.
 
-    Args:
-        opened: The folder; or a model file, whose folder is meant.
-
     Attributes:
-        root: The folder, symbolic links followed.
         opened: The model file that was named, relative to the root; else empty.
         typing_pause: Seconds without typing after which what is typed is another entry of the log.
 
@@ -128,32 +124,18 @@ class Project:
 
         It is that of the last revision in which the file could be parsed. It stays as it is when
         the file changes: later calls return another one.
-
-        Args:
-            file: The file, relative to the root with forward slashes.
-
-        Raises:
-            EditError: The project has no such file.
         """
         with self._lock:
             self._known(file)
             return self._reader.read(file, self._files)
 
     def read(self, file: str) -> tuple[ReadResult, Freshness]:
-        """Returns the model of a file as `model` does, and what it is worth at this moment.
-
-        Raises:
-            EditError: The project has no such file.
-        """
+        """Returns the model of a file as `model` does, and what it is worth at this moment."""
         with self._lock:
             return self.model(file), self._reader.freshness(file, self._files, self._revision)
 
     def text(self, file: str) -> bytes:
-        """Returns the bytes of a file.
-
-        Raises:
-            EditError: The project has no such file.
-        """
+        """Returns the bytes of a file."""
         with self._lock:
             return self._known(file).data
 
@@ -165,9 +147,6 @@ class Project:
         """Returns the element of a ref, and the model of its file.
 
         Elements of the library are looked for in the models of all files.
-
-        Raises:
-            EditError: There is none.
         """
         file, _ = refs.split(ref)
         with self._lock:
@@ -183,11 +162,7 @@ class Project:
         """Returns what commands would do; nothing is written.
 
         Args:
-            commands: The commands.
             base: The revision of which their refs are; None for the present one.
-
-        Raises:
-            EditError: They cannot be carried out.
         """
         with self._lock:
             commands = self._rebased(commands, base)
@@ -211,8 +186,6 @@ class Project:
         Where another program has just changed a file, they are planned again with what it says.
 
         Args:
-            commands: The commands, each of which finds what those before it did.
-            label: What they do, for people.
             base: The revision of which their refs are; None for the present one. Refs are
                 followed through what was done since.
             is_first: Whether they give way where others have changed the same since; else they
@@ -263,16 +236,7 @@ class Project:
         return entry
 
     def write_text(self, file: str, text: str, base: int) -> Entry:
-        """Writes what somebody typed; what cannot be parsed is written too, and its model stays.
-
-        Args:
-            file: A text file.
-            text: All of its text.
-            base: The revision of which the text was changed.
-
-        Raises:
-            EditError: It was changed by others since.
-        """
+        """Writes what somebody typed; what cannot be parsed is written too, and its model stays."""
         with self._lock:
             known = self._known(file)
             if not file.endswith(SUFFIX):
@@ -359,22 +323,13 @@ class Project:
             return tuple(met)
 
     def describe(self, elements: Sequence[Ref]) -> tuple[Add | Set, ...]:
-        """Returns commands that would add elements once more, to whatever owner.
-
-        Raises:
-            EditError: One of the elements is not there.
-        """
+        """Returns commands that would add elements once more, to whatever owner."""
         with self._lock:
             draft = self._draft()
             return described([draft.locate(each) for each in elements], self.ref)
 
     def paste(self, commands: Sequence[Add | Set], owner: Ref, label: str) -> Entry:
         """Adds what `describe` gave, under names that are free.
-
-        Args:
-            commands: The descriptions.
-            owner: The element that shall own it, or that stands beside it.
-            label: What it does, for people.
 
         Raises:
             EditError: It cannot be carried out. Nothing was written.
@@ -384,21 +339,12 @@ class Project:
             return self.do(pasted(commands, obj, model, self.ref), label)
 
     def referrers(self, ref: Ref) -> tuple[Referrer, ...]:
-        """Returns what refers to an element or to what it owns, in all files.
-
-        Raises:
-            EditError: There is no such element, or it is one of the library.
-        """
+        """Returns what refers to an element or to what it owns, in all files."""
         with self._lock:
             return referrers(ref, self._draft())
 
     def positions(self, file: str, view: str) -> Mapping[LayoutKey, tuple[int, int]]:
-        """Returns the upper left corners of boxes that were placed by hand in a view, by key.
-
-        Args:
-            file: The model file whose view it is.
-            view: Name of the view.
-        """
+        """Returns the upper left corners of boxes that were placed by hand in a view, by key."""
         with self._lock:
             held = self._files.get(layout_file(file))
             return read_layout(held.data).get(view, {}) if held is not None else {}

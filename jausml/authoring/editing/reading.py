@@ -53,11 +53,7 @@ def digest(data: bytes) -> str:
 
 
 def model_files(root: Path) -> Iterator[str]:
-    """Yields model and layout files below a folder, relative to it with forward slashes, in order.
-
-    Args:
-        root: The folder, symbolic links followed.
-    """
+    """Yields model and layout files below a folder, relative to it with `/`, in order."""
     count = 0
     for folder, folders, names in os.walk(root):
         folders[:] = sorted(each for each in folders if _is_shown(each))
@@ -75,10 +71,6 @@ def is_model_file(file: str, root: Path) -> bool:
 
     Hidden files and folders and those of builds are left out, links that lead out of the folder,
     and the shipped library with its copies.
-
-    Args:
-        file: The file, relative to the folder with forward slashes.
-        root: The folder, symbolic links followed.
     """
     if not file.endswith((*SUFFIXES, layout.SUFFIX)) or not all(map(_is_shown, file.split("/"))):
         return False
@@ -97,14 +89,7 @@ def _is_shown(name: str) -> bool:
 
 
 def stored(file: str, data: bytes, revision: int, before: Stored | None = None) -> Stored:
-    """Returns a file with new bytes; while these cannot be parsed, its model stays what it was.
-
-    Args:
-        file: The file, relative to the root with forward slashes.
-        data: Its bytes.
-        revision: Revision of the project in which they came.
-        before: The file as it was, None for a new one.
-    """
+    """Returns a file with new bytes; while these cannot be parsed, its model stays what it was."""
     good, since = data, revision
     if before is not None and not can_be_parsed(file, data) and can_be_parsed(file, before.good):
         good, since = before.good, before.good_since
@@ -131,11 +116,7 @@ class _Kept:
 
 
 class Reader:
-    """Reads the models of a project's files, and keeps those whose files are as they were.
-
-    Args:
-        root: The opened folder, symbolic links followed.
-    """
+    """Reads the models of a project's files, and keeps those whose files are as they were."""
 
     def __init__(self, root: Path) -> None:
         self._root = root
@@ -145,12 +126,7 @@ class Reader:
         self._shelf = Shelf()
 
     def read(self, file: str, files: Mapping[str, Stored]) -> ReadResult:
-        """Returns the model of a file and all that it refers to.
-
-        Args:
-            file: The file.
-            files: All files of the project.
-        """
+        """Returns the model of a file and all that it refers to."""
         kept = self._kept.setdefault(file, [])
         names = frozenset(files)
         for each in kept:
@@ -167,9 +143,6 @@ class Reader:
 
         Args:
             file: The file as refs name it, such as `library:/jaus/mobility.xmi`.
-
-        Raises:
-            EditError: The library has no such file.
         """
         found = self._library.get(file)
         if found is None:
@@ -204,13 +177,7 @@ class Reader:
         return replace(result, diagnostics=[*faults, *result.diagnostics]) if faults else result
 
     def freshness(self, file: str, files: Mapping[str, Stored], revision: int) -> Freshness:
-        """Returns what the model of a file is worth.
-
-        Args:
-            file: The file.
-            files: All files of the project.
-            revision: Revision of the project.
-        """
+        """Returns what the model of a file is worth."""
         result = self.read(file, files)
         documents = {file_of(each, self._root): each for each in result.model.documents}
         old = [

@@ -31,9 +31,7 @@ class _Passage:
     """What happened in one revision.
 
     Attributes:
-        files: The files that have changed.
         shifts: How refs shifted; None when no commands say so.
-        outside: Understands a change that no commands made.
     """
 
     files: frozenset[str]
@@ -88,13 +86,7 @@ class Rebasing:
         return shifts is not None
 
     def note_outside(self, revision: int, file: str, outside: Callable[[], Outside]) -> None:
-        """Remembers that something was done to a file that no commands say.
-
-        Args:
-            revision: The revision that it led to.
-            file: The file.
-            outside: Understands it; asked for only when a command was thought of before it.
-        """
+        """Remembers that something was done to a file that no commands say."""
         self._passages[revision] = _Passage(frozenset([file]), None, cache(outside))
         # Each has the files before and after: more than a few would need much memory.
         held = [number for number, each in self._passages.items() if each.outside is not None]
@@ -103,18 +95,7 @@ class Rebasing:
         self._forget()
 
     def rebased(self, command: Command, base: int, now: int, *, is_first: bool = True) -> Command:
-        """Returns a command with the present refs of its elements.
-
-        Args:
-            command: A command with the refs of an earlier revision.
-            base: That revision.
-            now: The present revision.
-            is_first: Whether it gives way where others have changed the same; else it wins.
-
-        Raises:
-            EditError: What it speaks of is gone, or cannot be found again for certain, or others
-                have changed the same.
-        """
+        """Returns a command with the present refs of its elements."""
         if isinstance(command, Create | Place):
             return command
         for revision in range(base + 1, now + 1):

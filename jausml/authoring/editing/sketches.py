@@ -32,11 +32,7 @@ if TYPE_CHECKING:
 
 
 def feature_of(table: ClassTable, name: str) -> FeatureTable:
-    """Returns a feature of a class that can be set.
-
-    Raises:
-        EditError: The class has none of this name.
-    """
+    """Returns a feature of a class that can be set."""
     feature = table.features.get(name)
     if feature is None or not feature.settable or feature.kind is FeatureKind.CONTAINER:
         hint = suggest(name, table.features)
@@ -46,11 +42,7 @@ def feature_of(table: ClassTable, name: str) -> FeatureTable:
 
 
 def converted(texts: Values, feature: FeatureTable) -> list[Any]:
-    """Returns the values of an attribute that texts stand for.
-
-    Raises:
-        EditError: One of them is none, or there are too many.
-    """
+    """Returns the values of an attribute that texts stand for."""
     if len(texts) > 1 and not feature.many:
         raise EditError(f"{feature.name} takes one value")
     found = []
@@ -67,11 +59,6 @@ def copied(
     obj: EObject, metamodels: Metamodels, without: tuple[EObject, str] | None = None
 ) -> tuple[EObject, dict[EObject, EObject]]:
     """Returns a sketch of an element as it is, and the sketch of all that it owns.
-
-    Args:
-        obj: The element.
-        metamodels: The metamodels of it.
-        without: An element among these and a feature that its sketch shall not have.
 
     Returns:
         The sketch, whose owner is that of the element, and the sketches by element.
@@ -128,16 +115,7 @@ def drawn(
     metamodels: Metamodels,
     find: Callable[[str, FeatureTable], EObject],
 ) -> EObject:
-    """Returns a sketch of a new element with what it owns.
-
-    Args:
-        command: What it is.
-        metamodels: The metamodels of it.
-        find: Returns the element of a ref.
-
-    Raises:
-        EditError: The metamodels have no such element.
-    """
+    """Returns a sketch of a new element with what it owns."""
     table = metamodels.classes.get(command.kind)
     if table is None or table.abstract:
         raise EditError(f"there are no elements of class {show(command.kind)}")
@@ -152,11 +130,7 @@ def drawn(
 
 
 def owning(table: ClassTable, name: str, kind: str, metamodels: Metamodels) -> FeatureTable:
-    """Returns the feature of a class that owns elements of another class.
-
-    Raises:
-        EditError: There is none of this name, or it owns others.
-    """
+    """Returns the feature of a class that owns elements of another class."""
     feature = feature_of(table, name)
     owned = metamodels.classes.get(kind)
     if owned is None or owned.abstract:

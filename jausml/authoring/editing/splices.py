@@ -18,8 +18,6 @@ class Splice:
     Attributes:
         file: The file, relative to the root with forward slashes.
         start: Offset in bytes, in the file as it was before any splice of the same step.
-        old: The bytes that stand there.
-        new: The bytes that take their place.
     """
 
     file: str
@@ -54,11 +52,7 @@ def applied(data: bytes, splices: Sequence[Splice]) -> bytes:
     """Returns what splices of one file make of it.
 
     Args:
-        data: The file.
         splices: Those of one step, in order, none over another.
-
-    Raises:
-        EditError: The file does not have the old bytes where a splice expects them.
     """
     parts: list[bytes] = []
     at = 0

@@ -25,14 +25,7 @@ _TRANSITIONS = ("transitions", "defaults")
 
 @dataclass(frozen=True)
 class _Way:
-    """A transition that names its target.
-
-    Attributes:
-        transition: The transition.
-        source: Path of its state.
-        text: What it names.
-        machine: Its machine.
-    """
+    """A transition that names its target."""
 
     transition: Thing
     source: str
@@ -46,13 +39,7 @@ class _Way:
 
 
 def targets_through(state: Thing, name: str, forest: Forest) -> Iterator[tuple[Thing, str, str]]:
-    """Yields what names a state as its target, and how if that had another name.
-
-    Args:
-        state: The state, or any other element, which no target names.
-        name: The other name.
-        forest: What has the transitions.
-    """
+    """Yields what names a state as its target, and how if that had another name."""
     machine = _machine(state)
     if machine is None or not name or not state.name:
         return
@@ -67,12 +54,7 @@ def targets_through(state: Thing, name: str, forest: Forest) -> Iterator[tuple[T
 
 
 def bereft_transitions(gone: Collection[Thing], forest: Forest) -> Iterator[Thing]:
-    """Yields the transitions that enter no state any more when elements go.
-
-    Args:
-        gone: What goes.
-        forest: What has the transitions.
-    """
+    """Yields the transitions that enter no state any more when elements go."""
     for machine in {each: None for each in map(_machine, gone) if each is not None}:
         for way in _ways(machine, forest):
             left = _put_together(way.machine, gone)

@@ -15,7 +15,6 @@ def typed(text: str, before: bytes) -> bytes:
 
     Args:
         text: The text; where its lines end with line feeds alone, an editor may have made them so.
-        before: The bytes of the file as it is.
 
     Raises:
         EditError: The text has characters that no file can hold.

@@ -36,25 +36,12 @@ class Unsaved:
         self._draft = Draft(self._root, files, Reader(self._root), 1)
 
     def ref(self, path: Path, find: Callable[[Model], EObject | None]) -> Ref:
-        """Returns the ref of an element of a file, empty where there is none.
-
-        Args:
-            path: The file.
-            find: Finds it in the model of the file, whose first document it is.
-        """
+        """Returns the ref of an element of a file, empty where there is none."""
         model = self._draft.read(self._names[path]).model
         return refs.ref_of(find(model), model, self._root)
 
     def rename(self, element: Ref, name: str) -> Mapping[Path, Sequence[Splice]]:
-        """Returns what another name of an element changes in each file.
-
-        Args:
-            element: The element.
-            name: Its new name.
-
-        Raises:
-            EditError: It cannot have that name, or a file cannot be parsed as it is.
-        """
+        """Returns what another name of an element changes in each file."""
         home, _ = refs.split(element)
         if not can_be_parsed(home, self._draft.files[home].data):
             raise EditError(f"{home} cannot be parsed as it is: fix it first")

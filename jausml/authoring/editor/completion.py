@@ -63,10 +63,6 @@ class Completion:
     """Something that can stand at a place.
 
     Attributes:
-        label: What is offered, and written.
-        kind: What it is.
-        detail: A few words on it.
-        documentation: More on it.
         text: What is written, when that is not the label.
         module: What of the library is imported with it; empty for nothing.
         is_first: Whether it goes better than others with what stands around.
@@ -83,14 +79,7 @@ class Completion:
 
 @dataclass(frozen=True, slots=True)
 class Offer:
-    """One completion: something that can stand at a place.
-
-    Attributes:
-        start: Where the word begins that a completion replaces.
-        end: Where it ends.
-        completions: What can stand there.
-        imports_end: Where the text can have a further import.
-    """
+    """One completion: something that can stand at a place."""
 
     start: Place
     end: Place
@@ -99,13 +88,7 @@ class Offer:
 
 
 def complete(bench: Workbench, path: Path, place: Place) -> Offer:
-    """Returns what can stand at a place.
-
-    Args:
-        bench: What is open.
-        path: The file of the text.
-        place: The place.
-    """
+    """Returns what can stand at a place."""
     text = bench.text(path)
     context = context_at(text, sketched_text(text), place)
     completions = _OFFERS.get(context.part, _nothing)(bench, path, context)

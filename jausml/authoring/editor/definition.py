@@ -27,12 +27,7 @@ _WORDS = {"WORD", "INDEXED"}
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """The place where a name is given.
-
-    Attributes:
-        path: The file.
-        span: The name there, or the beginning of the element.
-    """
+    """The place where a name is given."""
 
     path: Path
     span: Span
@@ -51,13 +46,7 @@ _PUNCTUATION = {
 
 
 def define(bench: Workbench, path: Path, place: Place) -> Definition | None:
-    """Returns where the name at a place is given.
-
-    Args:
-        bench: What is open.
-        path: The file of the text.
-        place: The place.
-    """
+    """Returns where the name at a place is given."""
     text = bench.text(path)
     imported = _imported(bench, path, place)
     if imported is not None:
@@ -88,13 +77,7 @@ def declaration_at(bench: Workbench, path: Path, place: Place) -> tuple[Path, De
 
 
 def meant(bench: Workbench, path: Path, reference: Reference) -> tuple[Path, Declaration] | None:
-    """Returns the declaration in texts that a reference means, with its file.
-
-    Args:
-        bench: What is open.
-        path: The file of the reference.
-        reference: The reference.
-    """
+    """Returns the declaration in texts that a reference means, with its file."""
     for file in (path, *bench.imports(path)):
         declaration = find(reference, names_in(bench.text(file)).declarations)
         if declaration is not None:

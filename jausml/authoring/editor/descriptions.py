@@ -20,11 +20,7 @@ _MOST_NAMES = 12
 
 
 def described(element: EObject) -> str:
-    """Returns what is known of an element that the library or a text has; empty for other classes.
-
-    Args:
-        element: A message, a ROS type or a service.
-    """
+    """Returns what is known of an element of the library or a text; empty for other classes."""
     if isinstance(element, jaus.MessageDef):
         return _joined(_head(element, element.code), element.documentation, _fields(element))
     if isinstance(element, ros.MessageType):

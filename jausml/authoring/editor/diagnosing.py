@@ -20,14 +20,7 @@ _WORD = re.compile(r"[^\s,(){}\[\]]+|.")
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """Something that is wrong with a text.
-
-    Attributes:
-        span: Where.
-        severity: How grave it is.
-        rule: Id of the rule.
-        message: What is wrong, and what to do about it.
-    """
+    """Something that is wrong with a text."""
 
     span: Span
     severity: Severity
@@ -44,12 +37,7 @@ def syntax_problems(text: str) -> list[Problem]:
 
 
 def all_problems(bench: Workbench, path: Path) -> list[Problem]:
-    """Reads an open text as a model and returns all that is wrong with it.
-
-    Args:
-        bench: What is open.
-        path: The file of the text.
-    """
+    """Reads an open text as a model and returns all that is wrong with it."""
     lines = bench.text(path).split("\n")
     return [
         Problem(

@@ -29,25 +29,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Hover:
-    """Everything known of a word.
-
-    Attributes:
-        text: It, as Markdown.
-        token: The word.
-    """
+    """Everything known of a word."""
 
     text: str
     token: Token
 
 
 def hover(bench: Workbench, path: Path, place: Place) -> Hover | None:
-    """Returns what is known of the word at a place, None when it is nothing.
-
-    Args:
-        bench: What is open.
-        path: The file of the text.
-        place: The place.
-    """
+    """Returns what is known of the word at a place, None when it is nothing."""
     text = bench.text(path)
     token = word_at(text, place)
     if token is None:

@@ -14,15 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class Symbol:
-    """Something that a text declares.
-
-    Attributes:
-        name: Its name.
-        kind: Its class, in small letters.
-        span: All of it.
-        name_span: Its name.
-        children: What it owns.
-    """
+    """Something that a text declares."""
 
     name: str
     kind: str
@@ -32,11 +24,7 @@ class Symbol:
 
 
 def outline(text: str) -> list[Symbol]:
-    """Returns what a text declares, as a forest.
-
-    Args:
-        text: The text.
-    """
+    """Returns what a text declares, as a forest."""
     roots: list[Symbol] = []
     by_item: dict[int, Symbol] = {}
     for each in names_in(text).declarations:

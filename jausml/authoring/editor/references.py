@@ -24,10 +24,7 @@ class Candidate:
     """An element that a reference can name.
 
     Attributes:
-        name: How the text names it.
-        detail: A few words on it.
         module: What the text must import first, empty when it knows the name.
-        fits: Whether it goes with the services around the reference.
     """
 
     name: str
@@ -40,10 +37,6 @@ def services(bench: Workbench, path: Path) -> Iterator[Candidate]:
     """Yields the services that a text can name.
 
     Those that the library has in several versions need an import that says which.
-
-    Args:
-        bench: What is open.
-        path: The file of the text.
     """
     imported = _imported(bench, path)
     named: dict[str, list[jaus.Service]] = {}
@@ -58,13 +51,7 @@ def services(bench: Workbench, path: Path) -> Iterator[Candidate]:
 
 
 def maps(bench: Workbench, path: Path, context: Context) -> Iterator[Candidate]:
-    """Yields the maps of the library for a connection: first those of its services.
-
-    Args:
-        bench: What is open.
-        path: The file of the text.
-        context: The place in the connection.
-    """
+    """Yields the maps of the library for a connection: first those of its services."""
     imported = _imported(bench, path)
     wanted = _messages_around(bench, path, context)
     for each in library_maps():

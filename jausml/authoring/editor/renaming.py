@@ -32,13 +32,7 @@ class RenameError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Edit:
-    """A change of a text.
-
-    Attributes:
-        path: The file.
-        span: What is replaced.
-        text: What by.
-    """
+    """A change of a text."""
 
     path: Path
     span: Span
@@ -46,13 +40,7 @@ class Edit:
 
 
 def renamed_span(bench: Workbench, path: Path, place: Place) -> Span | None:
-    """Returns the name at a place that can be changed, None when there is none.
-
-    Args:
-        bench: What is open.
-        path: The file of the text.
-        place: The place.
-    """
+    """Returns the name at a place that can be changed, None when there is none."""
     if declaration_at(bench, path, place) is None:
         return None
     names = names_in(bench.text(path))
@@ -65,9 +53,6 @@ def rename(bench: Workbench, path: Path, place: Place, name: str) -> list[Edit]:
     """Returns the changes that give an element another name, wherever a text names it.
 
     Args:
-        bench: What is open.
-        path: The file of the text.
-        place: A place at the name of the element, or at a reference to it.
         name: The new name, without back quotes.
 
     Raises:

@@ -72,11 +72,7 @@ def serve() -> None:
 
 
 def make_server(root: Path | None = None) -> LanguageServer:
-    """Returns the server with all that it answers.
-
-    Args:
-        root: The folder outside of which it reads nothing but the library; None for no limit.
-    """
+    """Returns the server with all that it answers."""
     server = LanguageServer(
         "jausml",
         __version__,

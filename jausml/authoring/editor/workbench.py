@@ -77,7 +77,6 @@ class Workbench:
     """The open texts, and what was read of them.
 
     Attributes:
-        texts: The texts that are open in the editor, by real path.
         root: The folder outside of which nothing but the library is read, symbolic links followed;
             None for no limit.
     """
@@ -111,9 +110,6 @@ class Workbench:
 
         May run beside everything else. What was read answers later questions.
 
-        Args:
-            path: Real path of the text.
-
         Returns:
             What was found in this text.
         """
@@ -141,12 +137,7 @@ class Workbench:
             return self._library
 
     def elements(self, path: Path, kind: type[ElementT]) -> list[ElementT]:
-        """Returns the elements of a class that a text can name: its own, then the library's.
-
-        Args:
-            path: Real path of the text.
-            kind: The class.
-        """
+        """Returns the elements of a class that a text can name: its own, then the library's."""
         model = self._models.get(path)
         own = model.instances(kind, library=False) if model is not None else []
         return own + self.library().instances(kind)

@@ -32,16 +32,10 @@ class Carrying:
     """Does to our side what a plan says.
 
     Args:
-        file: The file.
-        root: The folder that files are relative to, symbolic links followed.
-        files: The model files of the folder, with our side of the file.
-        reader: Reads models.
         sides: The three states; our side is that which the reader has read of the files.
 
     Attributes:
-        files: The model files with what was done.
         where: The refs of the elements of our side, and of what was added, as they stand now.
-        conflicts: What turned out not to go together.
     """
 
     def __init__(
@@ -62,11 +56,7 @@ class Carrying:
         self._later: list[tuple[EObject, FeatureTable, EObject]] = []
 
     def run(self, plan: Plan) -> None:
-        """Carries a plan out.
-
-        Raises:
-            EditError: A command cannot be carried out as it is meant.
-        """
+        """Carries a plan out."""
         going = {each for one in (*plan.removed, *plan.replaced) for each in self._all_of(one)}
         for each in plan.replaced:
             self._remove(each, going)

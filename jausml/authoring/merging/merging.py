@@ -42,8 +42,6 @@ class Merged:
     """The outcome of a merge.
 
     Attributes:
-        data: The file: ours, with what theirs did where that goes.
-        findings: The conflicts, at their places in the file or in others.
         left_out: XML comments of theirs that are not in the merge, since they are of no element.
     """
 
@@ -59,9 +57,7 @@ def merged(file: str, root: Path, base: bytes, ours: bytes, theirs: bytes) -> Me
         file: The file, relative to the root with forward slashes; its references are followed from
             there, whether it is there or not.
         root: The folder that references may not leave, symbolic links followed.
-        base: What both sides began with.
         ours: Our side, whose comments and layout stay.
-        theirs: The other side.
 
     Raises:
         UnmergeableError: A state cannot be read whole, or is a model of another root.

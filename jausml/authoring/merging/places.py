@@ -11,12 +11,6 @@ def with_places(merged: bytes, base: bytes, ours: bytes, theirs: bytes) -> bytes
     """Returns a merge with the places of metamodels that theirs has changed and ours has not.
 
     They change where a model was moved to another folder. Bytes of UTF-16 stay as they are.
-
-    Args:
-        merged: The merge, with the places of our side.
-        base: What both sides began with.
-        ours: Our side.
-        theirs: The other side.
     """
     was, mine, other, now = map(_places, (base, ours, theirs, merged))
     for uri, place in other.items():

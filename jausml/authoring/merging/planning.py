@@ -28,9 +28,6 @@ class Addition:
     """An element of theirs that our side shall have.
 
     Attributes:
-        owner: Its owner on our side.
-        feature: The feature of the owner.
-        element: The element of theirs.
         before: The sibling on our side that it stands before, None at the end.
     """
 
@@ -64,11 +61,6 @@ class Plan:
 
     Attributes:
         replaced: Elements that make room for others, before anything else.
-        additions: What is added.
-        settings: What gets other values.
-        orders: What stands in another order.
-        removed: What goes.
-        conflicts: What does not go together.
     """
 
     replaced: list[EObject] = field(default_factory=list)

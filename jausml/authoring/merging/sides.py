@@ -32,12 +32,7 @@ base, else of the side that added it; or the ref of an element of another file."
 
 @dataclass(frozen=True)
 class Side:
-    """A state that was made of the base.
-
-    Attributes:
-        model: The state.
-        matching: Which elements are those of the base.
-    """
+    """A state that was made of the base."""
 
     model: Model
     matching: Matching
@@ -45,12 +40,6 @@ class Side:
 
 class Sides:
     """The states of one file: what both sides began with, our side, and theirs.
-
-    Args:
-        base: What both began with.
-        ours: Our side.
-        theirs: The other side.
-        root: The folder that files are relative to, symbolic links followed.
 
     Attributes:
         twins: Elements that our side added too, by those that theirs added.
@@ -77,7 +66,6 @@ class Sides:
         """Returns what an element is whatever the side.
 
         Args:
-            obj: An element.
             side: The side that has it, None for the base.
         """
         model = self.base if side is None else side.model
@@ -131,14 +119,7 @@ class Sides:
         return f"{what} '{name}'" if name else what
 
     def told(self, one: EObject, old: Side | None, other: EObject, new: Side) -> str:
-        """Returns in words what makes another element of one.
-
-        Args:
-            one: The element.
-            old: The side that has it, None for the base.
-            other: The other element, of the same class.
-            new: The side that has that.
-        """
+        """Returns in words what makes another element of one."""
         before = self.base if old is None else old.model
         found = changes(before, new.model, [(one, other)])
         texts = [

@@ -33,7 +33,6 @@ def stand_ins(lost: Iterable[LostReference], metamodels: Metamodels) -> dict[Pat
     Args:
         lost: References that lead to no element. Those by position or by name have no stand-in,
             nor have those to what is no XMI in UTF-8.
-        metamodels: The metamodels of the elements.
     """
     elements: dict[Path, dict[str, ClassTable]] = {}
     for each in lost:

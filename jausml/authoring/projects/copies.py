@@ -16,22 +16,13 @@ SUMS = "SHA256SUMS"
 
 
 def sums_of(contents: Mapping[str, bytes]) -> bytes:
-    """Returns what says of copies what they are.
-
-    Args:
-        contents: The copies, by their paths relative to the folder.
-    """
+    """Returns what says of copies what they are."""
     lines = (f"{_digest(data)}  {path}\n" for path, data in sorted(contents.items()))
     return "".join(lines).encode()
 
 
 def renewed(folder: Path, contents: Mapping[str, bytes]) -> tuple[dict[str, bytes], list[str]]:
-    """Returns the copies that are to be written anew, and those that somebody has changed.
-
-    Args:
-        folder: The folder of the copies; its `SHA256SUMS` says what they were made as.
-        contents: The copies as they should be, by their paths relative to the folder.
-    """
+    """Returns the copies that are to be written anew, and those that somebody has changed."""
     stored = read_input(folder / SUMS) if (folder / SUMS).is_file() else b""
     lines = stored.decode("utf-8", "replace").splitlines()
     known = {path: digest for digest, _, path in (line.partition("  ") for line in lines)}

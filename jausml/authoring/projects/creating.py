@@ -35,8 +35,6 @@ class Wish:
     """What is wanted.
 
     Attributes:
-        name: Name of the system and of the project.
-        is_text: Whether the model shall be ros2jaus text, not XMI.
         is_empty: Whether the system shall be empty, without an example.
     """
 
@@ -51,11 +49,7 @@ class Wish:
 
 
 def name_for(folder: Path) -> str:
-    """Returns the name of a project in a folder.
-
-    Raises:
-        ProjectError: No name can be made of the folder's.
-    """
+    """Returns the name of a project in a folder."""
     words = re.findall(r"[a-z0-9]+", folder.resolve().name.lower())
     name = "_".join(words)
     if not _NAME.fullmatch(name):
@@ -66,15 +60,10 @@ def name_for(folder: Path) -> str:
 def create(folder: Path, wish: Wish) -> list[str]:
     """Writes the files of a project; none when one is there already with other contents.
 
-    Args:
-        folder: The folder; it may be missing.
-        wish: What is wanted.
-
     Returns:
         The paths of what was written, relative to the folder.
 
     Raises:
-        ProjectError: The name is none, or a file is there already.
         OSError: A file cannot be written.
     """
     if not _NAME.fullmatch(wish.name):
@@ -96,14 +85,8 @@ def create(folder: Path, wish: Wish) -> list[str]:
 def renew_copies(folder: Path) -> tuple[list[str], list[str]]:
     """Writes the copies that Eclipse needs as they are now; those that somebody changed stay.
 
-    Args:
-        folder: The folder of a project; where it has no copies, they are made.
-
     Returns:
         The paths of what was written, and of what stays, relative to the folder.
-
-    Raises:
-        OSError: A file cannot be written.
     """
     written: list[str] = []
     kept: list[str] = []

@@ -25,12 +25,7 @@ _EMPTY_SET = """\
 
 
 def as_xmi(name: str, metamodels: str) -> str:
-    """Returns the example as XMI that Eclipse opens, below a folder beside the library.
-
-    Args:
-        name: Name of the system.
-        metamodels: Folder of the metamodels, relative to the model.
-    """
+    """Returns the example as XMI that Eclipse opens, below a folder beside the library."""
     path = library_root().parent / _EXAMPLE / f"{_EXAMPLE}.xmi"
     return with_schema_location(_named(path.read_text(encoding="utf-8"), name), metamodels)
 
@@ -39,39 +34,24 @@ def empty_xmi(name: str, metamodels: str) -> str:
     """Returns an empty system as XMI.
 
     Args:
-        name: Name of the system.
         metamodels: Folder of the metamodels, relative to the model; empty where there is none.
     """
     return with_schema_location(_named(_EMPTY, name), metamodels)
 
 
 def empty_services(name: str, metamodels: str) -> str:
-    """Returns an empty service set as XMI.
-
-    Args:
-        name: Name of the set.
-        metamodels: Folder of the metamodels, relative to the model; empty where there is none.
-    """
+    """Returns an empty service set as XMI."""
     named = _EMPTY_SET.replace('name="minimal"', f'name="{name}"')
     return with_schema_location(named, metamodels)
 
 
 def empty_text(name: str) -> str:
-    """Returns an empty system as ros2jaus text.
-
-    Args:
-        name: Name of the system.
-    """
+    """Returns an empty system as ros2jaus text."""
     return text_of(empty_xmi(name, ""), name)
 
 
 def text_of(xmi: str, name: str) -> str:
-    """Returns a model as ros2jaus text.
-
-    Args:
-        xmi: The model, below a folder beside the library.
-        name: Name of the system.
-    """
+    """Returns a model as ros2jaus text."""
     with TemporaryDirectory(prefix="jausml-init-") as folder:
         path = Path(folder) / f"{name}.xmi"
         path.write_text(xmi.replace("../library/", LIBRARY_URI), encoding="utf-8")

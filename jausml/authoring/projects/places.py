@@ -35,7 +35,6 @@ class Place:
 
     Attributes:
         root: The folder of the project, links followed.
-        file: The file, relative to it with forward slashes.
     """
 
     root: Path
@@ -68,9 +67,6 @@ def place_of(path: Path) -> Place:
 def system_in(folder: Path) -> Place:
     """Returns the place of the one model of a project that has a system.
 
-    Args:
-        folder: A folder in the project.
-
     Raises:
         ProjectError: There is none, or more than one.
     """
@@ -89,13 +85,7 @@ def system_in(folder: Path) -> Place:
 
 @dataclass(frozen=True)
 class Opened:
-    """A model file that is being edited.
-
-    Attributes:
-        place: Where it is.
-        project: The files around it.
-        made: The files that were made for it.
-    """
+    """A model file that is being edited."""
 
     place: Place
     project: Project
@@ -108,20 +98,12 @@ class Opened:
 
     @property
     def home_of_services(self) -> system.System | jaus.ServiceSet:
-        """The system of the file, or its service set where it has no system.
-
-        Raises:
-            ProjectError: It has neither, or cannot be read.
-        """
+        """The system of the file, or its service set where it has no system."""
         return self._root(system.System) or self._root(jaus.ServiceSet) or self.system
 
     @property
     def system(self) -> system.System:
-        """The system of the file.
-
-        Raises:
-            ProjectError: It has none, or cannot be read.
-        """
+        """The system of the file."""
         found = self._root(system.System)
         if found is None:
             raise ProjectError(f"{self.place.file} has no system that could have new elements")
@@ -144,12 +126,7 @@ class Opened:
 def opened(place: Place, *, is_of_services: bool = False) -> Opened:
     """Opens a model file; one that is missing is made, with an empty root of its name.
 
-    Args:
-        place: Where it is.
-        is_of_services: Whether the root is a service set instead of a system.
-
     Raises:
-        ProjectError: The name is none of a system.
         OSError: The file cannot be read or written.
     """
     if place.path.exists():

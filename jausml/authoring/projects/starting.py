@@ -33,17 +33,10 @@ def start_from_topics(
 ) -> list[str]:
     """Makes a project whose system has a bridge of topics.
 
-    Args:
-        folder: The folder; it may be missing.
-        wish: What is wanted.
-        chosen: The ways of the topics.
-        topics: All topics.
-
     Returns:
         The paths of what was written, relative to the folder.
 
     Raises:
-        ProjectError: The name is none, or a file is there already.
         OSError: A file cannot be written.
     """
     written = _begin(folder, wish)
@@ -55,16 +48,10 @@ def start_from_topics(
 def start_from_services(folder: Path, wish: Wish, imported: ImportResult) -> list[str]:
     """Makes a project whose system has a component that provides services that were imported.
 
-    Args:
-        folder: The folder; it may be missing.
-        wish: What is wanted.
-        imported: The services, without errors.
-
     Returns:
         The paths of what was written, relative to the folder.
 
     Raises:
-        ProjectError: The name is none, or a file is there already.
         OSError: A file cannot be written.
     """
     services = folder / "models" / f"{wish.name}_services.xmi"
@@ -92,11 +79,7 @@ def start_from_services(folder: Path, wish: Wish, imported: ImportResult) -> lis
 
 
 def _begin(folder: Path, wish: Wish) -> list[str]:
-    """Makes an empty project in which its model is new.
-
-    Raises:
-        ProjectError: The name is none, or a file is there already.
-    """
+    """Makes an empty project in which its model is new."""
     if (folder / wish.model).exists():
         raise ProjectError(f"{folder / wish.model} is there already; nothing was written")
     return create(folder, replace(wish, is_empty=True))

@@ -32,10 +32,6 @@ def new_bridge(
     """Returns what makes a bridge with a connection for each chosen way.
 
     Args:
-        scope: The model.
-        whole: The system that shall have it.
-        name: Its name.
-        chosen: The ways.
         topics: All topics, which may feed the joins of maps.
         address: Its JAUS id; empty for one that is free.
     """
@@ -55,14 +51,7 @@ def new_bridge(
 def new_connections(
     scope: Scope, owner: bridge.Bridge, chosen: Sequence[Crossing], topics: Sequence[TopicEnd] = ()
 ) -> list[Command]:
-    """Returns what adds a connection for each chosen way to a bridge, and the services of them.
-
-    Args:
-        scope: The model.
-        owner: The bridge.
-        chosen: The ways.
-        topics: All topics, which may feed the joins of maps.
-    """
+    """Returns what adds a connection for each chosen way to a bridge, and the services of them."""
     place = scope.ref(owner)
     made: list[Command] = []
     for feature, is_used in (("provides", False), ("uses", True)):
@@ -83,15 +72,7 @@ def _connections(
     topics: Sequence[TopicEnd],
     taken: Sequence[str] = (),
 ) -> list[Add]:
-    """Returns what makes a connection for each way.
-
-    Args:
-        scope: The model.
-        place: Ref of the bridge that shall have them; empty for one that is made with them.
-        chosen: The ways.
-        topics: All topics, which may feed the joins of maps.
-        taken: The names of the connections that the bridge has already.
-    """
+    """Returns what makes a connection for each way."""
     found: list[Add] = []
     names = list(taken)
     fed: set[str] = set()

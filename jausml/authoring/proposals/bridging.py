@@ -39,10 +39,6 @@ class Offer:
     """A message that a component sends or takes, and how.
 
     Attributes:
-        message: The message.
-        service: The service of the component that it stands in.
-        direction: Whether it goes to ROS or comes from there.
-        exchange: How it is exchanged with a bridge.
         is_provided: Whether the component provides the service; else it uses it, and the bridge
             has to provide it.
     """
@@ -74,7 +70,6 @@ def offers(component: jaus.Component, direction: str) -> Iterator[Offer]:
     Queries are asked by the bridge itself and not translated.
 
     Args:
-        component: The component.
         direction: `jausToRos` or `rosToJaus`.
     """
     for is_provided, services in ((True, component.provides), (False, component.uses)):
@@ -88,12 +83,7 @@ def offers(component: jaus.Component, direction: str) -> Iterator[Offer]:
 
 
 def offer_of(message: jaus.MessageDef, *, to_ros: bool) -> Offer | None:
-    """Returns how a bridge exchanges a message with a component; None for one without a service.
-
-    Args:
-        message: The message.
-        to_ros: The direction.
-    """
+    """Returns how a bridge exchanges a message with a component; None for one without a service."""
     service = message.eContainer()
     if not isinstance(service, jaus.Service):
         return None
@@ -119,13 +109,7 @@ class Draft:
     """A connection of a bridge that is to be.
 
     Attributes:
-        offer: What crosses, and how.
         peer: The component at the JAUS side, None for whoever it is.
-        type: The ROS type.
-        map: The map, None for a new one.
-        topic: The topic at the ROS side.
-        name: Its name.
-        qos: The quality of service that the topic needs.
         joins: Topics of the joins of the map by the names of these, which else name them.
         hold: Why the last command may stand when its source is lost, as a person says it.
     """
@@ -141,12 +125,7 @@ class Draft:
     hold: str = ""
 
     def commands(self, scope: Scope, owner: EObject) -> list[Command]:
-        """Returns what makes it.
-
-        Args:
-            scope: The model.
-            owner: The bridge that shall have it, or the system, which gets a new one.
-        """
+        """Returns what makes it."""
         made: list[Command] = []
         if isinstance(owner, bridge.Bridge):
             place = scope.ref(owner)
@@ -177,10 +156,7 @@ class Draft:
         """Returns what makes the connection alone.
 
         Args:
-            scope: The model.
             place: Ref of the bridge that shall have it; empty for one that is made with it.
-            used: Ref of its map.
-            siblings: The connections that the bridge has already.
         """
         values: dict[str, tuple[str, ...]] = {
             "name": (name_among(self.name, siblings),),
@@ -239,14 +215,7 @@ class Draft:
 def carrying(
     scope: Scope, owner: EObject, used: bridge.AttributeMap, *, to_ros: bool
 ) -> list[Command]:
-    """Returns what lets a bridge carry a map, whose other end is found when it runs.
-
-    Args:
-        scope: The model.
-        owner: The bridge, or the system, which gets a new one.
-        used: The map.
-        to_ros: The direction.
-    """
+    """Returns what lets a bridge carry a map, whose other end is found when it runs."""
     offer = offer_of(used.message, to_ros=to_ros)
     if offer is None:
         return []
@@ -281,12 +250,7 @@ def system_of(scope: Scope) -> system.System | None:
 
 
 def lacks_stop(offer: Offer, used: bridge.AttributeMap) -> bool:
-    """Tells whether a command that moves something has no stop in a map, for a lost source.
-
-    Args:
-        offer: The message and its direction.
-        used: The map that carries it.
-    """
+    """Tells whether a command that moves something has no stop in a map, for a lost source."""
     message = offer.message
     moves = offer.exchange == MESSAGE and is_command(message) and message.moves
     return moves and (used.stopRos if offer.to_ros else used.stopJaus) is None

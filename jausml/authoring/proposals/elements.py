@@ -26,13 +26,7 @@ class AnswerError(Exception):
 
 @dataclass(frozen=True)
 class Scope:
-    """A model as answers see it.
-
-    Attributes:
-        model: The model of one file and of all that it refers to.
-        root: The folder that was opened.
-        others: Models of further files, whose elements are to be referred to.
-    """
+    """A model as answers see it."""
 
     model: Model
     root: Path
@@ -46,11 +40,7 @@ class Scope:
         return refs.ref_of(element, library(), self._top)
 
     def find(self, ref: str) -> EObject:
-        """Returns the element of a text, which may be one of the library that nobody uses yet.
-
-        Raises:
-            AnswerError: There is none.
-        """
+        """Returns the element of a text, which may be one of the library that nobody uses yet."""
         found = refs.find(ref, self.model, self._top)
         if found is None and ref.startswith(refs.LIBRARY):
             found = refs.find(ref, library(), self._top)
@@ -63,11 +53,7 @@ class Scope:
         return self.model if self.model.document_of(element) is not None else library()
 
     def find_in(self, document: Document, fragment: str) -> EObject:
-        """Returns the element of a fragment in a document.
-
-        Raises:
-            AnswerError: There is none.
-        """
+        """Returns the element of a fragment in a document."""
         return self.find(f"{refs.file_of(document, self._top)}#{fragment}")
 
     @cached_property

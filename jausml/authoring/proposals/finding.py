@@ -35,11 +35,7 @@ def service_of(scope: Scope, word: str) -> jaus.Service:
 
 
 def message_of(scope: Scope, word: str) -> jaus.MessageDef:
-    """Returns the message of a name, or of a name behind that of its service and a dot.
-
-    Raises:
-        AnswerError: There is none, or services of several URNs have one of the name.
-    """
+    """Returns the message of a name, or of a name behind that of its service and a dot."""
     service, _, name = word.rpartition(".")
     services = [service_of(scope, service)] if service else _all(scope, jaus.Service)
     by_urn: dict[str, jaus.MessageDef] = {}
@@ -57,11 +53,7 @@ def message_of(scope: Scope, word: str) -> jaus.MessageDef:
 
 
 def type_of(scope: Scope, word: str) -> ros.MessageType:
-    """Returns the message type of a name such as `geometry_msgs/Twist`.
-
-    Raises:
-        AnswerError: There is none.
-    """
+    """Returns the message type of a name such as `geometry_msgs/Twist`."""
     types = [
         each
         for each in _all(scope, ros.MessageType)

@@ -13,15 +13,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Option:
-    """A way to do what was asked.
-
-    Attributes:
-        label: What it is called.
-        why: Why it fits.
-        preview: The statement in the text notation.
-        commands: What does it.
-        is_best: Whether it is the one to be taken without further thought.
-    """
+    """A way to do what was asked."""
 
     label: str
     why: str

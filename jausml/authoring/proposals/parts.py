@@ -24,19 +24,7 @@ def new_component(
     uses: Iterable[str] = (),
     address: str = "",
 ) -> Add:
-    """Returns what makes a component.
-
-    Args:
-        scope: The model.
-        whole: The system that shall have it.
-        name: Its name.
-        provides: Names or URNs of the services that it provides.
-        uses: Names or URNs of the services that it uses.
-        address: Its JAUS id; empty for one that is free.
-
-    Raises:
-        AnswerError: There is no such service.
-    """
+    """Returns what makes a component."""
     values: dict[str, tuple[str, ...]] = {
         "name": (name,),
         "address": (stated_or_free_address(scope.model, address),),
@@ -56,18 +44,7 @@ def new_node(
     publishes: Iterable[tuple[str, str]] = (),
     subscribes: Iterable[tuple[str, str]] = (),
 ) -> Add:
-    """Returns what makes a node of ROS.
-
-    Args:
-        scope: The model.
-        whole: The system that shall have it.
-        name: Its name.
-        publishes: Topics and types that it publishes.
-        subscribes: Topics and types that it hears.
-
-    Raises:
-        AnswerError: There is no such type.
-    """
+    """Returns what makes a node of ROS."""
     ends: list[Child] = []
     for feature, kind, topics in (
         ("publishers", "ros.Publisher", publishes),

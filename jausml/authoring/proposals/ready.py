@@ -32,11 +32,6 @@ def between(
     """Returns the maps between a message and a type, whatever their directions.
 
     One of the library gives way to one of its name in the project, which is mostly a copy.
-
-    Args:
-        scope: The model.
-        message: The JAUS message.
-        kind: The ROS type.
     """
     ways = (fitting(scope, message, kind, to_ros=way) for way in (True, False))
     found = dict.fromkeys(each for way in ways for each in way)
@@ -50,14 +45,7 @@ def between(
 def copied(
     scope: Scope, owner: bridge.Bridge, used: bridge.AttributeMap, name: str
 ) -> list[Command]:
-    """Returns what makes a copy of a map, with its tables, quantities and vectors.
-
-    Args:
-        scope: The model.
-        owner: The bridge that shall have the copy.
-        used: The map.
-        name: Name of the copy.
-    """
+    """Returns what makes a copy of a map, with its tables, quantities and vectors."""
     described_map = described([(used, scope.model_of(used))], lambda each, _: scope.ref(each))
     place = scope.ref(owner)
     return [
@@ -78,10 +66,7 @@ def fitting(
     """Returns the maps between a message and a type that have assignments for a direction.
 
     Args:
-        scope: The model.
-        message: The JAUS message.
         kind: The ROS type, None for any.
-        to_ros: The direction.
     """
     return [
         each

@@ -55,9 +55,6 @@ def new_service(
     """Returns what makes a service: in a service set, or in a system with a set of its own.
 
     Args:
-        scope: The model.
-        whole: The set or system that shall have it.
-        name: Its name.
         messages: Its messages in words; without any it has a report and the query for it, as an
             example.
         urn: Its URN; empty for one of its name.

@@ -35,14 +35,7 @@ _TRY_AGAIN_LATER = 1013
 
 @dataclass
 class Studio:
-    """What is served.
-
-    Attributes:
-        session: What answers.
-        served: Where.
-        page: The folder of the built page.
-        token: What a page has to know.
-    """
+    """What is served."""
 
     session: Session
     served: Served

@@ -40,12 +40,7 @@ class Audience:
                 self.left()
 
     def tell(self, method: str, params: object) -> None:
-        """Tells all of them.
-
-        Args:
-            method: What happened.
-            params: More of it.
-        """
+        """Tells all of them."""
         message = rpc.notification(method, params)
         with self._lock:
             listeners = list(self._listeners)

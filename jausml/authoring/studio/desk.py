@@ -66,15 +66,7 @@ class Desk:
     """What answers work with.
 
     Attributes:
-        project: The folder that was opened, and its models.
         out: Where `generate` writes when nobody says otherwise, empty for its default.
-        network: Where the JAUS components of a running system are.
-        audience: The pages.
-        looked_at: The files that someone looks at.
-        drawings: Where the boxes of views stand.
-        trials: Translations that pages try.
-        kept: Edits that met a change beneath them.
-        faults: What went wrong in the studio itself.
     """
 
     project: Project

@@ -32,13 +32,6 @@ def command(value: Mapping[str, object], where: str = "command") -> Command:
     """Returns the command that an object of JSON means.
 
     Its `kind` names the command, so the class of a new element is its `type`.
-
-    Args:
-        value: The object.
-        where: How messages name it.
-
-    Raises:
-        TypedError: It is none.
     """
     given = dict(value)
     name = given.pop("kind", None)

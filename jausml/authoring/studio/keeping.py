@@ -20,15 +20,7 @@ _MOST = 64
 
 @dataclass(frozen=True)
 class KeptEdit:
-    """An edit that was not done.
-
-    Attributes:
-        number: Its number, never given twice.
-        label: What it does, for people.
-        commands: Its commands.
-        base: The revision of which their refs are.
-        why: Why it was not done.
-    """
+    """An edit that was not done."""
 
     number: int
     label: str

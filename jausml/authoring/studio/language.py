@@ -48,12 +48,7 @@ METHODS = frozenset(
 
 
 class LanguageSocket:
-    """One conversation with a language server of its own; messages are JSON without headers.
-
-    Args:
-        socket: The socket, accepted.
-        root: The folder that was opened: texts elsewhere are not read.
-    """
+    """One conversation with a language server of its own; messages are JSON without headers."""
 
     def __init__(self, socket: WebSocket, root: Path) -> None:
         self._socket = socket
@@ -63,11 +58,7 @@ class LanguageSocket:
         self._outgoing = Outgoing(socket)
 
     async def run(self, token: Token) -> None:
-        """Serves an editor until it goes.
-
-        Args:
-            token: What its first message has to name, as on the socket of the page.
-        """
+        """Serves an editor until it goes."""
         hello = await greeted(self._socket, token)
         if hello is None:
             return
@@ -106,11 +97,7 @@ class LanguageSocket:
             self._outgoing.tell(rpc.refusal(fault, request.id))
 
     def _check(self, request: Request) -> None:
-        """Sees to it that only texts below the root are spoken of.
-
-        Raises:
-            RpcError: What is asked is not for pages.
-        """
+        """Sees to it that only texts below the root are spoken of."""
         if request.method not in METHODS:
             message = f"there is no method {request.method[:80]!a}"
             raise RpcError(rpc.METHOD_NOT_FOUND, message, id_=request.id)

@@ -50,14 +50,7 @@ class NotWatchedError(Exception):
 
 @dataclass(frozen=True)
 class Watched:
-    """What is watched.
-
-    Attributes:
-        file: The model's file, as the page names it.
-        path: The same on this computer.
-        root: The folder that its references may not leave.
-        model: What was read of it; it may have errors.
-    """
+    """What is watched."""
 
     file: str
     path: Path
@@ -74,8 +67,6 @@ class LiveSystem:
         """Watches nothing before `start`.
 
         Args:
-            watched: What is watched.
-            network: Where the JAUS components are, and who we are there.
             tell: Takes the state as values for the page, on another thread: when it has changed, at
                 most once in `PERIOD`, else once in `LONGEST`.
         """
@@ -106,11 +97,7 @@ class LiveSystem:
         self._thread.join()
 
     def follow(self, model: Model) -> None:
-        """Goes on with the model as it is now, from the next look at the state on.
-
-        Args:
-            model: The model of the same file; it may have errors.
-        """
+        """Goes on with the model as it is now, from the next look at the state on."""
         with self._lock:
             self._changed = model
 
@@ -123,12 +110,6 @@ class LiveSystem:
         """Returns the last message of a connection on both sides, and all that its bridge tells.
 
         The first question begins to look, so what comes is there at a later one.
-
-        Args:
-            row: Id of the row of the connection in the system view.
-
-        Raises:
-            NotWatchedError: There is no such connection.
         """
         connection, age = self._connection(row)
         with self._lock:

@@ -28,7 +28,6 @@ class Method(Generic[ParamsT]):
     """A method.
 
     Attributes:
-        params: The class of its parameters.
         answer: Returns the result; any thread may call it.
         in_turn: Whether it waits until those that were asked for before are done, as all do that
             change something.
@@ -45,11 +44,7 @@ class Nothing:
 
 
 class Answering:
-    """Answers requests on threads, so that none waits for a slow one.
-
-    Args:
-        methods: The methods by name.
-    """
+    """Answers requests on threads, so that none waits for a slow one."""
 
     def __init__(self, methods: Mapping[str, Method[Any]]) -> None:
         self._methods = methods
@@ -57,11 +52,7 @@ class Answering:
         self._changes = ThreadPoolExecutor(1, "change")
 
     async def answer(self, request: Request) -> object:
-        """Returns the result of a request.
-
-        Raises:
-            RpcError: There is none, and why.
-        """
+        """Returns the result of a request."""
         method = self._methods.get(request.method)
         if method is None:
             raise RpcError(METHOD_NOT_FOUND, f"there is no method {request.method[:80]!a}")

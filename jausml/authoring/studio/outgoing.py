@@ -16,11 +16,7 @@ _TRY_AGAIN_LATER = 1013
 
 
 class Outgoing:
-    """What a socket is told.
-
-    Args:
-        socket: The socket, accepted.
-    """
+    """What a socket is told."""
 
     def __init__(self, socket: WebSocket) -> None:
         self._socket = socket

@@ -42,12 +42,7 @@ class Hello:
 
 
 async def greeted(socket: WebSocket, token: Token) -> Request | None:
-    """Returns the first request of a socket; None, and the socket is closed, without the token.
-
-    Args:
-        socket: The socket, accepted.
-        token: What it has to name.
-    """
+    """Returns the first request of a socket; None, and the socket is closed, without the token."""
     try:
         text = await asyncio.wait_for(socket.receive_text(), _SECONDS_TO_GREET)
         request = rpc.parsed(text)
@@ -66,12 +61,7 @@ async def greeted(socket: WebSocket, token: Token) -> Request | None:
 
 
 class PageSocket:
-    """One page and what it asks.
-
-    Args:
-        socket: Its socket, accepted.
-        session: What answers.
-    """
+    """One page and what it asks."""
 
     def __init__(self, socket: WebSocket, session: Session) -> None:
         self._socket = socket

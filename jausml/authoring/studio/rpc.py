@@ -28,14 +28,7 @@ _LARGEST = 2**53
 
 
 class RpcError(Exception):
-    """A request that gets no result.
-
-    Args:
-        code: The code of JSON-RPC, or one of this module.
-        message: What is wrong, for people.
-        data: More of it, for the page.
-        id_: Of which request, where that is known.
-    """
+    """A request that gets no result."""
 
     def __init__(
         self, code: int, message: str, data: Mapping[str, Any] | None = None, id_: Id = None
@@ -49,14 +42,7 @@ class RpcError(Exception):
 
 @dataclass(frozen=True)
 class Request:
-    """What is asked for.
-
-    Attributes:
-        method: The method.
-        params: Its parameters by name.
-        id: Names the answer.
-        is_notification: Whether no answer is wanted.
-    """
+    """What is asked for."""
 
     method: str
     params: Mapping[str, Any]
@@ -65,11 +51,7 @@ class Request:
 
 
 def parsed(text: str) -> Request:
-    """Returns the request that a message holds.
-
-    Raises:
-        RpcError: It holds none.
-    """
+    """Returns the request that a message holds."""
     try:
         message = json.loads(text, parse_constant=_no_number)
     except (ValueError, RecursionError) as error:
@@ -97,8 +79,6 @@ def answer(id_: Id, result: object, revision: int | None = None) -> str:
     """Returns the message that answers a request.
 
     Args:
-        id_: Names it.
-        result: The answer.
         revision: The revision of the project of which its refs are, where it has any.
     """
     more = {} if revision is None else {"revision": revision}

@@ -31,11 +31,7 @@ class PageMissingError(Exception):
 
 
 def require_page() -> None:
-    """Looks whether the page is there.
-
-    Raises:
-        PageMissingError: It is not.
-    """
+    """Looks whether the page is there."""
     if not (PAGE / "index.html").is_file():
         raise PageMissingError(
             "the page of the studio is missing: run `make studio` in the checkout of jausml,"
@@ -47,14 +43,10 @@ def serve(session: Session, host: str, port: int, opened: Callable[[str], None])
     """Serves a session until SIGINT or SIGTERM comes; the main thread calls it.
 
     Args:
-        session: What answers.
-        host: The address to bind to.
-        port: The port; 0 takes a free one.
         opened: Is called with the address as soon as it can be opened.
 
     Raises:
         OSError: The port cannot be had.
-        ValueError: The host is none.
     """
     if not host:
         raise ValueError("an empty host would be all addresses")

@@ -30,11 +30,7 @@ _LOG = logging.getLogger(__name__)
 
 
 class Session:
-    """Answers pages, and tells them what happens.
-
-    Args:
-        desk: What it works with.
-    """
+    """Answers pages, and tells them what happens."""
 
     def __init__(self, desk: Desk) -> None:
         load_metamodels()  # now, for threads that ask at once would load them twice
@@ -61,11 +57,7 @@ class Session:
         return self._desk.audience.told(listener)
 
     async def answer(self, request: Request) -> object:
-        """Returns the result of a request.
-
-        Raises:
-            RpcError: There is none, and why.
-        """
+        """Returns the result of a request."""
         return await self._answering.answer(request)
 
     @asynccontextmanager

@@ -22,16 +22,7 @@ class TypedError(Exception):
 
 
 def typed(kind: type[ParamsT], value: object, where: str = "params") -> ParamsT:
-    """Returns a value as what a type says.
-
-    Args:
-        kind: A dataclass of texts, numbers, truths, literals, tuples, mappings and such classes.
-        value: What JSON held.
-        where: How messages name it.
-
-    Raises:
-        TypedError: It is of another type.
-    """
+    """Returns a value as what a type says."""
     try:
         made: ParamsT = _typed(kind, value, where)
     except RecursionError as error:

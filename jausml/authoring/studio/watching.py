@@ -24,12 +24,7 @@ LAYOUT_SUFFIX = ".layout.json"
 
 
 async def changes(root: Path, end: asyncio.Event) -> AsyncIterator[list[str]]:
-    """Yields model files that have changed, relative to a folder with forward slashes.
-
-    Args:
-        root: The folder, symbolic links followed.
-        end: Ends it.
-    """
+    """Yields model files that have changed, relative to a folder with forward slashes."""
 
     def is_model(_: Change, path: str) -> bool:
         parts = PurePath(os.path.relpath(path, root)).parts

@@ -32,13 +32,7 @@ _ARROWS = ("toRos", "toJaus")
 
 
 class Adding:
-    """Adds elements.
-
-    Args:
-        desk: The text.
-        places: Where they go.
-        mapping: Changes what they cannot be added to otherwise.
-    """
+    """Adds elements."""
 
     def __init__(self, desk: Desk, places: Places, mapping: Mapping) -> None:
         self._desk = desk
@@ -56,14 +50,7 @@ class Adding:
         """Adds an element.
 
         Args:
-            owner: Its owner, an element of the text.
-            feature: The feature of the owner.
-            sketch: What is added.
             position: Its position, None for the last.
-            moved: The element that it is now, if it stands elsewhere in the text.
-
-        Raises:
-            EditError: The text has no place for it.
         """
         if not feature.many and contents(owner, feature) and moved is None:
             raise EditError(f"there is a {feature.name} already")

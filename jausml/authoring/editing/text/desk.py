@@ -26,11 +26,7 @@ if TYPE_CHECKING:
 
 
 class Desk:
-    """The text, its tree, its model, and those who write what is new.
-
-    Args:
-        context: The file and its model.
-    """
+    """The text, its tree, its model, and those who write what is new."""
 
     def __init__(self, context: Context) -> None:
         self.context = context
@@ -57,11 +53,7 @@ class Desk:
         return node
 
     def part(self, obj: EObject) -> Part:
-        """Returns what stands for an element in the tree.
-
-        Raises:
-            EditError: Nothing does: it follows from the rest of the text.
-        """
+        """Returns what stands for an element in the tree."""
         part = self.written.source_of(self.node(obj))
         if part is None:
             kind, name = self.table(obj).name, name_of(obj)

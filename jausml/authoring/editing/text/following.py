@@ -27,21 +27,13 @@ _FOLDERS = ("msg", "srv", "action")
 
 
 class Following:
-    """Writes references by name anew.
-
-    Args:
-        desk: The text that refers.
-    """
+    """Writes references by name anew."""
 
     def __init__(self, desk: Desk) -> None:
         self._desk = desk
 
     def rename(self, named: Mapping[EObject, str]) -> None:
-        """Has references follow.
-
-        Args:
-            named: The new names of elements, of this text or of others.
-        """
+        """Has references follow."""
         old = {step for each in named for step in _steps(name_of(each))}
         for node, child in named_references(self._desk.context.document):
             text = child.get(BY_NAME)
@@ -80,13 +72,7 @@ class Following:
 
 
 def renamed(text: str, target: EObject, named: Mapping[EObject, str]) -> str:
-    """Returns the name of an element once elements have other names.
-
-    Args:
-        text: The name as it is written, perhaps with those of owners before it.
-        target: The element.
-        named: The new names.
-    """
+    """Returns the name of an element once elements have other names."""
     parts = _PARTING.split(text)  # steps, with what parts them between
     end = len(parts)
     each: EObject | None = target

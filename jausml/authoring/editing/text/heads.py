@@ -31,23 +31,14 @@ NAME, DOCUMENTATION = "name", "documentation"
 
 
 class Heads:
-    """Sets names and documentation.
-
-    Args:
-        desk: The text.
-        values: Sets what no head can hold.
-    """
+    """Sets names and documentation."""
 
     def __init__(self, desk: Desk, values: Values) -> None:
         self._desk = desk
         self._values = values
 
     def set_name(self, obj: EObject, part: Part, name: str | None) -> None:
-        """Gives an element another name, or takes it away.
-
-        Raises:
-            EditError: The notation of the element has no place for the name.
-        """
+        """Gives an element another name, or takes it away."""
         if isinstance(part, Table | Vector):
             if name is None or not is_name(name):
                 raise EditError(f"a {self._desk.table(obj).name} cannot be named {name!r} in text")
@@ -96,11 +87,7 @@ class Heads:
         edits.delete(source.range_of(part.keyword.span)[1], source.range_of(part.name.span)[1])
 
     def set_documentation(self, obj: EObject, part: Part, text: str | None) -> None:
-        """Gives an element another documentation, or takes it away.
-
-        Raises:
-            EditError: The notation of the element has no place for it.
-        """
+        """Gives an element another documentation, or takes it away."""
         item = self._desk.outline.item_of(part)
         if isinstance(part, Element | Assignment):
             items = self._values.items(part, DOCUMENTATION)

@@ -39,12 +39,7 @@ ENDS = {"message": True, "type": False}
 
 
 class Mapping:
-    """Sets features of maps and of what they own.
-
-    Args:
-        desk: The text.
-        values: Sets what stands in blocks.
-    """
+    """Sets features of maps and of what they own."""
 
     def __init__(self, desk: Desk, values: Values) -> None:
         self._desk = desk
@@ -84,11 +79,7 @@ class Mapping:
         feature: FeatureTable,
         values: Sequence[Any],
     ) -> None:
-        """Gives something that has no plain block other values of a feature.
-
-        Raises:
-            EditError: Its notation cannot say them.
-        """
+        """Gives something that has no plain block other values of a feature."""
         if isinstance(part, Assignment | Ignored):
             self._set_assignment(obj, part, sketch, feature, values)
         elif isinstance(part, Call):
@@ -112,11 +103,7 @@ class Mapping:
             raise EditError(f"{feature.name} follows from the rest of the text: edit it there")
 
     def rewrite(self, obj: EObject, feature: FeatureTable, values: Sequence[Any]) -> None:
-        """Writes a table or a vector anew, as a uniform block where only that says it.
-
-        Raises:
-            EditError: It is part of neither.
-        """
+        """Writes a table or a vector anew, as a uniform block where only that says it."""
         whole: EObject | None = obj
         while whole is not None and not isinstance(whole, bridge.ValueTable | bridge.TestVector):
             whole = whole.eContainer()
@@ -154,12 +141,7 @@ class Mapping:
                 self._values.set(obj, part, sketch, feature, values)
 
     def say_as_block(self, obj: EObject, sketch: EObject) -> None:
-        """Writes an assignment as a uniform block, which parts its direction in two.
-
-        Args:
-            obj: The assignment as it is.
-            sketch: The assignment as it will be.
-        """
+        """Writes an assignment as a uniform block, which parts its direction in two."""
         desk = self._desk
         item = desk.outline.item_of(desk.part(obj))
         name = obj.eContainmentFeature().name

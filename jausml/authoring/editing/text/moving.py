@@ -21,14 +21,7 @@ if TYPE_CHECKING:
 
 
 class Moving:
-    """Moves elements within a text.
-
-    Args:
-        desk: The text.
-        places: Where they go.
-        adding: Adds those that must be written anew.
-        removing: Removes them where they were.
-    """
+    """Moves elements within a text."""
 
     def __init__(self, desk: Desk, places: Places, adding: Adding, removing: Removing) -> None:
         self._desk = desk
@@ -39,11 +32,7 @@ class Moving:
     def move(
         self, obj: EObject, owner: EObject, feature: FeatureTable, position: int | None
     ) -> None:
-        """Gives an element another owner or another position.
-
-        Raises:
-            EditError: The text has no place for it.
-        """
+        """Gives an element another owner or another position."""
         if _stands_there(obj, owner, feature, position):
             return
         part = self._desk.part(obj)

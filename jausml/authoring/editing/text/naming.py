@@ -24,14 +24,7 @@ if TYPE_CHECKING:
 
 
 class Naming(DocumentNames):
-    """Names elements for a text; where a name alone does not do, an import is noted.
-
-    Args:
-        context: The text and its model.
-
-    Attributes:
-        imports: What the text must import besides.
-    """
+    """Names elements for a text; where a name alone does not do, an import is noted."""
 
     def __init__(self, context: Context) -> None:
         # Imports are noted in a copy: the document stays as it is.
@@ -44,11 +37,7 @@ class Naming(DocumentNames):
         self.imports: list[Name | Text] = []
 
     def find(self, ref: str, feature: FeatureTable) -> EObject:
-        """Returns the element of a ref, of the library too.
-
-        Raises:
-            EditError: There is none, or the feature cannot refer to it.
-        """
+        """Returns the element of a ref, of the library too."""
         found = self._context.find(ref)
         if found is None:
             found, model = self._context.locate(ref)

@@ -24,11 +24,7 @@ _MAP_ORDER = (
 
 
 class Places:
-    """Finds places in the blocks of elements.
-
-    Args:
-        desk: The text.
-    """
+    """Finds places in the blocks of elements."""
 
     def __init__(self, desk: Desk) -> None:
         self._desk = desk
@@ -43,9 +39,6 @@ class Places:
         """Returns the item behind which a new element goes, None for the first place.
 
         Args:
-            obj: The owner.
-            feature: The feature that owns it.
-            body: The block of the owner.
             position: The position among the elements of the feature, None for the last.
             without: An element that does not count since it is taken away.
         """

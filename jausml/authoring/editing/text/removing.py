@@ -17,21 +17,13 @@ if TYPE_CHECKING:
 
 
 class Removing:
-    """Removes elements with what they own.
-
-    Args:
-        desk: The text.
-    """
+    """Removes elements with what they own."""
 
     def __init__(self, desk: Desk) -> None:
         self._desk = desk
 
     def remove(self, elements: Iterable[EObject]) -> None:
-        """Takes elements out of the text.
-
-        Raises:
-            EditError: One of them follows from the rest of the text.
-        """
+        """Takes elements out of the text."""
         parts = {id(part): part for part in map(self._desk.part, elements)}
         calls = [each for each in parts.values() if isinstance(each, Call)]
         self._remove_calls(calls)

@@ -38,12 +38,7 @@ class Comment(NamedTuple):
 class TextSource:
     """The text of a document. All places are offsets in characters.
 
-    Args:
-        document: A document in ros2jaus.
-        file: The file, as splices name it.
-
     Attributes:
-        file: The file, as splices name it.
         text: The text with line feeds where lone carriage returns end lines.
     """
 
@@ -130,8 +125,6 @@ class TextSource:
         """Returns the splice that puts a text in place of a stretch.
 
         Args:
-            start: Offset of the first character.
-            end: Offset behind the last one.
             new: The new text with line feeds as line ends.
         """
         first, last = self._byte(start), self._byte(end)
@@ -154,11 +147,7 @@ class TextSource:
 
 @dataclass
 class Edits:
-    """Changes of a text that are planned together.
-
-    Attributes:
-        source: The text.
-    """
+    """Changes of a text that are planned together."""
 
     source: TextSource
     _deleted: list[tuple[int, int]] = field(default_factory=list)
@@ -179,11 +168,7 @@ class Edits:
             self._deleted.append((start, end))
 
     def splices(self) -> list[Splice]:
-        """Returns the splices, in order and none over another.
-
-        Raises:
-            EditError: Two changes contradict each other.
-        """
+        """Returns the splices, in order and none over another."""
         deleted = _united(self._deleted)
         changes = [(start, end, "") for start, end in deleted]
         for start, end, new in self._replaced:

@@ -20,12 +20,7 @@ if TYPE_CHECKING:
 
 
 class Values:
-    """Sets attributes and references that stand in blocks as features.
-
-    Args:
-        desk: The text.
-        places: Where new features go.
-    """
+    """Sets attributes and references that stand in blocks as features."""
 
     def __init__(self, desk: Desk, places: Places) -> None:
         self._desk = desk
@@ -42,10 +37,6 @@ class Values:
         """Has a block say other values of a feature.
 
         Args:
-            obj: The element as it is.
-            part: What stands for it.
-            sketch: The element as it will be.
-            feature: The feature.
             values: Its new values; without any, nothing is said of it.
         """
         items = self.items(part, feature.name)

@@ -35,12 +35,7 @@ class Edit:
 
 
 class Edits:
-    """The edits of one file.
-
-    Args:
-        source: The text.
-        root: The outermost XML element.
-    """
+    """The edits of one file."""
 
     def __init__(self, source: Source, root: Node) -> None:
         self.source = source
@@ -79,9 +74,6 @@ class Edits:
         """Gives an element an attribute which it has not.
 
         Args:
-            element: The element.
-            name: The name of the attribute.
-            text: Its value.
             later: The names of the attributes that it stands before.
         """
         before = [each for each in element.attributes if each.name not in later]
@@ -126,9 +118,7 @@ class Edits:
         """Adds child elements.
 
         Args:
-            owner: The element that gets them.
             after: The child behind which they go, None without one that stays.
-            before: The child before which they go when there is none before them.
             lines: Their lines; the children themselves stand 0 deep.
         """
         self._filled.add(owner)

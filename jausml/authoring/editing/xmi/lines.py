@@ -18,13 +18,7 @@ if TYPE_CHECKING:
 
 
 def element_lines(thing: Thing, feature: FeatureTable, names: Names) -> list[Line]:
-    """Returns the lines of an element with all that it owns.
-
-    Args:
-        thing: The element.
-        feature: The feature that owns it.
-        names: How the file names elements.
-    """
+    """Returns the lines of an element with all that it owns."""
     return list(_lines(thing, feature, names, 0))
 
 

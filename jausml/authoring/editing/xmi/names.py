@@ -36,13 +36,7 @@ _PLACE = re.compile(r"([^\s\"']+)\s+([^\s\"']+)")
 
 
 class Names:
-    """The names that one file uses.
-
-    Args:
-        context: The file, and the elements as they will be.
-        edits: Where namespaces are declared.
-        root: The outermost XML element of the file.
-    """
+    """The names that one file uses."""
 
     def __init__(self, context: Context, edits: Edits, root: Node) -> None:
         self._context = context
@@ -101,12 +95,7 @@ class Names:
         return self.prefix(XSI, _XSI)
 
     def prefix(self, uri: str, usual: str) -> str:
-        """Returns the prefix of a namespace, which is declared if need be.
-
-        Args:
-            uri: The namespace.
-            usual: The prefix that is taken if it is free.
-        """
+        """Returns the prefix of a namespace, which is declared if need be."""
         known = {**self._root.prefixes, **self._declared}
         for prefix, each in known.items():
             if each == uri and prefix:

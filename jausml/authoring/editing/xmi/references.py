@@ -27,9 +27,7 @@ class Item:
 
     Attributes:
         target: What it means, None when it leads nowhere.
-        fragment: Its fragment or id.
         start: Offset of the fragment in characters.
-        end: Offset behind it.
         text: All of it, for words of an attribute: class and file included.
         node: The child element, None for a word of an attribute.
     """
@@ -53,14 +51,7 @@ class Item:
 
 
 def items(node: Node, feature: str, source: Source, names: Names) -> list[Item]:
-    """Returns the references of a feature, in order.
-
-    Args:
-        node: The element that refers.
-        feature: The name of the reference.
-        source: The text.
-        names: How the file names elements.
-    """
+    """Returns the references of a feature, in order."""
     found: list[Item] = []
     if node.get(feature) is not None:
         attribute = source.element(node).attribute(feature)

@@ -27,10 +27,6 @@ class Attribute:
     """An attribute as it is written; all places are offsets in characters.
 
     Attributes:
-        name: Its name with the prefix.
-        before: The whitespace before it.
-        start: Where that whitespace starts.
-        value: Where its value starts, behind the quotation mark.
         end: Where the value ends; the attribute ends one behind it.
     """
 
@@ -46,12 +42,7 @@ class Element:
     """An element as it is written; all places are offsets in characters.
 
     Attributes:
-        name: Its name with the prefix.
-        start: Where its start tag starts.
-        attributes: Its attributes and namespace declarations in order.
-        tag_end: Where the start tag ends, behind `>`.
         inner_end: Where its end tag starts; `tag_end` when it has none.
-        end: Where it ends.
     """
 
     name: str
@@ -80,10 +71,6 @@ class Element:
 
 class Source:
     """The text of a document.
-
-    Args:
-        document: A document in XMI that was parsed.
-        file: The file, as splices name it.
 
     Raises:
         EditError: Its encoding cannot be written again as it was.
@@ -120,8 +107,6 @@ class Source:
         """Returns the splice that puts a text in place of characters.
 
         Args:
-            start: Offset of the first character.
-            end: Offset behind the last one.
             text: The new text, markup included, with line feeds as line ends.
         """
         if self.newline != "\n":

@@ -57,14 +57,7 @@ _TO_ROS, _TO_JAUS = "toRos", "toJaus"
 
 @dataclass(frozen=True)
 class _Draft:
-    """An assignment that is to be.
-
-    Attributes:
-        sources: Paths of its sources.
-        targets: Paths of its targets.
-        conversions: Names of its conversions.
-        policy: What becomes of what is absent or out of range.
-    """
+    """An assignment that is to be."""
 
     sources: tuple[str, ...]
     targets: tuple[str, ...]
@@ -83,14 +76,7 @@ class _Draft:
 
 
 def assign(scope: Scope, used: bridge.AttributeMap, source: Member, target: Member) -> Options:
-    """Returns the ways to assign a member to one of the other side, the best first.
-
-    Args:
-        scope: The model.
-        used: The map.
-        source: Where the value comes from.
-        target: Where it goes.
-    """
+    """Returns the ways to assign a member to one of the other side, the best first."""
     found = ways(scope, used, source, target)
     if not found.ways:
         return Options(refusal=found.refusal)
@@ -115,11 +101,7 @@ class Ways:
     """The ways to assign a member to one of the other side, or why there is none.
 
     Attributes:
-        source: Where the value comes from: the member, or each element of it.
-        target: Where it goes.
-        plain: The assignment without any conversion.
         ways: What can be done, the best first.
-        refusal: Why nothing can.
     """
 
     source: Member
@@ -130,14 +112,7 @@ class Ways:
 
 
 def ways(scope: Scope, used: bridge.AttributeMap, source: Member, target: Member) -> Ways:
-    """Returns the ways to assign a member to one of the other side, before any table.
-
-    Args:
-        scope: The model.
-        used: The map.
-        source: Where the value comes from.
-        target: Where it goes.
-    """
+    """Returns the ways to assign a member to one of the other side, before any table."""
     if source.is_jaus is target.is_jaus:
         refusal = "both are of one side; draw to a member of the other side"
         return Ways(source, target, refusal=refusal)
@@ -159,7 +134,6 @@ class _Found:
     """What was found.
 
     Attributes:
-        plain: The assignment without any conversion.
         good: What the rules accept; where they accept nothing without a word, what is possible.
     """
 
@@ -313,15 +287,7 @@ def _label(made: Child) -> str:
 
 
 def _why(found: Judged, made: Child, plain: Judged | None, source: Member, target: Member) -> str:
-    """Returns why an assignment is as it is.
-
-    Args:
-        found: What was found, before any table.
-        made: What becomes of it.
-        plain: The assignment without any conversion.
-        source: Where the value comes from.
-        target: Where it goes.
-    """
+    """Returns why an assignment is as it is."""
     names = steps(made)
     is_other = plain is not None and plain.said and found is not plain
     reasons = [plain.said.partition("; ")[0]] if plain is not None and is_other else []
@@ -356,13 +322,7 @@ def _conversion(name: str) -> Child:
 
 
 def partners(scope: Scope, used: bridge.AttributeMap, source: Member) -> list[tuple[Member, str]]:
-    """Returns the members of the other side to which a member may be assigned, with how.
-
-    Args:
-        scope: The model.
-        used: The map.
-        source: Where the value comes from.
-    """
+    """Returns the members of the other side to which a member may be assigned, with how."""
     others = [
         each
         for each in leaves(used, is_jaus=not source.is_jaus)

@@ -31,13 +31,7 @@ def filling(
     """Returns what adds an assignment, in the place of what fills the same.
 
     Args:
-        scope: The model.
-        used: The map.
-        child: The assignment.
-        source: What fills, None without a source.
-        target: What is filled.
         feature: The direction: `toRos` or `toJaus`.
-        tables: The tables that the map shall have besides.
     """
     owner: bridge.AttributeMap | bridge.ListAssignment = used
     if source is not None and source.outer:

@@ -38,14 +38,8 @@ class Wish:
     """What a new map shall be.
 
     Attributes:
-        name: Its name.
-        message: Its JAUS message.
-        type: Its ROS type.
-        to_ros: What the author says of the ROS type.
-        to_jaus: What the author says of the message.
         ways: The directions: True to ROS. One of which nothing is known stays empty.
         taken: What was taken for the author without being asked for, in words.
-        zeros_stop: Whether the author says that zeros stop what it commands.
     """
 
     name: str
@@ -79,8 +73,6 @@ class Doubt:
     """A target for which more than one thing fits.
 
     Attributes:
-        to_ros: The direction.
-        target: Its path.
         choices: What fits, in words, the likeliest first.
     """
 
@@ -94,12 +86,8 @@ class Begun:
     """A new map.
 
     Attributes:
-        add: What adds it to its owner.
-        tables: What adds its tables then, and the assignments by them.
         statements: Its assignments in the text notation, by direction: True to ROS.
-        opens: What is left to the author, in words.
         doubts: Where more than one thing fits; nothing fills these targets yet, or the first.
-        findings: What the rules say of it, with their ids.
         stops_by_zeros: The directions in which zeros may be what stops it: True to ROS.
     """
 
@@ -114,11 +102,6 @@ class Begun:
 
 def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
     """Returns a new map with all that follows from its ends and from what the author says.
-
-    Args:
-        scope: The model.
-        owner: The bridge that shall have it.
-        wish: What is wanted.
 
     Raises:
         AnswerError: What the author says is forbidden by a rule, or names nothing.

@@ -29,13 +29,7 @@ _FRAMES = {UP: "odom", FLU: "base_link"}
 
 @dataclass(frozen=True)
 class Bare:
-    """A part of the target message that nothing fills, as large as can be.
-
-    Attributes:
-        path: Its path.
-        leaves: The members in it, or it alone.
-        is_required: Whether it is on the wire in any case.
-    """
+    """A part of the target message that nothing fills, as large as can be."""
 
     path: str
     leaves: tuple[Member, ...]
@@ -45,14 +39,7 @@ class Bare:
 def completed(
     scope: Scope, used: bridge.AttributeMap, *, to_ros: bool, ignores: bool
 ) -> list[Child]:
-    """Returns what completes a direction of a map.
-
-    Args:
-        scope: The model.
-        used: The map.
-        to_ros: The direction.
-        ignores: Whether what nothing fills is ignored, where it may be.
-    """
+    """Returns what completes a direction of a map."""
     feature = FEATURES[to_ros]
     made = list(_header(used)) if to_ros else []
     named = {parse_path(each.values["target"][0]) for each in made}
@@ -71,11 +58,6 @@ def bare(
     """Returns what nothing fills in a direction, wholes without their parts.
 
     Options that are not chosen are left out.
-
-    Args:
-        used: The map.
-        filled: Paths that will be filled besides.
-        to_ros: The direction.
     """
     taken = [*filled_paths(used, to_ros=to_ros), *filled]
     found: dict[str, list[Member]] = {}

@@ -40,9 +40,6 @@ class Filling:
     """What fills a map.
 
     Attributes:
-        label: How the edit is called.
-        commands: What does it; nothing where nothing corresponds.
-        statements: The assignments in the text notation.
         left: The members that nothing fills then, by `to_ros` and `to_jaus`.
         refusal: Why there is nothing to do, empty where there is.
     """
@@ -58,10 +55,6 @@ def fill_map(scope: Scope, used: bridge.AttributeMap) -> Filling:
     """Returns what fills the members of a map that nothing fills yet.
 
     Directions that no connection uses are left alone, unless none is used.
-
-    Args:
-        scope: The model.
-        used: The map.
     """
     label = f"Fill map {name_of(used)}"
     if used.message is None or used.type is None:
@@ -81,12 +74,7 @@ def fill_map(scope: Scope, used: bridge.AttributeMap) -> Filling:
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """What was found for the members that nothing fills.
-
-    Attributes:
-        assignments: What fills them.
-        doubtful: Targets with the sources that are equally like them.
-    """
+    """What was found for the members that nothing fills."""
 
     assignments: tuple[Child, ...]
     doubtful: tuple[tuple[tuple[Member, ...], Member], ...]
@@ -96,8 +84,6 @@ def found(scope: Scope, used: bridge.AttributeMap, directions: Iterable[bool]) -
     """Returns the assignments that follow from what the ends of a map say, for some directions.
 
     Args:
-        scope: The model.
-        used: The map.
         directions: True to ROS.
     """
     children: list[Child] = []

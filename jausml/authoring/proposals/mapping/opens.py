@@ -30,13 +30,7 @@ _FRAME_IDS = ("frame_id", "child_frame_id")
 def opens(
     used: bridge.AttributeMap, assignments: Sequence[Child], ways: Collection[bool]
 ) -> Iterator[str]:
-    """Yields what is left to the author of a new map.
-
-    Args:
-        used: The map with its assignments, and its stops if a person has decided.
-        assignments: The same as commands.
-        ways: The directions that it has.
-    """
+    """Yields what is left to the author of a new map."""
     for to_ros in ways:
         own = [each for each in assignments if each.feature == FEATURES[to_ros]]
         ends = [name_of(used.message), ros_name(used.type)]

@@ -22,10 +22,6 @@ def stops_by_zeros(used: bridge.AttributeMap, ways: Collection[bool]) -> list[bo
     """Returns the directions of a command in which zeros may be what stops it.
 
     That they do is for a person to say: what receives them may be at rest by other numbers.
-
-    Args:
-        used: The map with its assignments.
-        ways: The directions that it has.
     """
     if not (is_command(used.message) and used.message.moves):
         return []
@@ -33,12 +29,7 @@ def stops_by_zeros(used: bridge.AttributeMap, ways: Collection[bool]) -> list[bo
 
 
 def zeros(assignments: Sequence[Child], *, to_ros: bool) -> Child:
-    """Returns a stop of zeros. A ROS message has them by itself, one of JAUS is given them.
-
-    Args:
-        assignments: Those of the direction.
-        to_ros: The direction.
-    """
+    """Returns a stop of zeros. A ROS message has them by itself, one of JAUS is given them."""
     values = () if to_ros else tuple(_zeros(assignments))
     return Child(STOPS[to_ros], "bridge.Stop", {}, values)
 

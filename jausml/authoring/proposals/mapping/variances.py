@@ -31,12 +31,7 @@ _COVARIANCE, _RMS = "covariance", "rms"
 
 @dataclass(frozen=True)
 class _Diagonal:
-    """Variances along three axes.
-
-    Attributes:
-        paths: The cells.
-        measure: Their unit.
-    """
+    """Variances along three axes."""
 
     paths: tuple[str, ...]
     measure: Measure
@@ -50,14 +45,7 @@ class _Diagonal:
 def variances(
     scope: Scope, used: bridge.AttributeMap, sources: Iterable[Member], targets: Iterable[Member]
 ) -> list[Child]:
-    """Returns the assignments between root mean squares and diagonals, where units leave one each.
-
-    Args:
-        scope: The model.
-        used: The map.
-        sources: Members of one end of the map.
-        targets: Members of the other end that nothing fills.
-    """
+    """Returns assignments between root mean squares and diagonals, where units leave one each."""
     both = [*sources, *targets]
     deviations = [each for each in both if each.is_jaus and _is_deviation(each)]
     diagonals = [each for one in both if not one.is_jaus for each in _diagonals(used, one)]

@@ -36,18 +36,7 @@ _CALL = re.compile(r"(?P<name>\w+)\s*(?:\((?P<arguments>[^()]*)\))?\s*")
 def assignments_of(
     scope: Scope, used: bridge.AttributeMap, target: str, source: str, *, to_ros: bool
 ) -> list[Child]:
-    """Returns the ways to fill a target as words say, the likeliest first.
-
-    Args:
-        scope: The model.
-        used: The map.
-        target: Path of the target.
-        source: What fills it, in words.
-        to_ros: The direction.
-
-    Raises:
-        AnswerError: A rule forbids it, or there is no such member.
-    """
+    """Returns the ways to fill a target as words say, the likeliest first."""
     feature = "toRos" if to_ros else "toJaus"
     path, colon, chain = (each.strip() for each in source.partition(":"))
     if not colon and (plain := _sourceless(feature, target, source)) is not None:

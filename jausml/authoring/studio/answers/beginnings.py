@@ -45,14 +45,7 @@ _READY = "Receiving.Ready.Controlled.Available.Ready"
 def usual_values(
     model: Model, owner: EObject, feature: FeatureTable, kind: str
 ) -> dict[str, tuple[str, ...]]:
-    """Returns the values that a new element of a class begins with: what can be thought of.
-
-    Args:
-        model: The model.
-        owner: The element that shall own it.
-        feature: The feature of the owner.
-        kind: Its class.
-    """
+    """Returns the values that a new element of a class begins with: what can be thought of."""
     table = model.metamodels.classes[kind]
     siblings = _siblings(owner, feature)
     values: dict[str, tuple[str, ...]] = {}

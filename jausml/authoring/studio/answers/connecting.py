@@ -19,13 +19,7 @@ if TYPE_CHECKING:
 
 
 def connect(scope: Scope, source: Spot, target: Spot) -> Options:
-    """Returns the ways to connect two ends of the system view, the best first.
-
-    Args:
-        scope: The model.
-        source: Where the line starts.
-        target: Where it ends.
-    """
+    """Returns the ways to connect two ends of the system view, the best first."""
     if source.owner is target.owner:
         return Options(refusal=f"both ends are of {name_of(source.owner)}; draw to another box")
     found = _ways(scope, source, target)
@@ -77,12 +71,7 @@ def _through_bridge(scope: Scope, source: Spot, target: Spot) -> Options | None:
 
 
 def ends(scope: Scope, start: Spot) -> list[tuple[Spot, str]]:
-    """Returns the ends to which a line can be drawn from one, each with why.
-
-    Args:
-        scope: The model.
-        start: Where lines start.
-    """
+    """Returns the ends to which a line can be drawn from one, each with why."""
     found = []
     for other in all_spots(scope):
         answer = connect(scope, start, other)

@@ -109,14 +109,7 @@ def through(
 
 
 def carried(scope: Scope, owner: bridge.Bridge, at_jaus: Spot, direction: str) -> Options:
-    """A bridge carries what a component sends or takes, by each ready map, on a topic of its own.
-
-    Args:
-        scope: The model.
-        owner: The bridge.
-        at_jaus: The component, or one of its messages.
-        direction: `jausToRos` or `rosToJaus`.
-    """
+    """A bridge carries what a component sends or takes, each ready map on a topic of its own."""
     component = at_jaus.owner
     if not isinstance(component, jaus.Component):
         return Options(refusal="only components speak JAUS")

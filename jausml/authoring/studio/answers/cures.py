@@ -21,12 +21,7 @@ CURES: Mapping[str, Curing] = {**others.CURES, **maps.CURES, **connections.CURES
 
 
 def cures(scope: Scope, diagnostic: Diagnostic) -> tuple[Cure, ...]:
-    """Returns the cures of a finding; none where none is sensible, or nothing can be changed.
-
-    Args:
-        scope: The model.
-        diagnostic: The finding about it.
-    """
+    """Returns the cures of a finding; none where none is sensible, or nothing can be changed."""
     curing = CURES.get(diagnostic.rule)
     if curing is None or not diagnostic.fragment:
         return ()

@@ -16,17 +16,7 @@ JAUS_END, ROS_END = "!jaus", "!ros"
 
 
 def end_of(scope: Scope, used: bridge.AttributeMap, node: str, port: str) -> Member:
-    """Returns the member that ids of the map view name.
-
-    Args:
-        scope: The model.
-        used: The map.
-        node: Id of a box: of an end, or of a join.
-        port: The path of a row.
-
-    Raises:
-        AnswerError: They stand for no member.
-    """
+    """Returns the member that ids of the map view name."""
     if not port:
         raise AnswerError("draw from a member to a member")
     if node.endswith(JAUS_END):

@@ -45,27 +45,12 @@ _OWN_UNIT = frozenset({"value", "minimum", "maximum"})
 
 
 def form(scope: Scope, ref: str, diagnostics: Iterable[Diagnostic] = ()) -> Form:
-    """Returns the form of an element.
-
-    Args:
-        scope: The model.
-        ref: Names the element.
-        diagnostics: What was found about the model.
-
-    Raises:
-        AnswerError: There is no such element.
-    """
+    """Returns the form of an element."""
     return form_of(scope, scope.find(ref), diagnostics)
 
 
 def form_of(scope: Scope, element: EObject, diagnostics: Iterable[Diagnostic] = ()) -> Form:
-    """Returns the form of an element.
-
-    Args:
-        scope: The model.
-        element: An element of it or of the library.
-        diagnostics: What was found about the model.
-    """
+    """Returns the form of an element."""
     ref = scope.ref(element)
     table = scope.model.metamodels.class_of(element)
     is_fixed = ref.startswith(LIBRARY)

@@ -25,12 +25,7 @@ def hosted(scope: Scope, elements: Sequence[EObject], host: system.Host | None) 
     """Returns what lets elements run on a host; without commands where they do already.
 
     Args:
-        scope: The model.
-        elements: Components, bridges and nodes.
         host: The host; None for the frame of none, where external components alone can be.
-
-    Raises:
-        AnswerError: One of the elements can not run there.
     """
     moved: dict[system.System, list[EObject]] = {}
     for each in elements:
@@ -46,11 +41,7 @@ def hosted(scope: Scope, elements: Sequence[EObject], host: system.Host | None) 
 
 
 def _system_of(element: EObject, host: system.Host | None) -> system.System | None:
-    """Returns the system of an element whose host is to change, None where there is nothing to do.
-
-    Raises:
-        AnswerError: The element can not run on the host.
-    """
+    """Returns the system of an element whose host is to change, None if there is nothing to do."""
     whole = element.eContainer()
     name = name_of(element) or element.eClass.name
     if not isinstance(element, jaus.Component | ros.Node) or not isinstance(whole, system.System):

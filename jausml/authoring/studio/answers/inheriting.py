@@ -32,12 +32,7 @@ def join(scope: Scope, source: tuple[str, str], target: tuple[str, str]) -> Opti
     """Returns what a line means in the view of a service.
 
     Args:
-        scope: The model.
-        source: Ids of the box and the row where it starts; no row for the box.
         target: Those where it ends; a box may be named by the reference to its service.
-
-    Raises:
-        AnswerError: The ids stand for nothing.
     """
     start = _found(scope, source[1] or _service_of(source[0]))
     heir = start if isinstance(start, jaus.Service) else start.eContainer()
@@ -55,13 +50,7 @@ def join(scope: Scope, source: tuple[str, str], target: tuple[str, str]) -> Opti
 
 
 def inherit(scope: Scope, heir: jaus.Service, base: jaus.Service) -> Options:
-    """Returns how a service comes to inherit another one, in the place of what it inherits.
-
-    Args:
-        scope: The model.
-        heir: The service that inherits.
-        base: The service that is inherited.
-    """
+    """Returns how a service comes to inherit another one, in the place of what it inherits."""
     if heir.inherits is base:
         return Options(refusal=f"{name_of(heir)} inherits {name_of(base)} already")
     if heir in lineage(base):
@@ -76,12 +65,7 @@ def inherit(scope: Scope, heir: jaus.Service, base: jaus.Service) -> Options:
 
 
 def heritage(scope: Scope, box: str) -> Iterator[Choice]:
-    """Yields the services that the service of a box may inherit; none for rows.
-
-    Args:
-        scope: The model.
-        box: Id of the box of a service.
-    """
+    """Yields the services that the service of a box may inherit; none for rows."""
     own = _found(scope, _service_of(box))
     table = scope.model.metamodels.class_of(own)
     if isinstance(own, jaus.Service) and _MARK not in box:
@@ -92,15 +76,7 @@ def heritage(scope: Scope, box: str) -> Iterator[Choice]:
 
 
 def cut(scope: Scope, line: str) -> Options:
-    """Returns what takes a line of the view of a service away that is no element.
-
-    Args:
-        scope: The model.
-        line: Its id.
-
-    Raises:
-        AnswerError: The id stands for nothing.
-    """
+    """Returns what takes a line of the view of a service away that is no element."""
     if not line.endswith(_INHERITS):
         return Options(refusal="this line follows from what it joins: delete one of its ends")
     heir = _found(scope, line.removesuffix(_INHERITS))

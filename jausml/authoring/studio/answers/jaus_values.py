@@ -32,7 +32,6 @@ def payload(message: jaus.MessageDef, values: Mapping[str, str]) -> bytes:
     """Returns code and body of a message.
 
     Args:
-        message: The message.
         values: Texts by path, as maps write paths; what is not among them is left out where it may
             be, and has its least legal value elsewhere.
 
@@ -51,15 +50,7 @@ def payload(message: jaus.MessageDef, values: Mapping[str, str]) -> bytes:
 
 
 def rows(message: jaus.MessageDef, data: bytes) -> list[tuple[str, str]]:
-    """Returns the values of a message by path.
-
-    Args:
-        message: The message.
-        data: Code and body.
-
-    Raises:
-        AnswerError: The bytes are no such message.
-    """
+    """Returns the values of a message by path."""
     entry = _entry(message)
     try:
         fields = entry.decode(data)
@@ -70,11 +61,7 @@ def rows(message: jaus.MessageDef, data: bytes) -> list[tuple[str, str]]:
 
 
 def moment(text: str) -> datetime:
-    """Returns the time that a text says: `now`, or a date and time of ISO 8601, in UTC.
-
-    Raises:
-        AnswerError: It says none.
-    """
+    """Returns the time that a text says: `now`, or a date and time of ISO 8601, in UTC."""
     if text.strip().lower() in ("", "now"):
         return datetime.now(timezone.utc)
     try:

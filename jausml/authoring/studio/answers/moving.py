@@ -39,13 +39,7 @@ def lead(scope: Scope, element: jaus.StateMachine, source: str, target: str) -> 
     """Returns the transitions that may lead from a state to another, those of messages first.
 
     Args:
-        scope: The model.
-        element: The machine that gets one.
-        source: Id of the box of the state that is left.
         target: Id of the box of the state that is entered; the same one is left and entered again.
-
-    Raises:
-        AnswerError: There is no such state.
     """
     if scope.ref(element).startswith(LIBRARY):
         refusal = f"{name_of(element)} belongs to the shipped library, which is not changed here"
@@ -70,12 +64,7 @@ def lead(scope: Scope, element: jaus.StateMachine, source: str, target: str) -> 
 
 
 def usual_texts(element: EObject, feature: FeatureTable) -> list[Choice]:
-    """Returns what a text of a transition may say: the states and the internal events there are.
-
-    Args:
-        element: Any element.
-        feature: A feature of it.
-    """
+    """Returns what a text of a transition may say: the states and the internal events there are."""
     if not isinstance(element, jaus.Transition) or feature.name not in ("target", "event"):
         return []
     names: list[str] = []
@@ -94,12 +83,7 @@ def usual_texts(element: EObject, feature: FeatureTable) -> list[Choice]:
 
 
 def targets_from(machine: Machine, source: str) -> dict[str, str]:
-    """Returns what transitions of a state write for each state: as few names as do.
-
-    Args:
-        machine: The machine.
-        source: Path of the state.
-    """
+    """Returns what transitions of a state write for each state: as few names as do."""
     core = CORE_STATES if machine.extends_core else ()
     found = {}
     for path in dict.fromkeys([*machine.nodes, *core]):

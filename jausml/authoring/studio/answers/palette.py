@@ -48,14 +48,8 @@ class Entry:
     """Something of the palette before it is known where it goes.
 
     Attributes:
-        id: Its id.
-        group: Its group.
-        label: Its name.
-        note: A few words beside the name.
-        documentation: What it is.
         make: Makes the commands for a model and the element that it is dropped on, if any; nothing
             where it cannot go.
-        words: What is searched, in small letters.
     """
 
     id: str
@@ -91,10 +85,7 @@ def palette(
     half of the room to that.
 
     Args:
-        scope: The model; its first file takes what is added.
-        query: Words that stand in the names, or in what is said of them.
         kinds: The groups that are meant, all when None.
-        limit: How many at most.
         onto: Names the element that it is dropped on. One that is gone, or of the library, takes
             nothing.
     """

@@ -18,12 +18,7 @@ _ADDRESS = "address"
 
 
 def with_free_addresses(model: Model, commands: Sequence[Add | Set]) -> list[Add | Set]:
-    """Returns what was copied with JAUS ids of its own, where those that it has are in use.
-
-    Args:
-        model: The model into which it is pasted.
-        commands: What was copied.
-    """
+    """Returns what was copied with JAUS ids of its own, where those that it has are in use."""
     components = model.instances(jaus.Component, library=False)
     used = {str(each.address) for each in components if each.address}
     found: list[Add | Set] = []

@@ -27,11 +27,7 @@ def element_at(model: Model, offset: int) -> EObject | None:
     """Returns the innermost element that is written at a place, None where there is none.
 
     Args:
-        model: A model whose first document is the file that is meant.
         offset: The place, as a page counts.
-
-    Raises:
-        EditError: The file cannot be decoded.
     """
     document = model.documents[0]
     if not document.readable:

@@ -37,9 +37,7 @@ class PlannedFile:
     """What happens to a file.
 
     Attributes:
-        path: The file, relative to the output folder.
         action: `create`, `change`, `keep`, `same`, `remove` or `refuse`.
-        reason: Why.
     """
 
     path: str
@@ -63,9 +61,6 @@ class Planned:
     """What would be done.
 
     Attributes:
-        out: The output folder.
-        files: What happens to each file.
-        drift: Where files of the user no longer fit.
         problems: Why nothing can be generated, empty when something can.
         digest: Tells this plan from any other; empty with problems.
     """
@@ -89,14 +84,9 @@ def out_folder(root: Path, file: str, out: str = "", chosen: str = "") -> Path:
     """Returns the folder that is generated into.
 
     Args:
-        root: The folder that was opened.
-        file: The model file, relative to it.
         out: What the page asks for, relative to the root; empty for the usual one.
         chosen: What the user said when the studio was started; nothing else may lie outside of the
             root.
-
-    Raises:
-        AnswerError: The folder lies outside of the root, or is none.
     """
     usual = Path(chosen) if chosen else root / f"{PurePosixPath(file).stem}_ws" / "src"
     folder = Path(os.path.realpath(root / out if out else usual))
@@ -109,13 +99,7 @@ def out_folder(root: Path, file: str, out: str = "", chosen: str = "") -> Path:
 
 
 def plan(report: Report, out: Path, *, force: bool = False) -> Planned:
-    """Returns what generating from a model into a folder would do; nothing is written.
-
-    Args:
-        report: The model, and what was found about it.
-        out: The folder.
-        force: Whether generated files that were edited are overwritten, after a copy.
-    """
+    """Returns what generating from a model into a folder would do; nothing is written."""
     problems = _problems(report)
     if problems:
         return Planned(str(out), problems=problems)
@@ -132,11 +116,7 @@ def plan(report: Report, out: Path, *, force: bool = False) -> Planned:
 
 
 def diff(report: Report, out: Path, path: str, *, force: bool = False) -> str:
-    """Returns the patch of one file, empty where nothing would change.
-
-    Raises:
-        AnswerError: Nothing can be generated from the model, or no such file would be.
-    """
+    """Returns the patch of one file, empty where nothing would change."""
     actions = [
         each for each in _checked(report, out, force=force).plan.actions if each.path == path
     ]
@@ -149,10 +129,7 @@ def carry_out(report: Report, out: Path, shown: str, *, force: bool = False) -> 
     """Generates, if that does what was shown.
 
     Args:
-        report: The model, and what was found about it.
-        out: The folder.
         shown: The digest of the plan that was shown.
-        force: Whether that plan overwrites generated files that were edited.
 
     Raises:
         AnswerError: The model or a file has changed since, a file is refused, or the operating

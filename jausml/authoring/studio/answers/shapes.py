@@ -13,13 +13,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """One of the values that a field may have.
-
-    Attributes:
-        value: The value: a literal, or the text that names an element.
-        label: How people name it.
-        documentation: What it means.
-    """
+    """One of the values that a field may have."""
 
     value: str
     label: str
@@ -31,19 +25,9 @@ class Field:
     """A feature of an element that a form shows.
 
     Attributes:
-        feature: Its name.
-        label: How people name it.
         kind: `text`, `multiline`, `number`, `integer`, `boolean`, `choice` or `reference`.
-        many: Whether it takes more than one value.
-        required: Whether it must have a value.
         values: What is set; empty while the default holds.
-        shown: The values as people name them.
-        default: What holds while nothing is set.
-        documentation: What it means.
         unit: Unit of its number, empty for none or an unknown one.
-        choices: The legal values; of a text those that are usual.
-        problems: What is wrong with it.
-        changeable: Whether it may be changed.
     """
 
     feature: str
@@ -66,9 +50,6 @@ class Kind:
     """A class of elements that can be added: `jaus.Component`.
 
     Attributes:
-        kind: Its name.
-        label: How people name it.
-        documentation: What it means.
         values: What a new element begins with, such as a name that nobody has.
     """
 
@@ -89,16 +70,7 @@ class Child:
 
 @dataclass(frozen=True, slots=True)
 class Children:
-    """A feature that owns elements.
-
-    Attributes:
-        feature: Its name.
-        label: How people name it.
-        many: Whether it owns more than one.
-        documentation: What it means.
-        kinds: What can be added; nothing where there is no room for more.
-        elements: What is there.
-    """
+    """A feature that owns elements."""
 
     feature: str
     label: str
@@ -113,14 +85,8 @@ class Form:
     """The properties of an element.
 
     Attributes:
-        element: The element.
         class_: Its class: `bridge.Connection`.
-        title: How people name it.
-        documentation: What its class means.
-        readonly: Whether nothing of it can be changed.
         owner: The element that owns it, empty for a root.
-        fields: Its attributes and references.
-        children: The features that own elements.
     """
 
     element: str
@@ -147,11 +113,6 @@ class PaletteItem:
     Attributes:
         id: Its id, the same while the library is.
         group: `components`, `services`, `ros types`, `ready maps` or `elements`.
-        label: Its name.
-        note: A few words beside the name.
-        documentation: What it is.
-        drop: What adds it.
-        label_of_edit: How the edit is called in the log.
         onto: What it is added to, as people name it; empty for the system.
     """
 

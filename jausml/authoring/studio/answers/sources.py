@@ -26,11 +26,8 @@ class Located:
     """The text of a file, and where in it an element stands.
 
     Attributes:
-        file: The file.
         notation: `xmi` or `text`.
-        text: All of its text, with line feeds at the ends of lines.
         start: Where the element begins, in units of UTF-16 as browsers count them.
-        end: Where it ends.
         line: Its first line, counted from 1.
     """
 
@@ -43,16 +40,7 @@ class Located:
 
 
 def source(scope: Scope, ref: str) -> Located:
-    """Returns where an element stands; what a text has not written by itself, where its owner does.
-
-    Args:
-        scope: The model.
-        ref: Names the element.
-
-    Raises:
-        AnswerError: There is no such element.
-        EditError: The file cannot be decoded.
-    """
+    """Returns where an element stands; where its owner does if the text has not written it."""
     element = scope.find(ref)
     file, _ = refs.split(ref)
     model = scope.model_of(element)

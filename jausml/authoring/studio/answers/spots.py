@@ -22,7 +22,6 @@ class Spot:
     """An end of the system view, as its ids tell.
 
     Attributes:
-        owner: The component, bridge or node.
         element: What the row stands for: an endpoint or a connection; None for the whole box and
             for the row of a message.
         message: Name of the message of such a row, empty for others.
@@ -37,12 +36,7 @@ def spot(scope: Scope, node: str, port: str) -> Spot:
     """Returns the end that ids of the system view name.
 
     Args:
-        scope: The model.
-        node: Id of a box.
         port: Id of a row of it, empty for the box.
-
-    Raises:
-        AnswerError: They stand for nothing in the model.
     """
     if _MARK in node:
         raise AnswerError("that end is not in the model; add it first")
@@ -53,11 +47,7 @@ def spot(scope: Scope, node: str, port: str) -> Spot:
 
 
 def element_of(scope: Scope, identifier: str) -> EObject:
-    """Returns the element of an id in a graph: a fragment, behind its file unless the first.
-
-    Raises:
-        AnswerError: There is none.
-    """
+    """Returns the element of an id in a graph: a fragment, behind its file unless the first."""
     name, mark, fragment = identifier.rpartition("#")
     for document in scope.model.documents:
         if not mark or document.path.name == name:

@@ -23,13 +23,7 @@ _OF_THE_SYSTEM = (jaus.Component, ros.Node, system.Host)
 
 
 def legal_targets(scope: Scope, element: EObject, feature: FeatureTable) -> tuple[Choice, ...]:
-    """Returns what a reference of an element may lead to, in the order of the names.
-
-    Args:
-        scope: The model.
-        element: The element that refers.
-        feature: The reference.
-    """
+    """Returns what a reference of an element may lead to, in the order of the names."""
     table = scope.model.metamodels.class_of(element)
     for cls in table.supertypes:
         find = _NARROW.get(f"{cls.qualified_name}.{feature.name}")
@@ -50,13 +44,7 @@ def _is_query(choice: Choice) -> bool:
 def everywhere(
     scope: Scope, target: ClassTable | None, element: EObject | None = None
 ) -> tuple[Choice, ...]:
-    """Returns the elements of a class in the project and the library.
-
-    Args:
-        scope: The model.
-        target: The class.
-        element: Who refers; participants are those of its own system, itself left out.
-    """
+    """Returns the elements of a class in the project and the library."""
     if target is None:
         return ()
     kind = target.python_class

@@ -20,16 +20,7 @@ _SYSTEM = "trial_system"
 
 
 def trial_bridge(metamodels: Metamodels, used: bridge.AttributeMap, *, to_ros: bool) -> BridgeCode:
-    """Returns the generated code of one direction of a map, whatever else its model holds.
-
-    Args:
-        metamodels: The metamodels of the map.
-        used: The map.
-        to_ros: The direction.
-
-    Raises:
-        GenerationError: The map has what cannot be generated.
-    """
+    """Returns the generated code of one direction of a map, whatever else its model holds."""
     return bridge_code(_model(metamodels, used, to_ros=to_ros))
 
 

@@ -56,9 +56,7 @@ class Input:
     """A value that can be given.
 
     Attributes:
-        path: Where it is.
         type: `number`, `integer`, `boolean`, `text` or `time`.
-        unit: Its unit, empty for none.
         default: What stands there first; a member that is left empty is left out.
     """
 
@@ -79,14 +77,7 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Tried:
-    """What came out.
-
-    Attributes:
-        values: The values of the other side.
-        bytes: The message as it goes out, in hexadecimal digits.
-        error: Why nothing came out, empty when something did.
-        notes: What was done to values that do not fit.
-    """
+    """What came out."""
 
     values: tuple[Row, ...] = ()
     bytes: str = ""
@@ -95,15 +86,7 @@ class Tried:
 
 
 def inputs(used: bridge.AttributeMap, *, to_ros: bool) -> list[Input]:
-    """Returns the values that a direction of a map takes.
-
-    Args:
-        used: The map.
-        to_ros: The direction.
-
-    Raises:
-        AnswerError: An end of the map is missing.
-    """
+    """Returns the values that a direction of a map takes."""
     _check_ends(used)
     scope = outer_scope(used, to_ros=to_ros, indexed=True)
     found: dict[str, Input] = {}
@@ -186,10 +169,7 @@ class Trials:
         """Translates values.
 
         Args:
-            scope: The model.
-            used: The map.
             values: Texts by path; those that are empty are left out.
-            to_ros: The direction.
 
         Returns:
             What came out; what is wrong with values or the map is told as its error.
@@ -227,11 +207,7 @@ class Trials:
 
 
 def _code(scope: Scope, used: bridge.AttributeMap, *, to_ros: bool) -> BridgeCode:
-    """Returns the generated code of a map.
-
-    Raises:
-        AnswerError: There is none.
-    """
+    """Returns the generated code of a map."""
     try:
         return trial_bridge(scope.model.metamodels, used, to_ros=to_ros)
     except Exception as error:

@@ -41,8 +41,6 @@ class Search:
     """What shall be added.
 
     Attributes:
-        file: The file that takes it.
-        query: Words to look for.
         kinds: The groups of the palette that are meant; None for all.
         limit: How many at most; None for as many as are usual.
         onto: The element that it is dropped on; empty for the system.
@@ -94,13 +92,7 @@ class Drawn:
 
 @dataclass(frozen=True)
 class Hosting:
-    """Boxes that were dragged into the frame of a host.
-
-    Attributes:
-        file: The file.
-        nodes: Ids of the boxes.
-        host: Id of the frame, empty for outside of all.
-    """
+    """Boxes that were dragged into the frame of a host."""
 
     file: str
     nodes: tuple[str, ...]
@@ -157,21 +149,13 @@ def _connect(desk: Desk, asked: Line) -> object:
 
 
 def map_of(scope: Scope, view: str) -> bridge.AttributeMap | None:
-    """Returns the map that a view shows, None for a view of something else.
-
-    Raises:
-        AnswerError: There is no such map.
-    """
+    """Returns the map that a view shows, None for a view of something else."""
     kind, _, name = view.partition(":")
     return map_named(scope, name) if kind == "map" else None
 
 
 def map_named(scope: Scope, name: str) -> bridge.AttributeMap:
-    """Returns the map of a name.
-
-    Raises:
-        AnswerError: There is none.
-    """
+    """Returns the map of a name."""
     for each in scope.model.instances(bridge.AttributeMap):
         if each.name == name:
             return each

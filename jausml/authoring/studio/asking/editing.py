@@ -24,14 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Edit:
-    """Commands to be carried out, all or none.
-
-    Attributes:
-        commands: The commands.
-        label: What they do, for people.
-        base: The revision of which their refs are; None for the present one.
-        dry: Whether only to tell what they would do.
-    """
+    """Commands to be carried out, all or none."""
 
     commands: tuple[Mapping[str, object], ...]
     label: str
@@ -41,13 +34,7 @@ class Edit:
 
 @dataclass(frozen=True)
 class Write:
-    """What somebody typed.
-
-    Attributes:
-        file: A text file.
-        text: All of its text.
-        base: The revision of which the text was changed.
-    """
+    """What somebody typed."""
 
     file: str
     text: str
@@ -56,11 +43,7 @@ class Write:
 
 @dataclass(frozen=True)
 class Copy:
-    """Elements to be described.
-
-    Attributes:
-        elements: Their refs.
-    """
+    """Elements to be described."""
 
     elements: tuple[str, ...]
 
@@ -70,7 +53,6 @@ class Paste:
     """Descriptions of elements that are to be added.
 
     Attributes:
-        owner: The ref of what shall own them, or of what they shall stand beside.
         commands: What `copy` gave.
     """
 

@@ -22,13 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Asked:
-    """What shall be generated.
-
-    Attributes:
-        file: The model.
-        out: The folder that is generated into; empty for the usual one.
-        force: Whether generated files that were edited are overwritten, after a copy.
-    """
+    """What shall be generated."""
 
     file: str
     out: str = ""
@@ -85,11 +79,7 @@ def _obstacle(desk: Desk, verdict: Verdict) -> str:
 
 
 def _report(desk: Desk, file: str) -> Report:
-    """Returns what was found about a file, of which code may be made if that has no errors.
-
-    Raises:
-        AnswerError: It was not judged as it is.
-    """
+    """Returns what was found about a file, of which code may be made if that has no errors."""
     verdict = desk.verdicts.of(file)
     why = _obstacle(desk, verdict)
     if why:

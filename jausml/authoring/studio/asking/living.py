@@ -33,11 +33,7 @@ class Glance:
 
 
 class Living:
-    """The one system that is watched, if any.
-
-    Args:
-        desk: What answers work with.
-    """
+    """The one system that is watched, if any."""
 
     def __init__(self, desk: Desk) -> None:
         self._desk = desk
@@ -53,11 +49,7 @@ class Living:
         }
 
     def start(self, file: str) -> dict[str, Any]:
-        """Watches the system of a file, in the place of the one before.
-
-        Raises:
-            EditError: The project has no such file.
-        """
+        """Watches the system of a file, in the place of the one before."""
         project = self._desk.project
         watched = Watched(file, project.root / file, project.root, project.model(file).model)
         with self._lock:
@@ -80,11 +72,7 @@ class Living:
         threading.Thread(target=self.stop, name="leaving", daemon=True).start()
 
     def message(self, connection: str) -> dict[str, Any]:
-        """Returns the last message of a connection on both sides.
-
-        Raises:
-            RpcError: Nothing is known of it.
-        """
+        """Returns the last message of a connection on both sides."""
         with self._lock:
             live = self._live
         try:

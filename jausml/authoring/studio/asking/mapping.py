@@ -44,14 +44,7 @@ class Trial:
 
 @dataclass(frozen=True)
 class Filling:
-    """A member that is filled without a source.
-
-    Attributes:
-        file: The file.
-        view: The view of the map.
-        target: The member.
-        value: The constant that it may become.
-    """
+    """A member that is filled without a source."""
 
     file: str
     view: str

@@ -23,13 +23,7 @@ _QUOTED = re.compile(r"'([^']*)'")
 
 @dataclass(frozen=True)
 class Found:
-    """A finding at an element of the project.
-
-    Attributes:
-        scope: The model.
-        element: The element.
-        diagnostic: The finding.
-    """
+    """A finding at an element of the project."""
 
     scope: Scope
     element: Any
