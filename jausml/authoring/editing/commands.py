@@ -4,10 +4,14 @@ from __future__ import annotations
 
 # The types of commands are asked for at run time, where commands come as JSON.
 from collections.abc import Mapping  # noqa: TC003
-from dataclasses import dataclass, field
-from typing import TypeAlias
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 from jausml.language.model.refs import Ref  # noqa: TC001
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
 
 LayoutKey: TypeAlias = str
 """Name of a box of a view that survives shifts of positions, such as `bridge:main/velocity`."""
@@ -129,3 +133,30 @@ class Place:
 
 
 Command: TypeAlias = "Set | Add | Remove | Move | Rename | Create | Place"
+
+
+AddedT = TypeVar("AddedT", Add, Child)
+
+
+def with_created(
+    command: Set | Add | Remove | Move | Rename, known: Callable[[Ref], Ref]
+) -> Set | Add | Remove | Move | Rename:
+    """Returns a command with refs to what is there in place of those to what was made.
+
+    Args:
+        known: Returns the ref for which one such as `new:0` stands, and any other text as it is.
+    """
+    if isinstance(command, Set):
+        values = tuple(map(known, command.values))
+        return replace(command, element=known(command.element), values=values)
+    if isinstance(command, Rename | Remove):
+        return replace(command, element=known(command.element))
+    if isinstance(command, Move):
+        return replace(command, element=known(command.element), owner=known(command.owner))
+    return replace(_inside(command, known), owner=known(command.owner))
+
+
+def _inside(made: AddedT, known: Callable[[Ref], Ref]) -> AddedT:
+    values = {name: tuple(map(known, each)) for name, each in made.values.items()}
+    children = tuple(_inside(each, known) for each in made.children)
+    return replace(made, values=values, children=children)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from jausml.authoring.editing.commands import NEW, Add, Child, EditError, Set
-from jausml.authoring.editing.forest import attribute_values
+from jausml.authoring.editing.working_copy import attribute_values
 from jausml.language.metamodel import FeatureKind
 from jausml.language.metamodel.filling import contents
 from jausml.language.model.names import name_of

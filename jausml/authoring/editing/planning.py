@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from jausml.authoring.editing.commands import Command
-    from jausml.authoring.editing.forest import Forest, Thing
     from jausml.authoring.editing.splices import Splice
+    from jausml.authoring.editing.working_copy import ElementCopy, WorkingCopy
     from jausml.language.metamodel import ClassTable
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.documents import Document
@@ -27,15 +27,15 @@ class Context:
 
     Attributes:
         root: The opened folder, symbolic links followed.
-        forest: The elements of all files concerned, as the commands will have them.
-        paths: The paths of things of the forest before the commands.
+        working_copy: The elements of all files concerned, as the commands will have them.
+        paths: The paths of copies of the working copy before the commands.
     """
 
     file: str
     root: Path
     model: Model
-    forest: Forest
-    paths: Mapping[Thing, str]
+    working_copy: WorkingCopy
+    paths: Mapping[ElementCopy, str]
     locate: Callable[[Ref], tuple[EObject, Model]]
 
     @property

@@ -11,18 +11,22 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from jausml.authoring.editing.carrying import carry_out, referrers
 from jausml.authoring.editing.commands import EditError
-from jausml.authoring.editing.conflicts import takes_back
 from jausml.authoring.editing.describing import described, pasted
 from jausml.authoring.editing.disk import Disk
 from jausml.authoring.editing.drafts import Draft
-from jausml.authoring.editing.forest import Forest
+from jausml.authoring.editing.executing import execute, referrers
 from jausml.authoring.editing.layout import is_layout, layout_file, read_layout
-from jausml.authoring.editing.log import Log
-from jausml.authoring.editing.outside import Outside
-from jausml.authoring.editing.reading import Reader, is_library, is_model_file, model_files, stored
-from jausml.authoring.editing.rebasing import Rebasing
+from jausml.authoring.editing.log import Log, takes_back
+from jausml.authoring.editing.reading import (
+    Reader,
+    is_library,
+    is_model_file,
+    model_files,
+    stored,
+    typed,
+)
+from jausml.authoring.editing.rebasing import Outside, Rebasing
 from jausml.authoring.editing.records import (
     Change,
     Entry,
@@ -33,7 +37,7 @@ from jausml.authoring.editing.records import (
     Referrer,
 )
 from jausml.authoring.editing.splices import applied, difference, inverted
-from jausml.authoring.editing.typing import typed
+from jausml.authoring.editing.working_copy import WorkingCopy
 from jausml.language.model import refs
 from jausml.language.model.inputs import read_input
 from jausml.language.text.notation import SUFFIX
@@ -82,7 +86,7 @@ class Project:
         self._rebasing = Rebasing()
         self._typed = (0, 0.0)
         self.typing_pause = 2.0
-        self._forest: Forest | None = None
+        self._working_copy: WorkingCopy | None = None
         self._untold: list[Change] = []
         self._files: dict[str, Stored] = {}
         names = list(model_files(self.root))
@@ -167,7 +171,7 @@ class Project:
         with self._lock:
             commands = self._rebased(commands, base)
             draft = self._draft()
-            outcome = carry_out(commands, draft)
+            outcome = execute(commands, draft)
             changes = draft.changes()
             new = {each.file: draft.files.get(each.file) for each in changes}
             diff = "".join(self._diff(f, each.data if each else b"") for f, each in new.items())
@@ -220,17 +224,17 @@ class Project:
 
     def _done(self, commands: Sequence[Command], label: str) -> Entry:
         draft = self._draft()
-        forest, self._forest = self._forest, None
-        outcome = carry_out(commands, draft, forest)
+        working_copy, self._working_copy = self._working_copy, None
+        outcome = execute(commands, draft, working_copy)
         changes = draft.changes()
         if not changes:
             # Nothing is to be done only if the files say so, not what is known of them.
-            self._check_unchanged(outcome.forest.models)
-            self._forest = outcome.forest
+            self._check_unchanged(outcome.working_copy.models)
+            self._working_copy = outcome.working_copy
             return Entry(0, label, ())
         self._write({each.file: draft.files.get(each.file) for each in changes})
-        # Only now: a forest of what was not written would be one of nothing.
-        self._forest = outcome.forest
+        # Only now: a working copy of what was not written would be one of nothing.
+        self._working_copy = outcome.working_copy
         entry = self._log.add(label, changes, outcome.created)
         self._rebasing.note(self._revision, entry, outcome.shifts)
         return entry
@@ -452,7 +456,7 @@ class Project:
             if file not in before or file not in after:
                 raise EditError(f"{file} was deleted, or came again, meanwhile", conflict=True)
             models = (self._reader.read(file, each).model for each in (before, after))
-            return Outside(file, *(Forest.grown({file: each}, self.root) for each in models))
+            return Outside(file, *(WorkingCopy.of({file: each}, self.root) for each in models))
 
         self._rebasing.note_outside(self._revision, file, understood)
 

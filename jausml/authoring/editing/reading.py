@@ -1,7 +1,8 @@
-"""Reading of a project's files: models of bytes that are held, each read once."""
+"""A project's files: texts become the bytes of files, and bytes become models, each read once."""
 
 from __future__ import annotations
 
+import codecs
 import hashlib
 import os
 import re
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from jausml.language.model.diagnostics import Diagnostic
     from jausml.language.model.documents import Document
     from jausml.language.text.reading.parsing import Parsed
+
 
 XMI_SUFFIX = ".xmi"
 SUFFIXES = (XMI_SUFFIX, SUFFIX)
@@ -236,3 +238,26 @@ def is_text(file: str) -> bool:
 def is_library(file: str) -> bool:
     """Tells whether a file is one of the shipped library."""
     return file.startswith(LIBRARY)
+
+
+_LINE_END = re.compile(rb"\r\n|\n|\r")
+
+
+def typed(text: str, before: bytes) -> bytes:
+    """Returns the bytes of a text, with the byte order mark and the line ends of its file.
+
+    Args:
+        text: The text; where its lines end with line feeds alone, an editor may have made them so.
+
+    Raises:
+        EditError: The text has characters that no file can hold.
+    """
+    ends = set(_LINE_END.findall(before))
+    if len(ends) == 1 and "\r" not in text:
+        text = text.replace("\n", ends.pop().decode())
+    mark = codecs.BOM_UTF8 if before.startswith(codecs.BOM_UTF8) else b""
+    try:
+        return mark + text.removeprefix("\ufeff").encode()
+    except UnicodeEncodeError as error:
+        message = f"the text has half a character, U+{ord(text[error.start]):04X}"
+        raise EditError(message) from error

@@ -6,9 +6,9 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jausml.authoring.editing.carrying import carry_out
 from jausml.authoring.editing.commands import EditError, Rename
 from jausml.authoring.editing.drafts import Draft
+from jausml.authoring.editing.executing import execute
 from jausml.authoring.editing.reading import Reader, can_be_parsed, stored
 from jausml.language.model import refs
 
@@ -45,7 +45,7 @@ class Unsaved:
         home, _ = refs.split(element)
         if not can_be_parsed(home, self._draft.files[home].data):
             raise EditError(f"{home} cannot be parsed as it is: fix it first")
-        carry_out([Rename(element, name)], self._draft)
+        execute([Rename(element, name)], self._draft)
         changed = {each.file: each.steps for each in self._draft.changes()}
         return {
             path: [splice for step in changed[name] for splice in step]

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.authoring.differences.telling import words
-from jausml.authoring.editing.carrying import carry_out, referrers
 from jausml.authoring.editing.commands import IDENTIFIER, Add, Child, EditError, Move, Remove, Set
 from jausml.authoring.editing.drafts import Draft
-from jausml.authoring.editing.forest import Forest
+from jausml.authoring.editing.executing import execute, referrers
+from jausml.authoring.editing.working_copy import WorkingCopy
 from jausml.authoring.merging.conflicts import GONE_HERE, LOST_TARGET, Conflict
 from jausml.language.metamodel import FeatureKind
 from jausml.language.metamodel.filling import contents
@@ -47,12 +47,12 @@ class Carrying:
         self.root = root
         self.files = dict(files)
         self.conflicts: list[Conflict] = []
-        forest = Forest.grown({file: sides.ours.model}, root)
-        fragments = forest.fragments()
+        working_copy = WorkingCopy.of({file: sides.ours.model}, root)
+        fragments = working_copy.fragments()
         self.where: dict[EObject, Ref] = {
-            obj: f"{file}#{fragments[thing]}" for obj, thing in forest.things.items()
+            obj: f"{file}#{fragments[copy]}" for obj, copy in working_copy.copies.items()
         }
-        self._forest: Forest | None = None
+        self._working_copy: WorkingCopy | None = None
         self._later: list[tuple[EObject, FeatureTable, EObject]] = []
 
     def run(self, plan: Plan) -> None:
@@ -78,8 +78,8 @@ class Carrying:
 
     def _do(self, command: Command) -> tuple[Ref, ...]:
         draft = self._draft()
-        outcome = carry_out([command], draft, self._forest)
-        self.files, self._forest = draft.files, outcome.forest
+        outcome = execute([command], draft, self._working_copy)
+        self.files, self._working_copy = draft.files, outcome.working_copy
         for shift in outcome.shifts:
             self.where = {obj: shift.get(ref, ref) for obj, ref in self.where.items()}
         return outcome.created

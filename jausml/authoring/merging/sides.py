@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from jausml.authoring.differences.finding import changes
 from jausml.authoring.differences.matching import Matching
 from jausml.authoring.differences.telling import element_words
-from jausml.authoring.editing.forest import attribute_values
+from jausml.authoring.editing.working_copy import attribute_values
 from jausml.language.metamodel import FeatureKind
 from jausml.language.metamodel.filling import contents
 from jausml.language.model import refs

@@ -8,7 +8,7 @@ import pytest
 from answers_support import CAR, read
 
 from jausml.authoring.proposals.elements import AnswerError
-from jausml.authoring.studio.answers.planning import carry_out, diff, out_folder, plan
+from jausml.authoring.studio.answers.planning import diff, execute, out_folder, plan
 from jausml.language.model import Diagnostic, Location, Severity
 
 SKELETON = "vehicle/vehicle/vehicle.py"
@@ -22,7 +22,7 @@ def workspace(tmp_path_factory):
     planned = plan(read(CAR), out)
     assert {each.action for each in planned.files} == {"create"}
     assert not out.exists()
-    done = carry_out(read(CAR), out, planned.digest)
+    done = execute(read(CAR), out, planned.digest)
     assert done.written == len(planned.files)
     assert "created" in done.message
     return out
@@ -38,7 +38,7 @@ def test_a_second_time_nothing_is_done(workspace):
     assert set(found.values()) == {"same", "keep"}
     assert found[SKELETON] == "keep"
     assert found[GENERATED] == "same"
-    assert carry_out(read(CAR), workspace, planned.digest).written == 0
+    assert execute(read(CAR), workspace, planned.digest).written == 0
 
 
 def test_a_skeleton_that_fell_behind_is_told(workspace):
@@ -63,7 +63,7 @@ def test_what_changed_since_it_was_shown_is_not_done(workspace):
     assert "+++ b/" + GENERATED in patch
     missing.write_text(kept)
     with pytest.raises(AnswerError, match="look at the plan again"):
-        carry_out(read(CAR), workspace, planned.digest)
+        execute(read(CAR), workspace, planned.digest)
     assert diff(read(CAR), workspace, GENERATED) == ""
     with pytest.raises(AnswerError, match="no file of the plan"):
         diff(read(CAR), workspace, "../secret")
@@ -77,7 +77,7 @@ def test_what_was_edited_by_hand_is_refused(workspace):
         planned = plan(read(CAR), workspace)
         assert actions(planned)[GENERATED] == "refuse"
         with pytest.raises(AnswerError, match="nothing was written"):
-            carry_out(read(CAR), workspace, planned.digest)
+            execute(read(CAR), workspace, planned.digest)
         assert path.read_text().endswith("# mine\n")
     finally:
         path.write_text(kept)
@@ -91,7 +91,7 @@ def test_errors_come_first(tmp_path):
     assert planned.problems.endswith("and 1 more")
     assert not planned.files
     with pytest.raises(AnswerError, match="errors come first"):
-        carry_out(report, tmp_path / "src", planned.digest)
+        execute(report, tmp_path / "src", planned.digest)
     assert not (tmp_path / "src").exists()
 
 

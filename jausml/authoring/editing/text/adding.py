@@ -21,10 +21,9 @@ from jausml.language.text.writing.maps import MAP, table_entry, vector_entry
 from jausml.language.text.writing.unparsing import IMPLIED_PARTS
 
 if TYPE_CHECKING:
-    from jausml.authoring.editing.text.desk import Desk
+    from jausml.authoring.editing.text.desk import Desk, Places
     from jausml.authoring.editing.text.mapping import Mapping
     from jausml.authoring.editing.text.outline import Body, Part
-    from jausml.authoring.editing.text.places import Places
     from jausml.language.metamodel import FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
 

@@ -7,14 +7,11 @@ from typing import TYPE_CHECKING, Any, cast
 from jausml.authoring.editing.commands import Add, EditError, Move, Remove, Rename, Set
 from jausml.authoring.editing.sketches import assign, converted, copied, drawn, feature_of, owning
 from jausml.authoring.editing.text.adding import Adding
-from jausml.authoring.editing.text.desk import Desk
-from jausml.authoring.editing.text.following import Following
-from jausml.authoring.editing.text.heads import DOCUMENTATION, NAME, Heads
+from jausml.authoring.editing.text.desk import Desk, Places
 from jausml.authoring.editing.text.mapping import ENDS, Mapping
-from jausml.authoring.editing.text.moving import Moving
-from jausml.authoring.editing.text.places import Places
-from jausml.authoring.editing.text.removing import Removing
-from jausml.authoring.editing.text.values import Values
+from jausml.authoring.editing.text.moving import Moving, Removing
+from jausml.authoring.editing.text.naming import Following
+from jausml.authoring.editing.text.values import DOCUMENTATION, NAME, Heads, Values
 from jausml.language.metamodel import FeatureKind
 from jausml.language.metamodel.classes import bridge
 from jausml.language.metamodel.filling import contents, hang, set_value

@@ -125,7 +125,7 @@ def diff(report: Report, out: Path, path: str, *, force: bool = False) -> str:
     return unified_diff(Plan(out, tuple(actions)))
 
 
-def carry_out(report: Report, out: Path, shown: str, *, force: bool = False) -> Written:
+def execute(report: Report, out: Path, shown: str, *, force: bool = False) -> Written:
     """Generates, if that does what was shown.
 
     Args:

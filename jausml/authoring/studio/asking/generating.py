@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio import shown
-from jausml.authoring.studio.answers.planning import Planned, carry_out, diff, out_folder, plan
+from jausml.authoring.studio.answers.planning import Planned, diff, execute, out_folder, plan
 from jausml.authoring.studio.encoding import as_json
 from jausml.authoring.studio.methods import Method
 
@@ -98,4 +98,4 @@ def _generate(desk: Desk, asked: Shown) -> object:
     desk.refresh()
     report = _report(desk, asked.file)
     out = _out(desk, asked.file, asked.out)
-    return carry_out(report, out, asked.digest, force=asked.force)
+    return execute(report, out, asked.digest, force=asked.force)

@@ -1,7 +1,7 @@
-"""The elements of several files as plain things, which commands can be tried on.
+"""A working copy of the elements of several files, on which commands are tried.
 
 Elements of one file are read once for each file that refers to it; here they are one. What a
-command means is done to things first, and what is then read of the changed files must be the same.
+command means is done to the copies first; what is then read of the changed files must be the same.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from jausml.language.model.refs import Ref
 
 
-class Thing:
+class ElementCopy:
     """An element.
 
     Attributes:
@@ -35,8 +35,8 @@ class Thing:
         obj: The element of the model of that file, None when it is new.
         values: What its attributes have, as XMI writes it, by name; None is no value where
             there is a default. What has its default is left out.
-        references: What it refers to, by the name of the feature: things, and the refs of
-            elements of files that the forest has not.
+        references: What it refers to, by the name of the feature: copies, and the refs of
+            elements of files that the working copy has not.
         open: Attributes that a text leaves open: what they have follows from all else, and may
             be another value after an edit.
     """
@@ -60,9 +60,9 @@ class Thing:
         self.obj = obj
         self.identifier = ""
         self.values: dict[str, tuple[str | None, ...]] = {}
-        self.references: dict[str, list[Thing | Ref]] = {}
-        self.owned: dict[str, list[Thing]] = {}
-        self.owner: Thing | None = None
+        self.references: dict[str, list[ElementCopy | Ref]] = {}
+        self.owned: dict[str, list[ElementCopy]] = {}
+        self.owner: ElementCopy | None = None
         self.feature = ""
         self.open: set[str] = set()
 
@@ -77,145 +77,145 @@ class Thing:
         return f"{self.table.name} '{self.name}'" if self.name else self.table.name
 
     @property
-    def root(self) -> Thing:
+    def root(self) -> ElementCopy:
         """The root of its document."""
-        thing = self
-        while thing.owner is not None:
-            thing = thing.owner
-        return thing
+        copy = self
+        while copy.owner is not None:
+            copy = copy.owner
+        return copy
 
-    def everything(self) -> Iterator[Thing]:
+    def everything(self) -> Iterator[ElementCopy]:
         """Yields it and all that it owns, in order."""
         pending = [self]
         while pending:
-            thing = pending.pop()
-            yield thing
-            for children in reversed(list(thing.owned.values())):
+            copy = pending.pop()
+            yield copy
+            for children in reversed(list(copy.owned.values())):
                 pending += reversed(children)
 
     def __repr__(self) -> str:
         return f"<{self.label} of {self.file}>"
 
 
-class Forest:
-    """The elements of some files of a project; `Forest.grown` has all of them."""
+class WorkingCopy:
+    """The elements of some files of a project; `WorkingCopy.of` has all of them."""
 
     def __init__(self, models: Mapping[str, Model], root: Path) -> None:
         self.models = dict(models)
         self.folder = root
-        self.roots: dict[str, list[Thing]] = {}
-        self.things: dict[EObject, Thing] = {}
-        self._identifiers: dict[Thing, str] = {}
+        self.roots: dict[str, list[ElementCopy]] = {}
+        self.copies: dict[EObject, ElementCopy] = {}
+        self._identifiers: dict[ElementCopy, str] = {}
         self._foreign: dict[EObject, Ref] = {}
 
     @classmethod
-    def grown(cls, models: Mapping[str, Model], root: Path) -> Forest:
-        """Returns the forest of all elements of some files."""
-        forest = cls(models, root)
+    def of(cls, models: Mapping[str, Model], root: Path) -> WorkingCopy:
+        """Returns the working copy of all elements of some files."""
+        working_copy = cls(models, root)
         for file, model in models.items():
             document = model.documents[0]
-            forest.roots[file] = [forest._grown(each, file) for each in document.roots]
-        forest.pair()
-        for thing in list(forest.everything()):
-            thing.references = forest.references_of(thing)
-        return forest
+            working_copy.roots[file] = [working_copy._grown(each, file) for each in document.roots]
+        working_copy.pair()
+        for copy in list(working_copy.everything()):
+            copy.references = working_copy.references_of(copy)
+        return working_copy
 
-    def find(self, ref: Ref) -> Thing | None:
-        """Returns the thing of a ref as it was read, None when the forest has none."""
+    def find(self, ref: Ref) -> ElementCopy | None:
+        """Returns the copy of a ref as it was read, None when the working copy has none."""
         model = self.models.get(split(ref)[0])
         obj = find(ref, model, self.folder) if model is not None else None
-        return self.things.get(obj) if obj is not None else None
+        return self.copies.get(obj) if obj is not None else None
 
-    def fragments(self, paths: Mapping[Thing, str] | None = None) -> dict[Thing, str]:
-        """Returns by which fragments things are found: ids, else paths."""
+    def fragments(self, paths: Mapping[ElementCopy, str] | None = None) -> dict[ElementCopy, str]:
+        """Returns by which fragments copies are found: ids, else paths."""
         return {**(self.paths() if paths is None else paths), **self._identifiers}
 
-    def paths(self) -> dict[Thing, str]:
-        """Returns the paths of things by features, as they stand now."""
-        found: dict[Thing, str] = {}
+    def paths(self) -> dict[ElementCopy, str]:
+        """Returns the paths of copies by features, as they stand now."""
+        found: dict[ElementCopy, str] = {}
         for roots in self.roots.values():
             for index, root in enumerate(roots):
                 pending = [(root, f"/{index if len(roots) > 1 else ''}")]
                 while pending:
-                    thing, path = pending.pop()
-                    found[thing] = path
-                    for name, children in thing.owned.items():
-                        if thing.table.features[name].many:
+                    copy, path = pending.pop()
+                    found[copy] = path
+                    for name, children in copy.owned.items():
+                        if copy.table.features[name].many:
                             pending += [(c, f"{path}/@{name}.{i}") for i, c in enumerate(children)]
                         else:
                             pending += [(each, f"{path}/@{name}") for each in children]
         return found
 
-    def ref(self, thing: Thing, fragments: Mapping[Thing, str] | None = None) -> Ref:
-        """Returns the ref of a thing as it stands now."""
-        return f"{thing.root.file}#{(fragments or self.fragments())[thing]}"
+    def ref(self, copy: ElementCopy, fragments: Mapping[ElementCopy, str] | None = None) -> Ref:
+        """Returns the ref of a copy as it stands now."""
+        return f"{copy.root.file}#{(fragments or self.fragments())[copy]}"
 
-    def refs(self, paths: Mapping[Thing, str] | None = None) -> dict[Thing, Ref]:
-        """Returns the refs of all things in the files that they were read of."""
+    def refs(self, paths: Mapping[ElementCopy, str] | None = None) -> dict[ElementCopy, Ref]:
+        """Returns the refs of all copies in the files that they were read of."""
         return {each: f"{each.file}#{at}" for each, at in self.fragments(paths).items()}
 
-    def referrers(self, targets: set[Thing]) -> Iterator[tuple[Thing, str]]:
-        """Yields what refers to one of some things, and the name of the feature."""
-        for thing in self.everything():
-            for name, values in thing.references.items():
+    def referrers(self, targets: set[ElementCopy]) -> Iterator[tuple[ElementCopy, str]]:
+        """Yields what refers to one of some copies, and the name of the feature."""
+        for copy in self.everything():
+            for name, values in copy.references.items():
                 if any(each in targets for each in values):
-                    yield thing, name
+                    yield copy, name
 
-    def everything(self) -> Iterator[Thing]:
-        """Yields all things, in order."""
+    def everything(self) -> Iterator[ElementCopy]:
+        """Yields all copies, in order."""
         for roots in self.roots.values():
             for root in roots:
                 yield from root.everything()
 
-    def _grown(self, obj: EObject, file: str) -> Thing:
-        """Makes a thing of an element, and of all that it owns, without references."""
-        root = self._thing(obj, file)
+    def _grown(self, obj: EObject, file: str) -> ElementCopy:
+        """Makes a copy of an element, and of all that it owns, without references."""
+        root = self._copy(obj, file)
         pending = [root]
         while pending:
-            thing = pending.pop()
-            for name, children in self.owned_by(thing).items():
-                made = thing.owned[name] = [self._thing(each, file) for each in children]
+            copy = pending.pop()
+            for name, children in self.owned_by(copy).items():
+                made = copy.owned[name] = [self._copy(each, file) for each in children]
                 for each in made:
-                    each.owner, each.feature = thing, name
+                    each.owner, each.feature = copy, name
                 pending += made
         return root
 
-    def _thing(self, obj: EObject, file: str) -> Thing:
+    def _copy(self, obj: EObject, file: str) -> ElementCopy:
         model = self.models[file]
-        thing = Thing(model.metamodels.class_of(obj), file)
-        thing.identifier = model.identifier(obj) or ""
-        self.hold(thing, obj, file)
-        self.take_values(thing)
-        return thing
+        copy = ElementCopy(model.metamodels.class_of(obj), file)
+        copy.identifier = model.identifier(obj) or ""
+        self.hold(copy, obj, file)
+        self.take_values(copy)
+        return copy
 
-    def hold(self, thing: Thing, obj: EObject, file: str) -> None:
-        """Makes an element that was read of a file that of a thing."""
+    def hold(self, copy: ElementCopy, obj: EObject, file: str) -> None:
+        """Makes an element that was read of a file that of a copy."""
         model = self.models[file]
-        thing.obj, thing.file = obj, file
-        self.things[obj] = thing
-        if thing.identifier and fragment_of(obj, model.documents[0], model) == thing.identifier:
-            self._identifiers[thing] = thing.identifier
+        copy.obj, copy.file = obj, file
+        self.copies[obj] = copy
+        if copy.identifier and fragment_of(obj, model.documents[0], model) == copy.identifier:
+            self._identifiers[copy] = copy.identifier
 
-    def take_values(self, thing: Thing) -> None:
-        """Gives a thing the values that the attributes of its element have."""
-        obj: Any = thing.obj
-        thing.values = {
+    def take_values(self, copy: ElementCopy) -> None:
+        """Gives a copy the values that the attributes of its element have."""
+        obj: Any = copy.obj
+        copy.values = {
             name: values
-            for name, feature in attributes_of(thing.table)
+            for name, feature in attributes_of(copy.table)
             if name in obj.__dict__ and (values := attribute_values(obj, feature))
         }
-        thing.open = open_features(thing.table, thing.file)
-        node = self.models[thing.file].node_of(obj) if thing.open else None
+        copy.open = open_features(copy.table, copy.file)
+        node = self.models[copy.file].node_of(obj) if copy.open else None
         if node is not None:
-            thing.open -= {child.tag for child in node.children}
+            copy.open -= {child.tag for child in node.children}
 
-    def owned_by(self, thing: Thing) -> dict[str, list[EObject]]:
-        """Returns what the element of a thing owns of its own file, by the name of the feature."""
-        model = self.models[thing.file]
+    def owned_by(self, copy: ElementCopy) -> dict[str, list[EObject]]:
+        """Returns what the element of a copy owns of its own file, by the name of the feature."""
+        model = self.models[copy.file]
         document = model.documents[0]
         found = {}
-        for feature in thing.table.contained:
-            children = contents(thing.obj, feature)
+        for feature in copy.table.contained:
+            children = contents(copy.obj, feature)
             # Others are roots of another file, which this one refers to.
             own = [each for each in children if model.document_of(each) is document]
             if own:
@@ -223,43 +223,43 @@ class Forest:
         return found
 
     def pair(self) -> None:
-        """Finds the things of elements that were read once more, with another file."""
+        """Finds the copies of elements that were read once more, with another file."""
         for model in self.models.values():
             for document in model.documents[1:]:
                 known = self.roots.get(file_of(document, self.folder))
                 if known is not None:
                     self._pair(document, known, model)
 
-    def _pair(self, document: Document, roots: list[Thing], model: Model) -> None:
+    def _pair(self, document: Document, roots: list[ElementCopy], model: Model) -> None:
         pending = list(zip(document.roots, roots, strict=False))
         while pending:
-            obj, thing = pending.pop()
-            self.things[obj] = thing
-            for name, owned in thing.owned.items():
-                children = contents(obj, thing.table.features[name])
+            obj, copy = pending.pop()
+            self.copies[obj] = copy
+            for name, owned in copy.owned.items():
+                children = contents(obj, copy.table.features[name])
                 own = [each for each in children if model.document_of(each) is document]
                 pending += zip(own, owned, strict=False)
 
-    def references_of(self, thing: Thing) -> dict[str, list[Thing | Ref]]:
-        """Returns what the element of a thing refers to, when all things are there."""
-        obj: Any = thing.obj
-        model = self.models[thing.file]
+    def references_of(self, copy: ElementCopy) -> dict[str, list[ElementCopy | Ref]]:
+        """Returns what the element of a copy refers to, when all copies are there."""
+        obj: Any = copy.obj
+        model = self.models[copy.file]
         found = {}
-        for name, feature in references_of(thing.table):
+        for name, feature in references_of(copy.table):
             if name not in obj.__dict__:
                 continue
             targets = contents(obj, feature)
             if feature.kind is FeatureKind.CONTAINMENT:
-                owned = {each.obj for each in thing.owned.get(name, ())}
+                owned = {each.obj for each in copy.owned.get(name, ())}
                 targets = [each for each in targets if each not in owned]
             if targets:
                 found[name] = [self._target(each, model) for each in targets]
         return found
 
-    def _target(self, obj: EObject, model: Model) -> Thing | Ref:
-        thing = self.things.get(obj)
-        if thing is not None:
-            return thing
+    def _target(self, obj: EObject, model: Model) -> ElementCopy | Ref:
+        copy = self.copies.get(obj)
+        if copy is not None:
+            return copy
         # Many refer to the same elements of the library.
         ref = self._foreign.get(obj)
         if ref is None:
