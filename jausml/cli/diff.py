@@ -18,7 +18,7 @@ from jausml.cli.revisions import checked_out, is_revision
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from jausml.authoring.differences.change import Change
+    from jausml.authoring.differences.changes import Change
     from jausml.authoring.differences.matching import Matching
     from jausml.cli.common import Reading
     from jausml.language.model.diagnostics import Location
@@ -89,8 +89,7 @@ def command(
     error.
     """
     from jausml.authoring.differences.finding import changes
-    from jausml.authoring.differences.matching import Matching
-    from jausml.authoring.differences.pairing import paired_roots
+    from jausml.authoring.differences.matching import Matching, paired_roots
 
     if file is not None and os.devnull in (old, new):
         click.echo(f"+ {file}: added" if old == os.devnull else f"- {file}: removed")
@@ -214,7 +213,7 @@ def _drawn(
 
 
 def _line(change: Change) -> str:
-    from jausml.authoring.differences.breaking import marked
+    from jausml.authoring.differences.changes import marked
 
     mark = marked(change.breaks)
     kind = change.kind.value

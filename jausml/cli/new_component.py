@@ -40,7 +40,7 @@ def command(
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
     from jausml.authoring.projects.adding import add, check_name
-    from jausml.authoring.proposals.parts import new_component
+    from jausml.authoring.proposals.participants import new_component
 
     def commands(at: Opened) -> list[Command]:
         check_name(name, at.system)

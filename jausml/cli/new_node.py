@@ -34,7 +34,7 @@ def command(
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
     from jausml.authoring.projects.adding import add, check_name
-    from jausml.authoring.proposals.parts import new_node
+    from jausml.authoring.proposals.participants import new_node
 
     published = pairs(publishes, ":", _EXAMPLE)
     heard = pairs(subscribes, ":", _EXAMPLE)

@@ -256,7 +256,7 @@ def tell_undecided(chosen: Sequence[Crossing]) -> None:
     Args:
         chosen: All ways that were taken.
     """
-    from jausml.authoring.proposals.mapping.stopping import STOPS, stops_by_zeros
+    from jausml.authoring.proposals.mapping.opens import STOPS, stops_by_zeros
     from jausml.language.model.names import name_of
 
     names = [each for each in chosen if each.has_no_stop and not each.hold_reason]

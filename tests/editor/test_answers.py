@@ -7,9 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jausml.authoring.editor.completion import UNITS, complete
-from jausml.authoring.editor.definition import define
+from jausml.authoring.editor.definition import define, outline
 from jausml.authoring.editor.hover import hover
-from jausml.authoring.editor.outline import outline
 from jausml.authoring.editor.positions import Columns, Place
 from jausml.authoring.editor.renaming import RenameError, rename
 from jausml.language.attributes.units import parse_unit

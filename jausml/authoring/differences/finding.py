@@ -6,10 +6,9 @@ from collections import defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.authoring.differences.breaking import breaks
-from jausml.authoring.differences.change import Change, Kind
+from jausml.authoring.differences.changes import Change, Kind, breaks
 from jausml.authoring.differences.matching import Matching, address, owned, values
-from jausml.authoring.differences.telling import (
+from jausml.authoring.differences.wording import (
     element_words,
     is_sign_change,
     statement,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editor.context import Part, context_at
@@ -10,6 +10,7 @@ from jausml.authoring.editor.names import Declaration, find
 from jausml.authoring.editor.paths import sides_at
 from jausml.authoring.editor.positions import Place, is_within
 from jausml.authoring.editor.workbench import imported_file, names_in, sketched_text
+from jausml.language.text.keywords import snake_case
 from jausml.language.text.reading.shaping import span_of, word_text
 from jausml.language.text.tree import Import, Span
 
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     from jausml.authoring.editor.names import Reference
     from jausml.authoring.editor.workbench import Workbench
     from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.text.tree import Item
+
 
 _WORDS = {"WORD", "INDEXED"}
 
@@ -104,3 +107,32 @@ def _element(bench: Workbench, path: Path, element: EObject | None) -> Definitio
         return None
     file, line, column = place
     return Definition(file, Span(line, column, line, column))
+
+
+@dataclass(slots=True)
+class Symbol:
+    """Something that a text declares."""
+
+    name: str
+    kind: str
+    span: Span
+    name_span: Span
+    children: list[Symbol] = field(default_factory=list)
+
+
+def outline(text: str) -> list[Symbol]:
+    """Returns what a text declares, as a forest."""
+    roots: list[Symbol] = []
+    by_item: dict[int, Symbol] = {}
+    for each in names_in(text).declarations:
+        kind = snake_case(each.table.name)
+        symbol = Symbol(each.name.text, kind, each.item.span, each.name.span)
+        by_item[id(each.item)] = symbol
+        owner = _nearest(each.owners, by_item)
+        (owner.children if owner is not None else roots).append(symbol)
+    return roots
+
+
+def _nearest(owners: tuple[Item, ...], by_item: dict[int, Symbol]) -> Symbol | None:
+    found = (by_item[id(each)] for each in reversed(owners) if id(each) in by_item)
+    return next(found, None)

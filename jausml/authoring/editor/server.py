@@ -17,13 +17,17 @@ from pygls.uris import from_fs_path, to_fs_path
 
 from jausml import __version__
 from jausml.authoring.editor.completion import Completion, CompletionKind, Offer, complete
-from jausml.authoring.editor.definition import define
-from jausml.authoring.editor.diagnosing import Problem, all_problems, syntax_problems
+from jausml.authoring.editor.definition import Symbol, define, outline
 from jausml.authoring.editor.hover import hover
-from jausml.authoring.editor.outline import Symbol, outline
 from jausml.authoring.editor.positions import Columns, Place
 from jausml.authoring.editor.renaming import RenameError, rename, renamed_span
-from jausml.authoring.editor.workbench import Workbench, parsed_text
+from jausml.authoring.editor.workbench import (
+    Problem,
+    Workbench,
+    all_problems,
+    parsed_text,
+    syntax_problems,
+)
 from jausml.language.metamodel import load_metamodels
 from jausml.language.model.diagnostics import Severity
 from jausml.language.text.notation import SUFFIX

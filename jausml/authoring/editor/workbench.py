@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import threading
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import TYPE_CHECKING, TypeVar
 
 from jausml.authoring.editor.names import Names, names_of
+from jausml.language.model.diagnostics import Severity
 from jausml.language.model.inputs import read_input
 from jausml.language.model.names import qualified_name
 from jausml.language.model.reading.reader import ReadResult, read_models
@@ -16,7 +18,7 @@ from jausml.language.text.notation import SUFFIX, Ros2Jaus, decode
 from jausml.language.text.reading.imports import resolve
 from jausml.language.text.reading.parsing import Parsed, parse
 from jausml.language.text.reading.pieces import joined, parse_piece, pieces_of
-from jausml.language.text.tree import Import, Text
+from jausml.language.text.tree import Import, Span, Text
 from jausml.language.validation.engine import RuleError, check
 
 if TYPE_CHECKING:
@@ -205,3 +207,49 @@ def _checked(result: ReadResult) -> Sequence[Diagnostic]:
     except RuleError:
         # A rule that fails on a text half written says nothing about it.
         return result.diagnostics
+
+
+_WORD = re.compile(r"[^\s,(){}\[\]]+|.")
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """Something that is wrong with a text."""
+
+    span: Span
+    severity: Severity
+    rule: str
+    message: str
+
+
+def syntax_problems(text: str) -> list[Problem]:
+    """Returns the syntax errors of a text."""
+    return [
+        Problem(each.span, Severity.ERROR, "JML701", _with_hint(each.message, each.hint))
+        for each in parsed_text(text).faults
+    ]
+
+
+def all_problems(bench: Workbench, path: Path) -> list[Problem]:
+    """Reads an open text as a model and returns all that is wrong with it."""
+    lines = bench.text(path).split("\n")
+    return [
+        Problem(
+            _span(lines, each.location.line, each.location.column),
+            each.severity,
+            each.rule,
+            _with_hint(each.message, each.hint),
+        )
+        for each in bench.findings(path)
+    ]
+
+
+def _with_hint(message: str, hint: str) -> str:
+    return f"{message} ({hint})" if hint else message
+
+
+def _span(lines: list[str], line: int, column: int) -> Span:
+    """Returns the word at a place, for a finding tells only where it begins."""
+    text = lines[line - 1] if line <= len(lines) else ""
+    word = _WORD.match(text, column - 1)
+    return Span(line, column, line, word.end() + 1 if word is not None else column)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from jausml.authoring.differences.finding import changes
 from jausml.authoring.differences.matching import Matching
-from jausml.authoring.differences.telling import element_words
+from jausml.authoring.differences.wording import element_words
 from jausml.authoring.editing.working_copy import attribute_values
 from jausml.language.metamodel import FeatureKind
 from jausml.language.metamodel.filling import contents
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from jausml.language.model.model import Model
     from jausml.language.model.refs import Ref
 
-_MOST_TOLD = 3
+_MOST_NAMED = 3
 """Changes of one element that a conflict tells."""
 
 Value: TypeAlias = "EObject | str | None"
@@ -118,7 +118,7 @@ class Sides:
         what = element_words(self.table(obj))
         return f"{what} '{name}'" if name else what
 
-    def told(self, one: EObject, old: Side | None, other: EObject, new: Side) -> str:
+    def difference(self, one: EObject, old: Side | None, other: EObject, new: Side) -> str:
         """Returns in words what makes another element of one."""
         before = self.base if old is None else old.model
         found = changes(before, new.model, [(one, other)])
@@ -128,8 +128,8 @@ class Sides:
         ]
         if not texts:
             return "documentation, ids or the order of parts"
-        more = [f"and {len(texts) - _MOST_TOLD} more"] if len(texts) > _MOST_TOLD else []
-        return ", ".join([*texts[:_MOST_TOLD], *more])
+        more = [f"and {len(texts) - _MOST_NAMED} more"] if len(texts) > _MOST_NAMED else []
+        return ", ".join([*texts[:_MOST_NAMED], *more])
 
 
 def _roots(base: Model, side: Model) -> list[tuple[EObject, EObject]]:

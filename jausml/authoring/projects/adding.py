@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.projects.eclipse import MAPPINGS, as_xmi_beside
-from jausml.authoring.projects.errors import ProjectError
-from jausml.authoring.projects.places import Opened, opened
-from jausml.authoring.proposals.bridges import new_bridge, new_connections
+from jausml.authoring.projects.places import Opened, ProjectError, opened
 from jausml.authoring.proposals.bridging import bridges_of, offer_of
 from jausml.authoring.proposals.elements import AnswerError, Scope, library
 from jausml.authoring.proposals.fresh import participant_name
+from jausml.authoring.proposals.participants import new_bridge, new_connections
 from jausml.language.metamodel.classes import bridge, system
 from jausml.language.model.names import name_of
 from jausml.language.model.reading.reader import read_models

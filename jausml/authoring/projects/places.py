@@ -6,21 +6,24 @@ import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, TypeVar
 
 from jausml.authoring.editing.project import Project
 from jausml.authoring.editing.reading import SUFFIXES, can_be_parsed, model_files
-from jausml.authoring.projects.eclipse import metamodels_for
-from jausml.authoring.projects.errors import ProjectError
-from jausml.authoring.projects.first_model import empty_services, empty_xmi, text_of
+from jausml.authoring.projects.eclipse import metamodels_for, with_schema_location
 from jausml.authoring.proposals.elements import Scope
 from jausml.language.metamodel.classes import jaus, system
 from jausml.language.model.inputs import read_input
+from jausml.language.model.reading.reader import read_models
+from jausml.language.model.uris import LIBRARY_URI, library_root
 from jausml.language.model.xmi.writer import replace_file
 from jausml.language.text.notation import SUFFIX
+from jausml.language.text.writing.unparsing import to_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
 
 RootT = TypeVar("RootT", system.System, jaus.ServiceSet)
 
@@ -159,3 +162,61 @@ def _project_around(path: Path) -> Path:
 
 def _marked(path: Path) -> Iterator[Path]:
     return (each for each in path.parents if any((each / mark).exists() for mark in _MARKS))
+
+
+class ProjectError(Exception):
+    """A project or an element of one cannot be made; the message says why."""
+
+
+_EXAMPLE = "minimal"
+_EMPTY = """\
+<?xml version="1.0" encoding="UTF-8"?>
+<system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"\
+ xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"\
+ xmlns:system="http://www.jausml.org/system/1.0" xmi:id="minimal" name="minimal"/>
+"""
+_EMPTY_SET = """\
+<?xml version="1.0" encoding="UTF-8"?>
+<jaus:ServiceSet xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"\
+ xmlns:jaus="http://www.jausml.org/jaus/1.0" name="minimal" version="1.0"/>
+"""
+
+
+def as_xmi(name: str, metamodels: str) -> str:
+    """Returns the example as XMI that Eclipse opens, below a folder beside the library."""
+    path = library_root().parent / _EXAMPLE / f"{_EXAMPLE}.xmi"
+    return with_schema_location(_named(path.read_text(encoding="utf-8"), name), metamodels)
+
+
+def empty_xmi(name: str, metamodels: str) -> str:
+    """Returns an empty system as XMI.
+
+    Args:
+        metamodels: Folder of the metamodels, relative to the model; empty where there is none.
+    """
+    return with_schema_location(_named(_EMPTY, name), metamodels)
+
+
+def empty_services(name: str, metamodels: str) -> str:
+    """Returns an empty service set as XMI."""
+    named = _EMPTY_SET.replace('name="minimal"', f'name="{name}"')
+    return with_schema_location(named, metamodels)
+
+
+def empty_text(name: str) -> str:
+    """Returns an empty system as ros2jaus text."""
+    return text_of(empty_xmi(name, ""), name)
+
+
+def text_of(xmi: str, name: str) -> str:
+    """Returns a model as ros2jaus text."""
+    with TemporaryDirectory(prefix="jausml-init-") as folder:
+        path = Path(folder) / f"{name}.xmi"
+        path.write_text(xmi.replace("../library/", LIBRARY_URI), encoding="utf-8")
+        model = read_models([path]).model
+        return to_text(model.documents[0].roots, model, path.with_suffix(".ros2jaus"))
+
+
+def _named(xmi: str, name: str) -> str:
+    own = f'xmi:id="{_EXAMPLE}" name="{_EXAMPLE}"'
+    return xmi.replace(own, f'xmi:id="{name}" name="{name}"', 1)

@@ -7,8 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child
-from jausml.authoring.proposals.elements import AnswerError, label_of, library
-from jausml.authoring.proposals.finding import service_of
+from jausml.authoring.proposals.elements import AnswerError, label_of, library, service_of
 from jausml.authoring.proposals.fresh import free_name
 from jausml.authoring.proposals.message_words import (
     COMMAND,
@@ -102,8 +101,8 @@ def new_service(
 def _example(name: str) -> MessageWish:
     """Returns the report that a service without messages begins with."""
     made = message_of_words(f"{_REPORT}{name}: Value percent 0..100")
-    told = "An example: replace its field by what the service tells, with unit and range."
-    return replace(made, documentation=told)
+    documentation = "An example: replace its field by what the service tells, with unit and range."
+    return replace(made, documentation=documentation)
 
 
 def _with_queries(wishes: Sequence[MessageWish]) -> Iterator[MessageWish]:

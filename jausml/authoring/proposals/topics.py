@@ -179,8 +179,8 @@ def unanswered_queries(chosen: Sequence[Crossing]) -> dict[str, list[str]]:
     )
     commands = [each.offer.message for each in chosen if each.offer.to_ros]
     codes = list(map(code, commands))
-    told = (told_by_command(each, services) for each in commands if codes.count(code(each)) == 1)
-    sent.update(code(each.report) for each in told if each is not None)
+    answers = (told_by_command(each, services) for each in commands if codes.count(code(each)) == 1)
+    sent.update(code(each.report) for each in answers if each is not None)
     found = {name_of(each): unanswered(each, sent) for each in services}
     return {
         service: [name_of(each) for each in queries]

@@ -99,12 +99,12 @@ class Checking(threading.Thread):
         self,
         verdicts: Verdicts,
         files: Callable[[], Iterable[str]],
-        told: Callable[[Verdict], None],
+        notify: Callable[[Verdict], None],
     ) -> None:
         super().__init__(name="checking", daemon=True)
         self._verdicts = verdicts
         self._files = files
-        self._told = told
+        self._notify = notify
         self._wanted = threading.Event()
         self._is_closed = False
 
@@ -159,7 +159,7 @@ class Checking(threading.Thread):
         try:
             verdict = self._verdicts.of(file)
             if verdict.revision == self._verdicts.revision:
-                self._told(verdict)
+                self._notify(verdict)
         except EditError:
             return  # it has gone meanwhile
         except Exception:

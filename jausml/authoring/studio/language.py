@@ -15,8 +15,7 @@ from starlette.websockets import WebSocketDisconnect
 
 from jausml.authoring.editor.server import make_server
 from jausml.authoring.studio import rpc
-from jausml.authoring.studio.outgoing import Outgoing
-from jausml.authoring.studio.page_socket import greeted
+from jausml.authoring.studio.page_socket import Outgoing, greeted
 from jausml.authoring.studio.rpc import RpcError
 
 if TYPE_CHECKING:
@@ -62,7 +61,7 @@ class LanguageSocket:
         hello = await greeted(self._socket, token)
         if hello is None:
             return
-        self._outgoing.tell(rpc.answer(hello.id, {}))
+        self._outgoing.send(rpc.answer(hello.id, {}))
         ways = (self._receive_all(), self._outgoing.send_all())
         tasks = [asyncio.create_task(each) for each in ways]
         await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
@@ -85,7 +84,7 @@ class LanguageSocket:
             request = rpc.parsed(text)
             self._check(request)
         except RpcError as error:
-            self._outgoing.tell(rpc.refusal(error))
+            self._outgoing.send(rpc.refusal(error))
             return
         protocol = self._server.protocol
         try:
@@ -94,7 +93,7 @@ class LanguageSocket:
             return  # the server has answered
         except (AttributeError, KeyError, TypeError, ValueError):
             fault = RpcError(rpc.INVALID_PARAMS, f"{request.method} has other parameters")
-            self._outgoing.tell(rpc.refusal(fault, request.id))
+            self._outgoing.send(rpc.refusal(fault, request.id))
 
     def _check(self, request: Request) -> None:
         """Sees to it that only texts below the root are spoken of."""
@@ -121,7 +120,7 @@ class LanguageSocket:
         message: dict[str, Any] = json.loads(data)
         if isinstance(message.get("error"), dict):
             message["error"].pop("data", None)
-        self._outgoing.tell(json.dumps(message))
+        self._outgoing.send(json.dumps(message))
 
     def close(self) -> None:
         """Ends nothing: the socket ends when the page closes it."""

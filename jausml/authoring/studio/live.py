@@ -62,25 +62,25 @@ class LiveSystem:
     """One running system, from `start` to `stop`. Its methods may be called by any thread."""
 
     def __init__(
-        self, watched: Watched, network: Network, tell: Callable[[dict[str, Any]], None]
+        self, watched: Watched, network: Network, notify: Callable[[dict[str, Any]], None]
     ) -> None:
         """Watches nothing before `start`.
 
         Args:
-            tell: Takes the state as values for the page, on another thread: when it has changed, at
+            notify: Takes the state as values for the page, on another thread: if it has changed, at
                 most once in `PERIOD`, else once in `LONGEST`.
         """
         self.file = watched.file
         self._watched = watched
         self._network = network
-        self._tell = tell
+        self._notify = notify
         self._observation = Observation(
             expected(declarations_of(watched.model), components_of(watched.model), time.monotonic())
         )
         self._places = places_of(watched.model)
         self._changed: Model | None = None
         self._is_wanted = False
-        self._told = 0.0
+        self._sent = 0.0
         self._looking: Looking | None = None
         self._glanced: float | None = None
         self._lock = Lock()
@@ -190,9 +190,9 @@ class LiveSystem:
             is_wanted, self._is_wanted = self._is_wanted, False
             self._look_away()
         present = (places, *_facts(state))
-        if is_wanted or present != before or state.now - self._told >= LONGEST:
-            self._told = state.now
-            self._tell({"file": self.file, "state": live_values(state, places)})
+        if is_wanted or present != before or state.now - self._sent >= LONGEST:
+            self._sent = state.now
+            self._notify({"file": self.file, "state": live_values(state, places)})
         return present
 
     def _take_model(self) -> None:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, Generic, NoReturn, TypeVar
 
-from jausml.authoring.studio.encoding import as_json
+from jausml.authoring.editing.commands import EditError
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.studio.json_values import TypedError, as_json, typed
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
+
 
 PARSE_ERROR = -32700
 INVALID_REQUEST = -32600
@@ -87,10 +92,10 @@ def answer(id_: Id, result: object, revision: int | None = None) -> str:
 
 def refusal(error: RpcError, id_: Id = None) -> str:
     """Returns the message that says why a request gets no result."""
-    told: dict[str, Any] = {"code": error.code, "message": error.message}
+    body: dict[str, Any] = {"code": error.code, "message": error.message}
     if error.data is not None:
-        told["data"] = as_json(error.data)
-    return _text({"id": error.id if id_ is None else id_, "error": told})
+        body["data"] = as_json(error.data)
+    return _text({"id": error.id if id_ is None else id_, "error": body})
 
 
 def notification(method: str, params: object) -> str:
@@ -100,3 +105,69 @@ def notification(method: str, params: object) -> str:
 
 def _text(message: Mapping[str, Any]) -> str:
     return json.dumps({"jsonrpc": "2.0", **message}, allow_nan=False, separators=(",", ":"))
+
+
+ParamsT = TypeVar("ParamsT")
+ResultT = TypeVar("ResultT")
+
+_THREADS = 8
+
+
+@dataclass(frozen=True)
+class Method(Generic[ParamsT]):
+    """A method.
+
+    Attributes:
+        answer: Returns the result; any thread may call it.
+        in_turn: Whether it waits until those that were asked for before are done, as all do that
+            change something.
+    """
+
+    params: type[ParamsT]
+    answer: Callable[[ParamsT], object]
+    in_turn: bool = False
+
+
+@dataclass(frozen=True)
+class Nothing:
+    """No parameters."""
+
+
+class Answering:
+    """Answers requests on threads, so that none waits for a slow one."""
+
+    def __init__(self, methods: Mapping[str, Method[Any]]) -> None:
+        self._methods = methods
+        self._threads = ThreadPoolExecutor(_THREADS, "answer")
+        self._changes = ThreadPoolExecutor(1, "change")
+
+    async def answer(self, request: Request) -> object:
+        """Returns the result of a request."""
+        method = self._methods.get(request.method)
+        if method is None:
+            raise RpcError(METHOD_NOT_FOUND, f"there is no method {request.method[:80]!a}")
+        try:
+            params = typed(method.params, dict(request.params))
+        except TypedError as fault:
+            raise RpcError(INVALID_PARAMS, str(fault)) from fault
+        try:
+            if method.in_turn:
+                return await self.in_turn(method.answer, params)
+            loop = asyncio.get_running_loop()
+            return await loop.run_in_executor(self._threads, method.answer, params)
+        except EditError as error:
+            refused = RpcError(REFUSED, str(error), {"conflict": error.conflict})
+            raise refused from error
+        except TypedError as error:
+            raise RpcError(INVALID_PARAMS, str(error)) from error
+        except AnswerError as error:
+            raise RpcError(REFUSED, str(error)) from error
+
+    async def in_turn(self, work: Callable[[ParamsT], ResultT], params: ParamsT) -> ResultT:
+        """Does something when all that was asked for before and changes something is done."""
+        return await asyncio.get_running_loop().run_in_executor(self._changes, work, params)
+
+    def close(self) -> None:
+        """Begins nothing more; what was begun is done."""
+        self._threads.shutdown(wait=False, cancel_futures=True)
+        self._changes.shutdown(wait=False, cancel_futures=True)

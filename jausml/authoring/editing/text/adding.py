@@ -21,7 +21,7 @@ from jausml.language.text.writing.maps import MAP, table_entry, vector_entry
 from jausml.language.text.writing.unparsing import IMPLIED_PARTS
 
 if TYPE_CHECKING:
-    from jausml.authoring.editing.text.desk import Desk, Places
+    from jausml.authoring.editing.text.edited import Desk, Places
     from jausml.authoring.editing.text.mapping import Mapping
     from jausml.authoring.editing.text.outline import Body, Part
     from jausml.language.metamodel import FeatureTable

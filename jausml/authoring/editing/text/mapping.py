@@ -28,7 +28,7 @@ from jausml.language.text.writing.spelling import path
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.authoring.editing.text.desk import Desk
+    from jausml.authoring.editing.text.edited import Desk
     from jausml.authoring.editing.text.outline import Part
     from jausml.authoring.editing.text.values import Values
     from jausml.language.metamodel import FeatureTable

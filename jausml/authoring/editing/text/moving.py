@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from jausml.authoring.editing.text.adding import Adding
-    from jausml.authoring.editing.text.desk import Desk, Places
+    from jausml.authoring.editing.text.edited import Desk, Places
     from jausml.authoring.editing.text.outline import Body, Part
     from jausml.language.metamodel import FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject

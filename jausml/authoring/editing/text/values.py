@@ -27,7 +27,7 @@ from jausml.language.text.writing.spelling import documentation, word
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.authoring.editing.text.desk import Desk, Places
+    from jausml.authoring.editing.text.edited import Desk, Places
     from jausml.authoring.editing.text.outline import Part
     from jausml.language.metamodel import FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject

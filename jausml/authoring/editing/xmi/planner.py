@@ -7,8 +7,16 @@ from typing import TYPE_CHECKING, cast
 
 from jausml.authoring.editing.commands import Add, EditError, Move, Remove, Rename, Set
 from jausml.authoring.editing.working_copy import ElementCopy
-from jausml.authoring.editing.xmi.edits import Edits, element_lines, reference_line, value_line
-from jausml.authoring.editing.xmi.names import Names, file_of, is_odd, items
+from jausml.authoring.editing.xmi.edits import Edits
+from jausml.authoring.editing.xmi.names import (
+    Names,
+    element_lines,
+    file_of,
+    is_odd,
+    items,
+    reference_line,
+    value_line,
+)
 from jausml.authoring.editing.xmi.source import Source
 from jausml.language.metamodel import FeatureKind
 from jausml.language.model.values import convert

@@ -12,19 +12,18 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Child
-from jausml.authoring.proposals.elements import AnswerError
-from jausml.authoring.proposals.mapping.assignments import filling
-from jausml.authoring.proposals.mapping.members import Member, leaves, member
-from jausml.authoring.proposals.mapping.statements import (
+from jausml.authoring.proposals.elements import AnswerError, Option, Options
+from jausml.authoring.proposals.mapping.assignments import (
     OF_AUTHORS,
     UNKNOWN,
+    filling,
     innermost,
     statement,
     steps,
 )
+from jausml.authoring.proposals.mapping.members import Member, leaves, member
 from jausml.authoring.proposals.mapping.tabling import tabled
 from jausml.authoring.proposals.mapping.trial import Judged, judge
-from jausml.authoring.proposals.options import Option, Options
 from jausml.language.semantics.attributes import LIST, NUMBER, NUMBERS
 from jausml.language.semantics.conversions import CONVERSIONS, UnitEffect, conversions_between
 from jausml.language.semantics.frames import axis_of

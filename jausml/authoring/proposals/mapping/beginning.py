@@ -1,30 +1,35 @@
 """New maps: what corresponds, what the author says besides, and what is open then.
 
 Where a choice is the author's, it is a doubt: whoever asks answers it in the words of
-`jausml.authoring.proposals.mapping.words`, and begins the map once more.
+`jausml.authoring.proposals.mapping.beginning`, and begins the map once more.
 """
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import NEW, Add, Child
-from jausml.authoring.proposals.mapping.completing import bare, completed
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.proposals.mapping.assigning import ways
+from jausml.authoring.proposals.mapping.assignments import innermost, statement
 from jausml.authoring.proposals.mapping.filling import FEATURES, found
-from jausml.authoring.proposals.mapping.opens import opens
-from jausml.authoring.proposals.mapping.statements import statement
-from jausml.authoring.proposals.mapping.stopping import stops_by_zeros, zeros
+from jausml.authoring.proposals.mapping.members import member
+from jausml.authoring.proposals.mapping.opens import bare, completed, opens, stops_by_zeros, zeros
 from jausml.authoring.proposals.mapping.tabling import additions, table_of, tabled
-from jausml.authoring.proposals.mapping.trial import findings, fresh_map, with_assignments
-from jausml.authoring.proposals.mapping.words import assignments_of, shown, words_of
+from jausml.authoring.proposals.mapping.trial import findings, fresh_map, judge, with_assignments
+from jausml.language.model.values import suggest
+from jausml.language.semantics.conversions import CONVERSIONS
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping
 
     from jausml.authoring.proposals.elements import Scope
+    from jausml.authoring.proposals.mapping.assigning import Ways
     from jausml.authoring.proposals.mapping.members import Member
     from jausml.language.metamodel.classes import bridge, jaus, ros
+
 
 _MOST = 6
 """How many choices a line names."""
@@ -64,8 +69,8 @@ class Wish:
     def with_first(self, doubt: Doubt) -> Wish:
         """Returns the wish with the first choice of a doubt, of which the map then tells."""
         first, count = doubt.choices[0], len(doubt.choices)
-        told = f"{doubt.target} takes {shown(first)}, the first of {count} that fit"
-        return replace(self.with_answer(doubt, first), taken=(*self.taken, told))
+        choice = f"{doubt.target} takes {shown(first)}, the first of {count} that fit"
+        return replace(self.with_answer(doubt, first), taken=(*self.taken, choice))
 
 
 @dataclass(frozen=True)
@@ -131,7 +136,7 @@ def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
     by_zeros = stops_by_zeros(made, found_of)
     for way in by_zeros if wish.zeros_stop else ():
         take([zeros([each for each in children if each.feature == FEATURES[way]], to_ros=way)])
-    told = (*opens(made, children, begun), *wish.taken, *map(_told, doubts))
+    left = (*opens(made, children, begun), *wish.taken, *map(_as_open, doubts))
     by_tables = [each for each in children if any(map(table_of, each.children))]
     plain = [each for each in children if each not in by_tables]
     values = {
@@ -139,8 +144,8 @@ def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
         "message": (scope.ref(wish.message),),
         "type": (scope.ref(wish.type),),
     }
-    if told:
-        values["documentation"] = ("\n\n".join(f"Open: {each}." for each in told),)
+    if left:
+        values["documentation"] = ("\n\n".join(f"Open: {each}." for each in left),)
     return Begun(
         Add(scope.ref(owner), "maps", "bridge.AttributeMap", values, tuple(plain)),
         tuple(additions(f"{NEW}0", tables, by_tables, (), 1)),
@@ -149,14 +154,14 @@ def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
             for way in begun
             if any(each.feature == FEATURES[way] for each in children)
         },
-        told,
+        left,
         tuple(doubts),
         tuple(f"{rule.id} {each.message}" for rule, each in findings(metamodels, made)),
         tuple(by_zeros),
     )
 
 
-def _told(doubt: Doubt) -> str:
+def _as_open(doubt: Doubt) -> str:
     return f"{doubt.target} may come from {' or '.join(map(shown, doubt.choices[:_MOST]))}"
 
 
@@ -188,3 +193,92 @@ def _of_values(used: bridge.AttributeMap, ways: Collection[bool]) -> Iterator[Do
             yield Doubt(
                 to_ros=False, target=each.path, choices=tuple(f'"{name}"' for name, _ in names)
             )
+
+
+_FIELD = "bridge.FieldAssignment"
+_SOURCELESS = {"clock": "bridge.ClockAssignment", "ignore": "bridge.Ignore"}
+_CONSTANT = re.compile(r'"(?P<text>.*)"|(?P<plain>[-+]?\.?\d[^\s,:]*|true|false)', re.DOTALL)
+_CALL = re.compile(r"(?P<name>\w+)\s*(?:\((?P<arguments>[^()]*)\))?\s*")
+
+
+def assignments_of(
+    scope: Scope, used: bridge.AttributeMap, target: str, source: str, *, to_ros: bool
+) -> list[Child]:
+    """Returns the ways to fill a target as words say, the likeliest first."""
+    feature = "toRos" if to_ros else "toJaus"
+    path, colon, chain = (each.strip() for each in source.partition(":"))
+    if not colon and (plain := _sourceless(feature, target, source)) is not None:
+        return [_allowed(scope, used, plain)]
+    found = _ways(scope, used, target, path.partition(",")[0], to_ros=to_ros)
+    known = [] if found is None else [each.assignment for each in found.ways]
+    if not colon and "," not in path:
+        if found is not None and not known:
+            raise AnswerError(f"{source} -> {target}: {found.refusal}")
+        if known:
+            return known
+    values = {"target": (target,), "source": (path,)}
+    child = Child(feature, _FIELD, values, _conversions(chain))
+    alike = (each for each in known if words_of(each) == words_of(child))
+    return [next(alike, None) or _allowed(scope, used, child)]
+
+
+def words_of(child: Child) -> str:
+    """Returns the words by which `assignments_of` gives an assignment of a field again."""
+    inner = innermost(child)
+    calls = []
+    for each in inner.children:
+        name, arguments = each.values["kind"][0], each.values.get("arguments", ())
+        calls.append(f"{name}({', '.join(arguments)})" if arguments else name)
+    return f"{inner.values['source'][0]} : {', '.join(calls)}".rstrip()
+
+
+def _sourceless(feature: str, target: str, source: str) -> Child | None:
+    """Returns an assignment without a source, None where the words name one."""
+    values: dict[str, tuple[str, ...]] = {"target": (target,)}
+    if source in _SOURCELESS:
+        return Child(feature, _SOURCELESS[source], values)
+    if constant := _CONSTANT.fullmatch(source):
+        text = constant["plain"] if constant["text"] is None else constant["text"]
+        return Child(feature, "bridge.ConstantAssignment", {**values, "value": (text,)})
+    return None
+
+
+def _ways(
+    scope: Scope, used: bridge.AttributeMap, target: str, source: str, *, to_ros: bool
+) -> Ways | None:
+    """Returns the ways from member to member; None for paths with an index."""
+    try:
+        start = member(used, source, is_jaus=to_ros)
+        end = member(used, target.partition(",")[0], is_jaus=not to_ros)
+    except AnswerError:
+        return None
+    return ways(scope, used, start, end)
+
+
+def _conversions(text: str) -> tuple[Child, ...]:
+    found: list[Child] = []
+    rest = text.strip()
+    while rest:
+        call = _CALL.match(rest)
+        if call is None or call["name"] not in CONVERSIONS:
+            name = call["name"] if call else rest
+            hint = suggest(name, CONVERSIONS)
+            raise AnswerError(f"there is no conversion {name!a}{f'; {hint}' if hint else ''}")
+        values: dict[str, tuple[str, ...]] = {"kind": (call["name"],)}
+        if arguments := tuple(each.strip() for each in (call["arguments"] or "").split(",")):
+            values |= {"arguments": arguments} if any(arguments) else {}
+        found.append(Child("conversions", "bridge.Conversion", values))
+        rest = rest[call.end() :].lstrip(", ")
+    return tuple(found)
+
+
+def _allowed(scope: Scope, used: bridge.AttributeMap, child: Child) -> Child:
+    [judged] = judge(scope.model.metamodels, used, [child])
+    if not judged.is_possible:
+        raise AnswerError(judged.said)
+    return child
+
+
+def shown(words: str) -> str:
+    """Returns words as people read them where they choose."""
+    return f"{words.removesuffix(' :')} as it is" if words.endswith(":") else words
