@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from jausml.authoring.editing.commands import IDENTIFIER, Add, EditError, Move, Remove, Rename, Set
 from jausml.authoring.editing.following import bereft_transitions, paths_through, targets_through
-from jausml.authoring.editing.sketches import converted
 from jausml.authoring.editing.working_copy import ElementCopy, default_text, open_features
 from jausml.language.metamodel import FeatureKind
-from jausml.language.model.values import suggest
+from jausml.language.model.values import convert, suggest
 from jausml.language.model.xmi.writer import lexical
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from jausml.authoring.editing.commands import Child, Command, Values
+    from jausml.authoring.editing.commands import Child, ElementCommand, Values
     from jausml.authoring.editing.working_copy import WorkingCopy
-    from jausml.language.metamodel import ClassTable, FeatureTable, Metamodels
+    from jausml.language.metamodel import ClassTable, DataTypeTable, FeatureTable, Metamodels
     from jausml.language.model.refs import Ref
 
 NAME = "name"
@@ -45,12 +44,12 @@ class Applying:
         self._working_copy = working_copy
         self._find = find
         self._metamodels = metamodels
-        self.steps: list[Command] = []
+        self.steps: list[ElementCommand] = []
         self.removed: list[ElementCopy] = []
         self.changed: dict[ElementCopy, dict[str, None]] = {}
         self.created: list[ElementCopy] = []
 
-    def apply(self, command: Command) -> None:
+    def apply(self, command: ElementCommand) -> None:
         """Applies the command.
 
         Raises:
@@ -253,6 +252,20 @@ def feature_of(table: ClassTable, name: str) -> FeatureTable:
         hint = suggest(name, table.features)
         raise EditError(f"a {table.name} has no {name}{f' ({hint})' if hint else ''}")
     return feature
+
+
+def converted(texts: Values, feature: FeatureTable) -> list[Any]:
+    """Returns the values of an attribute that texts stand for."""
+    if len(texts) > 1 and not feature.many:
+        raise EditError(f"{feature.name} takes one value")
+    found = []
+    for text in texts:
+        value, fault = convert(text, cast("DataTypeTable", feature.data_type))
+        if fault is not None:
+            hint = f"; {fault.hint}" if fault.hint else ""
+            raise EditError(f"{feature.name}: {fault.reason}{hint}")
+        found.append(value)
+    return found
 
 
 def canonical(values: Values, feature: FeatureTable) -> tuple[str, ...]:

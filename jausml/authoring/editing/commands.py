@@ -132,15 +132,14 @@ class Place:
     positions: Mapping[LayoutKey, tuple[int, int] | None]
 
 
-Command: TypeAlias = "Set | Add | Remove | Move | Rename | Create | Place"
+ElementCommand: TypeAlias = "Set | Add | Remove | Move | Rename"
+Command: TypeAlias = "ElementCommand | Create | Place"
 
 
 AddedT = TypeVar("AddedT", Add, Child)
 
 
-def with_created(
-    command: Set | Add | Remove | Move | Rename, known: Callable[[Ref], Ref]
-) -> Set | Add | Remove | Move | Rename:
+def with_created(command: ElementCommand, known: Callable[[Ref], Ref]) -> ElementCommand:
     """Returns a command with refs to what is there in place of those to what was made.
 
     Args:

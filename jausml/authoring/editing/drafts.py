@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import posixpath
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
-from jausml.authoring.editing.applying import feature_of
+from jausml.authoring.editing.applying import converted, feature_of
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.layout import is_layout
 from jausml.authoring.editing.reading import (
@@ -24,7 +24,7 @@ from jausml.language.metamodel import FeatureKind, load_metamodels
 from jausml.language.metamodel.filling import new_object, set_value, set_values
 from jausml.language.model import refs
 from jausml.language.model.model import Model
-from jausml.language.model.values import convert, suggest
+from jausml.language.model.values import suggest
 from jausml.language.model.xmi.writer import UnwritableError, to_xmi
 from jausml.language.text.notation import SUFFIX
 from jausml.language.text.writing.unparsing import to_text
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from jausml.authoring.editing.commands import Create, Values
     from jausml.authoring.editing.reading import Reader
     from jausml.authoring.editing.splices import Splice
-    from jausml.language.metamodel import DataTypeTable, FeatureTable, Metamodels
+    from jausml.language.metamodel import FeatureTable, Metamodels
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.reading.reader import ReadResult
     from jausml.language.model.refs import Ref
@@ -213,12 +213,7 @@ def _check_name(file: str, draft: Draft) -> None:
 
 
 def _fill(root: object, feature: FeatureTable, texts: Values) -> None:
-    found = []
-    for text in texts:
-        value, fault = convert(text, cast("DataTypeTable", feature.data_type))
-        if fault is not None:
-            raise EditError(f"{feature.name}: {fault.reason}")
-        found.append(value)
+    found = converted(texts, feature)
     if feature.many:
         set_values(root, feature, found)
     elif found:

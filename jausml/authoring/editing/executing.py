@@ -32,7 +32,7 @@ from jausml.language.text.notation import SUFFIX
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping, Sequence
 
-    from jausml.authoring.editing.commands import Command, Remove
+    from jausml.authoring.editing.commands import Command, ElementCommand
     from jausml.authoring.editing.drafts import Draft
     from jausml.authoring.editing.layout import Layout
     from jausml.authoring.editing.planning import Planner
@@ -166,7 +166,7 @@ class _Work:
         for name, values in later.items():
             self.execute(Set(f"{NEW}{number}", name, values))
 
-    def _edit(self, command: Set | Add | Remove | Move | Rename) -> None:
+    def _edit(self, command: ElementCommand) -> None:
         files = self._concerned(command)
         self._take(files)
         working_copy = self._working_copy
@@ -217,7 +217,7 @@ class _Work:
             self._draft.check(file)
         return {file: self._draft.read(file).model for file in files}
 
-    def _concerned(self, command: Set | Add | Remove | Move | Rename) -> list[str]:
+    def _concerned(self, command: ElementCommand) -> list[str]:
         """Returns the files that a command may change, that of its element first."""
         named = [] if isinstance(command, Add) else [command.element]
         named += [command.owner] if isinstance(command, Add | Move) else []

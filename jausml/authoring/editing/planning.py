@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
-    from jausml.authoring.editing.commands import Command
+    from jausml.authoring.editing.commands import ElementCommand
     from jausml.authoring.editing.splices import Splice
     from jausml.authoring.editing.working_copy import ElementCopy, WorkingCopy
     from jausml.language.metamodel import ClassTable
@@ -47,6 +47,10 @@ class Context:
         """Returns the element of a ref, None when neither the file nor what it refers to has it."""
         return refs.find(ref, self.model, self.root)
 
+    def ref(self, copy: ElementCopy) -> Ref:
+        """Returns the ref of an element as it was read."""
+        return f"{copy.file}#{self.working_copy.identifiers.get(copy) or self.paths[copy]}"
+
     def find_class(self, ref: Ref) -> ClassTable:
         """Returns the class of the element of a ref."""
         obj, model = self.locate(ref)
@@ -60,7 +64,7 @@ class Context:
 class Planner(Protocol):
     """Plans changes of files of one notation."""
 
-    def plan(self, commands: Sequence[Command], context: Context) -> list[Splice]:
+    def plan(self, commands: Sequence[ElementCommand], context: Context) -> list[Splice]:
         """Returns what is to change in one file so that commands hold.
 
         In the file that has an element of a command this is the change itself; in a file that

@@ -22,12 +22,11 @@ from jausml.language.model import refs
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 
-    from jausml.authoring.editing.commands import Add, Command, Move
+    from jausml.authoring.editing.commands import Command, ElementCommand
     from jausml.authoring.editing.records import Entry
     from jausml.authoring.editing.working_copy import ElementCopy, WorkingCopy
     from jausml.language.model.refs import Ref
 
-    Movable = Set | Add | Remove | Move | Rename
     Shift = Mapping[Ref, Ref]
     """New refs by old ones where they differ; empty for what is gone."""
 
@@ -47,13 +46,13 @@ class _Passage:
     shifts: tuple[Shift, ...] | None
     outside: Callable[[], Outside] | None = None
 
-    def past(self, command: Movable, *, is_first: bool) -> Movable:
+    def past(self, command: ElementCommand, *, is_first: bool) -> ElementCommand:
         """Returns a command with the refs after what happened."""
         if self.outside is not None and self._concerns(command):
             return self.outside().followed(command, is_first=is_first)
         return with_created(command, self._followed)
 
-    def _concerns(self, command: Movable) -> bool:
+    def _concerns(self, command: ElementCommand) -> bool:
         named: list[Ref] = []
 
         def noted(ref: Ref) -> Ref:
@@ -156,9 +155,7 @@ class Outside:
             old, new = _owned(old[0]), _owned(new[0])
         self._pair(old, new)
 
-    def followed(
-        self, command: Set | Add | Remove | Move | Rename, *, is_first: bool = True
-    ) -> Set | Add | Remove | Move | Rename:
+    def followed(self, command: ElementCommand, *, is_first: bool = True) -> ElementCommand:
         """Returns a command with the refs after the change.
 
         Args:
@@ -183,7 +180,7 @@ class Outside:
             raise EditError(message, conflict=True)
         return self._refs[new]
 
-    def _check(self, command: Set | Add | Remove | Move | Rename) -> None:
+    def _check(self, command: ElementCommand) -> None:
         old = self._old.get(command.element) if isinstance(command, Set | Remove | Rename) else None
         new = self._same.get(old) if old is not None else None
         if old is None or new is None:

@@ -105,7 +105,7 @@ class WorkingCopy:
         self.folder = root
         self.roots: dict[str, list[ElementCopy]] = {}
         self.copies: dict[EObject, ElementCopy] = {}
-        self._identifiers: dict[ElementCopy, str] = {}
+        self.identifiers: dict[ElementCopy, str] = {}
         self._foreign: dict[EObject, Ref] = {}
 
     @classmethod
@@ -128,7 +128,7 @@ class WorkingCopy:
 
     def fragments(self, paths: Mapping[ElementCopy, str] | None = None) -> dict[ElementCopy, str]:
         """Returns by which fragments copies are found: ids, else paths."""
-        return {**(self.paths() if paths is None else paths), **self._identifiers}
+        return {**(self.paths() if paths is None else paths), **self.identifiers}
 
     def paths(self) -> dict[ElementCopy, str]:
         """Returns the paths of copies by features, as they stand now."""
@@ -194,7 +194,7 @@ class WorkingCopy:
         copy.obj, copy.file = obj, file
         self.copies[obj] = copy
         if copy.identifier and fragment_of(obj, model.documents[0], model) == copy.identifier:
-            self._identifiers[copy] = copy.identifier
+            self.identifiers[copy] = copy.identifier
 
     def take_values(self, copy: ElementCopy) -> None:
         """Gives a copy the values that the attributes of its element have."""

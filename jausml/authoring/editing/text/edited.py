@@ -1,4 +1,4 @@
-"""Desk: what the planner of a text has before it while it plans."""
+"""EditedText: what the planner of a text has before it while it plans."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, cast
 
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.text.blocks import Blocks
+from jausml.authoring.editing.text.detached import detached, settle_new
 from jausml.authoring.editing.text.naming import Naming
 from jausml.authoring.editing.text.outline import Outline
 from jausml.authoring.editing.text.source import Edits, TextSource
 from jausml.language.metamodel import FeatureKind
+from jausml.language.metamodel.filling import hang
 from jausml.language.model.names import name_of
 from jausml.language.text.tree import Direction, Element, End, Feature, Import, Item, Table, Vector
 from jausml.language.text.writing.elements import ElementWriter
@@ -22,13 +24,15 @@ if TYPE_CHECKING:
 
     from jausml.authoring.editing.planning import Context
     from jausml.authoring.editing.text.outline import Body, Part
+    from jausml.authoring.editing.working_copy import ElementCopy
     from jausml.language.metamodel import ClassTable
     from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.refs import Ref
     from jausml.language.model.xmi.parsing import Node
     from jausml.language.text.reading.document import TextDocument
 
 
-class Desk:
+class EditedText:
     """The text, its tree, its model, and those who write what is new."""
 
     def __init__(self, context: Context) -> None:
@@ -44,6 +48,26 @@ class Desk:
         self.elements = ElementWriter(self.metamodels, self.names)
         self.maps = MapWriter(self.elements, self.names, self.metamodels)
         self.elements.special[MAP] = self.maps.items
+
+    def copy(self, obj: EObject) -> ElementCopy:
+        """Returns an element as it will be."""
+        return self.context.working_copy.copies[obj]
+
+    def detached(self, copy: ElementCopy) -> EObject:
+        """Returns a detached element as it will be; its owner is an element of the model."""
+        made = detached(copy, self._find)
+        if copy.owner is not None:
+            hang(made, self._find(copy.owner), copy.owner.table.features[copy.feature])
+        if copy.obj is None:
+            settle_new(made, copy)
+        return made
+
+    def _find(self, target: ElementCopy | Ref) -> EObject:
+        if isinstance(target, str):
+            return self.names.find(target)
+        if target.obj is not None and target.file == self.context.file:
+            return target.obj
+        return self.names.find(self.context.ref(target))
 
     def table(self, obj: EObject) -> ClassTable:
         """Returns the class of an element."""
@@ -142,8 +166,8 @@ _MAP_ORDER = (
 class Places:
     """Finds places in the blocks of elements."""
 
-    def __init__(self, desk: Desk) -> None:
-        self._desk = desk
+    def __init__(self, edited: EditedText) -> None:
+        self._edited = edited
 
     def for_value(self, obj: EObject, feature: str, body: Body) -> Item | None:
         """Returns the item behind which a new value of an attribute or a reference goes."""
@@ -165,9 +189,9 @@ class Places:
             return siblings[-1]
         if position:
             return siblings[position - 1]
-        index = self._desk.outline.place(siblings[0])[1]
-        gone = self._desk.find_part(without) if without is not None else None
-        skipped = self._desk.outline.item_of(gone) if gone is not None else None
+        index = self._edited.outline.place(siblings[0])[1]
+        gone = self._edited.find_part(without) if without is not None else None
+        skipped = self._edited.outline.item_of(gone) if gone is not None else None
         before = [each for each in body.items[:index] if each is not skipped]
         return before[-1] if before else None
 
@@ -175,19 +199,19 @@ class Places:
         self, obj: EObject, feature: str, body: Body, without: EObject | None
     ) -> Sequence[Item]:
         value = getattr(obj, feature)
-        elements = list(value) if self._desk.table(obj).features[feature].many else [value]
+        elements = list(value) if self._edited.table(obj).features[feature].many else [value]
         found = []
         for each in elements:
-            part = self._desk.find_part(each) if each not in (None, without) else None
+            part = self._edited.find_part(each) if each not in (None, without) else None
             if part is None:
                 continue
-            item = self._desk.outline.item_of(part)
-            if self._desk.outline.place(item)[0] is body and item not in found:
+            item = self._edited.outline.item_of(part)
+            if self._edited.outline.place(item)[0] is body and item not in found:
                 found.append(item)
         return found
 
     def _last_before(self, obj: EObject, feature: str, body: Body) -> Item | None:
-        table = self._desk.table(obj)
+        table = self._edited.table(obj)
         if body.owner is None:
             return body.items[-1] if body.items else None
         wanted = _rank(table, feature)
@@ -211,7 +235,7 @@ class Places:
         return _rank(table, "assignments")
 
     def _rank_of_element(self, table: ClassTable, item: Element) -> int:
-        owned = self._desk.owned_by(item)
+        owned = self._edited.owned_by(item)
         return _rank(table, owned) if owned else 0
 
 

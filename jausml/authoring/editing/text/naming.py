@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 from typing import TYPE_CHECKING
 
-from jausml.authoring.editing.commands import EditError
 from jausml.language.model.notation import BY_NAME
 from jausml.language.model.xmi.writer import external_href
 from jausml.language.text.tree import Href, Name
@@ -36,15 +35,12 @@ class Naming(DocumentNames):
         self._apart: dict[EObject, Model] = {}
         self.imports: list[Name | Text] = []
 
-    def find(self, ref: str, feature: FeatureTable) -> EObject:
+    def find(self, ref: str) -> EObject:
         """Returns the element of a ref, of the library too."""
         found = self._context.find(ref)
         if found is None:
             found, model = self._context.locate(ref)
             self._apart[found] = model
-        target = feature.target
-        if target is None or self._model.metamodels.class_of(found) not in target.subtypes:
-            raise EditError(f"{feature.name} cannot refer to {ref}, which is a {found.eClass.name}")
         return found
 
     def name(self, owner: EObject, target: EObject, feature: FeatureTable) -> Name | Href:

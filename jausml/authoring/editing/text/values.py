@@ -27,7 +27,7 @@ from jausml.language.text.writing.spelling import documentation, word
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.authoring.editing.text.edited import Desk, Places
+    from jausml.authoring.editing.text.edited import EditedText, Places
     from jausml.authoring.editing.text.outline import Part
     from jausml.language.metamodel import FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
@@ -36,15 +36,15 @@ if TYPE_CHECKING:
 class Values:
     """Sets attributes and references that stand in blocks as features."""
 
-    def __init__(self, desk: Desk, places: Places) -> None:
-        self._desk = desk
+    def __init__(self, edited: EditedText, places: Places) -> None:
+        self._edited = edited
         self._places = places
 
     def set(
         self,
         obj: EObject,
         part: Part,
-        sketch: EObject,
+        made: EObject,
         feature: FeatureTable,
         values: Sequence[Any],
     ) -> None:
@@ -57,17 +57,17 @@ class Values:
         if not values:
             self.remove(part, feature.name)
         elif items:
-            self._change(obj, sketch, feature, values, items)
+            self._change(obj, made, feature, values, items)
         elif self._must_be_said(obj, feature, values):
-            self.add(obj, part, self._desk.elements.feature(sketch, feature))
+            self.add(obj, part, self._edited.elements.feature(made, feature))
 
     def add(self, obj: EObject, part: Part, item: Feature) -> None:
         """Adds a feature to the block of an element."""
-        body = self._desk.outline.body(part)
+        body = self._edited.outline.body(part)
         before = None
         if body is not None:
             before = self._places.for_value(obj, item.name.text, body)
-        self._desk.add_item(part, before, item)
+        self._edited.add_item(part, before, item)
 
     def items(self, part: Part, name: str) -> list[Feature]:
         """Returns the items of a block that give values to a feature."""
@@ -77,16 +77,16 @@ class Values:
     def remove(self, part: Part, name: str) -> None:
         """Takes what gives values to a feature out of a block."""
         items = self.items(part, name)
-        body = self._desk.outline.body(part)
+        body = self._edited.outline.body(part)
         if body is None or not items:
             return
         closing = part.closing if isinstance(part, Assignment) else [""]
         if isinstance(part, Assignment) and len(items) == len(part.items) and not closing:
             # Without a block an assignment says the same.
-            start = self._desk.source.before_space(body.start - 1, 0)
-            self._desk.edits.delete(start, body.end + 1)
+            start = self._edited.source.before_space(body.start - 1, 0)
+            self._edited.edits.delete(start, body.end + 1)
         else:
-            self._desk.blocks.remove(body, items)
+            self._edited.blocks.remove(body, items)
 
     def put(self, item: Feature, value: Value) -> None:
         """Puts one value in place of all that a feature has."""
@@ -94,7 +94,7 @@ class Values:
 
     def _must_be_said(self, obj: EObject, feature: FeatureTable, values: Sequence[Any]) -> bool:
         """Tells whether a feature that the text leaves open must be stated now."""
-        if feature.name in FEATURES and self._desk.table(obj).qualified_name == CONNECTION:
+        if feature.name in FEATURES and self._edited.table(obj).qualified_name == CONNECTION:
             # What is left open follows from the rest, and that may change.
             return True
         return feature.unsettable or not _are_same(_values(obj, feature), values)
@@ -102,7 +102,7 @@ class Values:
     def _change(
         self,
         obj: EObject,
-        sketch: EObject,
+        made: EObject,
         feature: FeatureTable,
         values: Sequence[Any],
         items: Sequence[Feature],
@@ -110,11 +110,11 @@ class Values:
         old = _values(obj, feature)
         if _are_same(old, values):
             return
-        rendered = self._desk.elements.feature(sketch, feature).values
+        rendered = self._edited.elements.feature(made, feature).values
         if len(items) > 1 or len(old) != len(items[0].values):
             for each in items[1:]:
-                body, _ = self._desk.outline.place(each)
-                self._desk.blocks.remove(body, [each])
+                body, _ = self._edited.outline.place(each)
+                self._edited.blocks.remove(body, [each])
             self._replace(items[0], rendered, 0, len(items[0].values))
             return
         most = min(len(old), len(values))
@@ -128,7 +128,7 @@ class Values:
 
     def _replace(self, item: Feature, new: Sequence[Value], start: int, end: int) -> None:
         """Puts values in place of some of the values of a feature."""
-        source, edits = self._desk.source, self._desk.edits
+        source, edits = self._edited.source, self._edited.edits
         spans = [source.range_of(each.span) for each in item.values]
         if start < end and new:
             edits.replace(spans[start][0], spans[end - 1][1], self._joined(item, new, ""))
@@ -146,8 +146,8 @@ class Values:
         self, item: Feature, values: Sequence[Value], lead: str, line: int | None = None
     ) -> str:
         """Returns values with commas; behind others, those that do not fit begin a line."""
-        source = self._desk.source
-        indent = source.indent_of(self._desk.outline.start(item)) + source.unit
+        source = self._edited.source
+        indent = source.indent_of(self._edited.outline.start(item)) + source.unit
         texts = [simple(each) for each in values if not isinstance(each, Element)]
         if line is None:
             return lead + ", ".join(texts)
@@ -182,20 +182,22 @@ NAME, DOCUMENTATION = "name", "documentation"
 class Heads:
     """Sets names and documentation."""
 
-    def __init__(self, desk: Desk, values: Values) -> None:
-        self._desk = desk
+    def __init__(self, edited: EditedText, values: Values) -> None:
+        self._edited = edited
         self._values = values
 
     def set_name(self, obj: EObject, part: Part, name: str | None) -> None:
         """Gives an element another name, or takes it away."""
         if isinstance(part, Table | Vector):
             if name is None or not is_name(name):
-                raise EditError(f"a {self._desk.table(obj).name} cannot be named {name!r} in text")
+                raise EditError(
+                    f"a {self._edited.table(obj).name} cannot be named {name!r} in text"
+                )
             self._replace(part.name, word(name))
         elif isinstance(part, Element):
             self._set_name(obj, part, name)
         else:
-            raise EditError(f"a {self._desk.table(obj).name} has no name in text")
+            raise EditError(f"a {self._edited.table(obj).name} has no name in text")
 
     def _set_name(self, obj: EObject, part: Element, name: str | None) -> None:
         items = self._values.items(part, NAME)
@@ -210,34 +212,34 @@ class Heads:
             self._unname_head(obj, part)
             if name is not None:
                 self._values.add(obj, part, Feature(Name(NAME), [Text(name)]))
-            elif self._desk.outline.body(part) is None:
-                self._desk.edits.insert(self._desk.outline.end(part), " {}")
+            elif self._edited.outline.body(part) is None:
+                self._edited.edits.insert(self._edited.outline.end(part), " {}")
 
     def _name_head(self, obj: EObject, part: Element, name: str) -> None:
-        edits, outline = self._desk.edits, self._desk.outline
-        if part.name is not None and self._desk.is_named_by(obj, part):
+        edits, outline = self._edited.edits, self._edited.outline
+        if part.name is not None and self._edited.is_named_by(obj, part):
             self._replace(part.name, name)
         elif part.name is not None:
             # One word alone stands for the class.
-            edits.insert(self._desk.source.range_of(part.name.span)[1], f" {name}")
+            edits.insert(self._edited.source.range_of(part.name.span)[1], f" {name}")
         elif part.keyword is not None:
-            edits.insert(self._desk.source.range_of(part.keyword.span)[1], f" {name}")
+            edits.insert(self._edited.source.range_of(part.keyword.span)[1], f" {name}")
         else:
-            keyword = snake_case(self._desk.table(obj).name)
+            keyword = snake_case(self._edited.table(obj).name)
             edits.insert(outline.start(part), f"new {keyword} {name} ")
 
     def _unname_head(self, obj: EObject, part: Element) -> None:
-        if part.name is None or not self._desk.is_named_by(obj, part):
+        if part.name is None or not self._edited.is_named_by(obj, part):
             return
         if part.keyword is None:
-            self._replace(part.name, snake_case(self._desk.table(obj).name))
+            self._replace(part.name, snake_case(self._edited.table(obj).name))
             return
-        source, edits = self._desk.source, self._desk.edits
+        source, edits = self._edited.source, self._edited.edits
         edits.delete(source.range_of(part.keyword.span)[1], source.range_of(part.name.span)[1])
 
     def set_documentation(self, obj: EObject, part: Part, text: str | None) -> None:
         """Gives an element another documentation, or takes it away."""
-        item = self._desk.outline.item_of(part)
+        item = self._edited.outline.item_of(part)
         if isinstance(part, Element | Assignment):
             items = self._values.items(part, DOCUMENTATION)
             if items and text:
@@ -257,35 +259,35 @@ class Heads:
 
     def _comment(self, item: Feature | Part, text: str) -> None:
         """Puts a documentation comment before an item, in place of the one that is there."""
-        desk = self._desk
-        item = desk.outline.item_of(item)
-        source, start = desk.source, desk.outline.start(item)
-        old = desk.outline.documentation(item)
+        edited = self._edited
+        item = edited.outline.item_of(item)
+        source, start = edited.source, edited.outline.start(item)
+        old = edited.outline.documentation(item)
         at = old.start if old is not None else start
         indent = source.indent_of(at)
         lines = documentation(text, WIDTH - len(indent.expandtabs(4))) if text else []
         comment = f"\n{indent}".join(lines)
         if old is not None and text:
-            desk.edits.replace(old.start, old.end, comment)
+            edited.edits.replace(old.start, old.end, comment)
         elif old is not None:
             self._take_comment(old.start, old.end)
         elif text and source.begins_line(start):
-            desk.edits.insert(start, f"{comment}\n{indent}")
+            edited.edits.insert(start, f"{comment}\n{indent}")
         elif text:
-            body, _ = desk.outline.place(item)
-            indent = desk.blocks.indent(body)
+            body, _ = edited.outline.place(item)
+            indent = edited.blocks.indent(body)
             comment = f"\n{indent}".join(lines)
             first = source.before_space(start, body.start)
-            desk.edits.replace(first, start, f"\n{indent}{comment}\n{indent}")
+            edited.edits.replace(first, start, f"\n{indent}{comment}\n{indent}")
 
     def _take_comment(self, start: int, end: int) -> None:
-        source = self._desk.source
+        source = self._edited.source
         line_end = source.line_end(end)
         if source.begins_line(start) and source.is_blank(end, line_end):
-            self._desk.edits.delete(source.line_start(start), source.next_line(line_end))
+            self._edited.edits.delete(source.line_start(start), source.next_line(line_end))
         else:
-            self._desk.edits.delete(start, source.behind_blanks(end))
+            self._edited.edits.delete(start, source.behind_blanks(end))
 
     def _replace(self, name: Name, text: str) -> None:
-        start, end = self._desk.source.range_of(name.span)
-        self._desk.edits.replace(start, end, text)
+        start, end = self._edited.source.range_of(name.span)
+        self._edited.edits.replace(start, end, text)

@@ -25,7 +25,7 @@ from jausml.language.model.xmi.writer import UnwritableError, attribute_text, le
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.authoring.editing.commands import Command
+    from jausml.authoring.editing.commands import ElementCommand
     from jausml.authoring.editing.planning import Context
     from jausml.authoring.editing.splices import Splice
     from jausml.authoring.editing.xmi.edits import Line
@@ -40,7 +40,7 @@ _NAME = "name"
 class XmiPlanner:
     """Plans changes of XMI files, as `jausml.authoring.editing.planning.Planner` says."""
 
-    def plan(self, commands: Sequence[Command], context: Context) -> list[Splice]:
+    def plan(self, commands: Sequence[ElementCommand], context: Context) -> list[Splice]:
         """Returns what is to change in one file so that commands hold."""
         if not context.document.root_nodes:
             return []
@@ -64,7 +64,7 @@ class _Plan:
         self._names = Names(context, self._edits, self._root)
         self._set: set[tuple[ElementCopy, str]] = set()
 
-    def run(self, commands: Sequence[Command]) -> list[Splice]:
+    def run(self, commands: Sequence[ElementCommand]) -> list[Splice]:
         for each in commands:
             if isinstance(each, Remove):
                 self._remove(each)
