@@ -101,8 +101,8 @@ def test_completion_in_the_elements_of_lists(offered):
 
 def test_a_completion_replaces_the_whole_word(bench, at):
     path, place = at(to_ros("Velocity_X -> twist.tw¦ist.linear.x"))
-    offer = complete(bench, path, place)
-    assert (offer.start.column, offer.end.column) == (23, 43)
+    found = complete(bench, path, place)
+    assert (found.start.column, found.end.column) == (23, 43)
 
 
 @pytest.mark.parametrize("unit", UNITS)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from jausml.authoring.editing.commands import IDENTIFIER, Add, EditError, Move, Remove, Rename, Set
-from jausml.authoring.editing.following import bereft_transitions, paths_through, targets_through
+from jausml.authoring.editing.following import orphaned_transitions, paths_through, targets_through
 from jausml.authoring.editing.working_copy import ElementCopy, default_text, open_features
 from jausml.language.metamodel import FeatureKind
 from jausml.language.model.values import convert, suggest
@@ -191,7 +191,7 @@ class Applying:
             gone = set(each.everything())
             going |= gone
             self.removed.append(each)
-            pending += self._bereft(gone, going)
+            pending += self._orphaned(gone, going)
         # What stands in something else that goes needs no mention.
         inner = {part for each in self.removed for part in each.everything() if part is not each}
         self.removed = [each for each in self.removed if each not in inner]
@@ -206,7 +206,7 @@ class Applying:
         for each in self.removed:
             self._drop(each)
 
-    def _bereft(self, gone: set[ElementCopy], going: set[ElementCopy]) -> Sequence[ElementCopy]:
+    def _orphaned(self, gone: set[ElementCopy], going: set[ElementCopy]) -> Sequence[ElementCopy]:
         """Returns what cannot be without something that goes."""
         found = []
         for copy, name in self._working_copy.referrers(gone):
@@ -214,7 +214,7 @@ class Applying:
             is_needed = feature.lower > 0 and not feature.many
             if copy not in going and is_needed and copy.owner is not None:
                 found.append(_whole(copy))
-        lost = bereft_transitions(going, self._working_copy)
+        lost = orphaned_transitions(going, self._working_copy)
         return [*found, *(each for each in lost if each not in going)]
 
     def _unlink(self, going: set[ElementCopy]) -> None:

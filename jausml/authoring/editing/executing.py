@@ -22,11 +22,12 @@ from jausml.authoring.editing.drafts import new_document
 from jausml.authoring.editing.layout import followed, layout_file, placed, read_layout, write_layout
 from jausml.authoring.editing.planning import Context
 from jausml.authoring.editing.records import Referrer
-from jausml.authoring.editing.text.planner import TextPlanner
+from jausml.authoring.editing.text.planner import plan_text
 from jausml.authoring.editing.working_copy import WorkingCopy
-from jausml.authoring.editing.xmi.planner import XmiPlanner
+from jausml.authoring.editing.xmi.planner import plan_xmi
 from jausml.language.model import refs
 from jausml.language.model.collector import without_collector
+from jausml.language.model.xmi.writer import UnwritableError
 from jausml.language.text.notation import SUFFIX
 
 if TYPE_CHECKING:
@@ -63,11 +64,9 @@ class Outcome:
     shifts: tuple[Mapping[Ref, Ref], ...]
 
 
-def planner_of(file: str) -> Planner:
+def _planner_of(file: str) -> Planner:
     """Returns the planner of the notation of a file."""
-    if file.endswith(SUFFIX):
-        return TextPlanner()
-    return XmiPlanner()
+    return plan_text if file.endswith(SUFFIX) else plan_xmi
 
 
 def execute(commands: Sequence[Command], draft: Draft, known: WorkingCopy | None = None) -> Outcome:
@@ -182,7 +181,10 @@ class _Work:
             context = Context(
                 file, self._draft.root, model, working_copy, paths, self._draft.locate
             )
-            plans[file] = planner_of(file).plan(applying.steps, context)
+            try:
+                plans[file] = _planner_of(file)(applying.steps, context)
+            except UnwritableError as error:
+                raise EditError(str(error)) from error
         for file, splices in plans.items():
             self._draft.apply(file, splices)
         self._check(applying)

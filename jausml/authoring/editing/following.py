@@ -26,7 +26,7 @@ _TRANSITIONS = ("transitions", "defaults")
 
 
 @dataclass(frozen=True)
-class _Way:
+class _NamedTarget:
     """A transition that names its target."""
 
     transition: ElementCopy
@@ -48,24 +48,24 @@ def targets_through(
     if machine is None or not name or not state.name:
         return
     old, new = _path(state, state.name), _path(state, name)
-    for way in _ways(machine, working_copy):
-        target = way.target
+    for named in _named_targets(machine, working_copy):
+        target = named.target
         if target == old or (target or "").startswith(f"{old}."):
             inner = str(target)[len(old) :]
-            text = _renamed(way.text, str(target), state.name, name, inner) or f"{new}{inner}"
-            if text != way.text:
-                yield way.transition, _TARGET, text
+            text = _renamed(named.text, str(target), state.name, name, inner) or f"{new}{inner}"
+            if text != named.text:
+                yield named.transition, _TARGET, text
 
 
-def bereft_transitions(
+def orphaned_transitions(
     gone: Collection[ElementCopy], working_copy: WorkingCopy
 ) -> Iterator[ElementCopy]:
     """Yields the transitions that enter no state any more when elements go."""
     for machine in {each: None for each in map(_machine, gone) if each is not None}:
-        for way in _ways(machine, working_copy):
-            left = _put_together(way.machine, gone)
-            if way.target is not None and left.resolve(way.source, way.text) is None:
-                yield way.transition
+        for named in _named_targets(machine, working_copy):
+            left = _put_together(named.machine, gone)
+            if named.target is not None and left.resolve(named.source, named.text) is None:
+                yield named.transition
 
 
 def _renamed(text: str, target: str, old: str, new: str, inner: str) -> str:
@@ -79,7 +79,7 @@ def _renamed(text: str, target: str, old: str, new: str, inner: str) -> str:
     return f"{'.'.join([*steps[:before], new])}{inner}"
 
 
-def _ways(machine: ElementCopy, working_copy: WorkingCopy) -> Iterator[_Way]:
+def _named_targets(machine: ElementCopy, working_copy: WorkingCopy) -> Iterator[_NamedTarget]:
     """Yields the transitions with targets of a machine, and of those that extend it."""
     for each in (machine, *_heirs(machine, working_copy)):
         for path, state in _states(each):
@@ -87,7 +87,7 @@ def _ways(machine: ElementCopy, working_copy: WorkingCopy) -> Iterator[_Way]:
                 for transition in state.owned.get(feature, ()):
                     text = next(iter(transition.values.get(_TARGET, ())), None)
                     if text:
-                        yield _Way(transition, path, text, each)
+                        yield _NamedTarget(transition, path, text, each)
 
 
 def _put_together(machine: ElementCopy, gone: Collection[ElementCopy] = ()) -> Machine:
@@ -157,7 +157,7 @@ def _path(state: ElementCopy, name: str) -> str:
 
 
 _DIRECTIONS = {"joins": ("toJaus", "rosToJaus"), "reportJoins": ("toRos", "jausToRos")}
-"""Where the paths may begin with a join: the assignments of a map, and the way of its vectors."""
+"""Where paths may begin with a join: assignments of a map, and vectors of which direction."""
 _SOURCE, _PATH = "source", "path"
 
 
@@ -165,12 +165,12 @@ def paths_through(join: ElementCopy, name: str) -> Iterator[tuple[ElementCopy, s
     """Yields what has paths through a join, the feature, and the paths with another name for it."""
     if join.owner is None or join.feature not in _DIRECTIONS or not join.name:
         return
-    feature, way = _DIRECTIONS[join.feature]
+    feature, direction = _DIRECTIONS[join.feature]
     for each in join.owner.owned.get(feature, ()):
         for copy in each.everything():
             yield from _changed(copy, _SOURCE, join.name, name, is_nested=copy is not each)
     for vector in join.owner.owned.get("vectors", ()):
-        if vector.values.get("direction", ("jausToRos",)) == (way,):
+        if vector.values.get("direction", ("jausToRos",)) == (direction,):
             for given in vector.owned.get("given", ()):
                 yield from _changed(given, _PATH, join.name, name, is_nested=False)
 

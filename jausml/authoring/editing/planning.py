@@ -62,9 +62,9 @@ class Context:
 
 
 class Planner(Protocol):
-    """Plans changes of files of one notation."""
+    """Plans changes of a file of one notation."""
 
-    def plan(self, commands: Sequence[ElementCommand], context: Context) -> list[Splice]:
+    def __call__(self, commands: Sequence[ElementCommand], context: Context) -> list[Splice]:
         """Returns what is to change in one file so that commands hold.
 
         In the file that has an element of a command this is the change itself; in a file that
@@ -73,4 +73,7 @@ class Planner(Protocol):
 
         Args:
             commands: The commands, all of the same state of the files.
+
+        Raises:
+            UnwritableError: The notation cannot say what is wanted.
         """

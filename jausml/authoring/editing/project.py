@@ -20,13 +20,13 @@ from jausml.authoring.editing.layout import is_layout, layout_file, read_layout
 from jausml.authoring.editing.log import Log, takes_back
 from jausml.authoring.editing.reading import (
     Reader,
+    encoded,
     is_library,
     is_model_file,
     model_files,
     stored,
-    typed,
 )
-from jausml.authoring.editing.rebasing import Outside, Rebasing
+from jausml.authoring.editing.rebasing import OutsideChange, Rebasing
 from jausml.authoring.editing.records import (
     Change,
     Entry,
@@ -87,7 +87,7 @@ class Project:
         self._typed = (0, 0.0)
         self.typing_pause = 2.0
         self._working_copy: WorkingCopy | None = None
-        self._untold: list[Change] = []
+        self._unreported: list[Change] = []
         self._files: dict[str, Stored] = {}
         names = list(model_files(self.root))
         if self.opened and self.opened not in names:
@@ -249,7 +249,7 @@ class Project:
                 message = f"{file} has changed since: look at it again, and repeat what you typed"
                 raise EditError(message, conflict=True)
             draft = self._draft()
-            draft.put(file, typed(text, known.data))
+            draft.put(file, encoded(text, known.data))
             changes = draft.changes()
             if not changes:
                 return Entry(0, f"Type in {file}", ())
@@ -318,12 +318,12 @@ class Project:
         with self._lock:
             wanted = set(paths) or {*self._files, *model_files(self.root)}
             wanted = {f for f in wanted if f in self._files or is_model_file(f, self.root)}
-            return (*self.met(), *filter(None, map(self._refreshed, sorted(wanted))))
+            return (*self.unreported(), *filter(None, map(self._refreshed, sorted(wanted))))
 
-    def met(self) -> tuple[Change, ...]:
+    def unreported(self) -> tuple[Change, ...]:
         """Returns the files that edits found changed by other programs, each once."""
         with self._lock:
-            met, self._untold = self._untold, []
+            met, self._unreported = self._unreported, []
             return tuple(met)
 
     def describe(self, elements: Sequence[Ref]) -> tuple[Add | Set, ...]:
@@ -399,7 +399,7 @@ class Project:
             if found != (known.data if known is not None else None):
                 change = self._refreshed(file)
                 if change is not None:
-                    self._untold.append(change)
+                    self._unreported.append(change)
                 message = f"{file} was just changed by another program: look at it, and repeat"
                 raise ChangedBeneathError(message, conflict=True)
 
@@ -452,11 +452,13 @@ class Project:
         """Remembers a change that no commands made, with what is needed to understand it."""
         after = dict(self._files)
 
-        def understood() -> Outside:
+        def understood() -> OutsideChange:
             if file not in before or file not in after:
                 raise EditError(f"{file} was deleted, or came again, meanwhile", conflict=True)
             models = (self._reader.read(file, each).model for each in (before, after))
-            return Outside(file, *(WorkingCopy.of({file: each}, self.root) for each in models))
+            return OutsideChange(
+                file, *(WorkingCopy.of({file: each}, self.root) for each in models)
+            )
 
         self._rebasing.note_outside(self._revision, file, understood)
 

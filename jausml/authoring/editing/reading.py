@@ -243,7 +243,7 @@ def is_library(file: str) -> bool:
 _LINE_END = re.compile(rb"\r\n|\n|\r")
 
 
-def typed(text: str, before: bytes) -> bytes:
+def encoded(text: str, before: bytes) -> bytes:
     """Returns the bytes of a text, with the byte order mark and the line ends of its file.
 
     Args:

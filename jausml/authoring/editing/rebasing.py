@@ -35,7 +35,7 @@ _KEPT, _KEPT_OUTSIDE = 256, 32
 
 
 @dataclass(frozen=True, slots=True)
-class _Passage:
+class _Revision:
     """What happened in one revision.
 
     Attributes:
@@ -44,7 +44,7 @@ class _Passage:
 
     files: frozenset[str]
     shifts: tuple[Shift, ...] | None
-    outside: Callable[[], Outside] | None = None
+    outside: Callable[[], OutsideChange] | None = None
 
     def past(self, command: ElementCommand, *, is_first: bool) -> ElementCommand:
         """Returns a command with the refs after what happened."""
@@ -77,7 +77,7 @@ class Rebasing:
     """Follows refs from one revision to the next, as long as it remembers."""
 
     def __init__(self) -> None:
-        self._passages: OrderedDict[int, _Passage] = OrderedDict()
+        self._revisions: OrderedDict[int, _Revision] = OrderedDict()
         self._shifts: OrderedDict[int, tuple[Shift, ...]] = OrderedDict()
 
     def note(self, revision: int, entry: Entry, shifts: Sequence[Shift]) -> None:
@@ -93,13 +93,13 @@ class Rebasing:
         self._pass(revision, entry, shifts)
         return shifts is not None
 
-    def note_outside(self, revision: int, file: str, outside: Callable[[], Outside]) -> None:
+    def note_outside(self, revision: int, file: str, outside: Callable[[], OutsideChange]) -> None:
         """Remembers that something was done to a file that no commands say."""
-        self._passages[revision] = _Passage(frozenset([file]), None, cache(outside))
+        self._revisions[revision] = _Revision(frozenset([file]), None, cache(outside))
         # Each has the files before and after: more than a few would need much memory.
-        held = [number for number, each in self._passages.items() if each.outside is not None]
+        held = [number for number, each in self._revisions.items() if each.outside is not None]
         for number in held[:-_KEPT_OUTSIDE]:
-            self._passages[number] = replace(self._passages[number], outside=None)
+            self._revisions[number] = replace(self._revisions[number], outside=None)
         self._forget()
 
     def rebased(self, command: Command, base: int, now: int, *, is_first: bool = True) -> Command:
@@ -107,18 +107,18 @@ class Rebasing:
         if isinstance(command, Create | Place):
             return command
         for revision in range(base + 1, now + 1):
-            passage = self._passages.get(revision)
-            if passage is None:
+            change = self._revisions.get(revision)
+            if change is None:
                 raise _forgotten("the model")
-            command = passage.past(command, is_first=is_first)
+            command = change.past(command, is_first=is_first)
         return command
 
     def _pass(self, revision: int, entry: Entry, shifts: tuple[Shift, ...] | None) -> None:
-        self._passages[revision] = _Passage(frozenset(entry.files), shifts)
+        self._revisions[revision] = _Revision(frozenset(entry.files), shifts)
         self._forget()
 
     def _forget(self) -> None:
-        for kept in (self._passages, self._shifts):
+        for kept in (self._revisions, self._shifts):
             while len(kept) > _KEPT:
                 kept.popitem(last=False)
 
@@ -135,7 +135,7 @@ def _inverted(shift: Shift) -> Shift:
 _NAME = "name"
 
 
-class Outside:
+class OutsideChange:
     """A change of a file of which only the file before and after is known.
 
     An element is the same if it has the same names up to its root. What has no name of its own is

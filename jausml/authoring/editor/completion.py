@@ -10,7 +10,7 @@ from jausml.authoring.editor.classes import contained_classes, features_of, keyw
 from jausml.authoring.editor.context import Part, context_at
 from jausml.authoring.editor.paths import facts, fields_of, sides_at
 from jausml.authoring.editor.positions import Place
-from jausml.authoring.editor.workbench import names_in, sketched_text
+from jausml.authoring.editor.workbench import names_in, pieces_parsed
 from jausml.language.metamodel import ClassTable, FeatureTable, ValueKind, documentation
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.model.names import qualified_name
@@ -81,7 +81,7 @@ class Completion:
 
 
 @dataclass(frozen=True, slots=True)
-class Offer:
+class CompletionList:
     """One completion: something that can stand at a place."""
 
     start: Place
@@ -90,17 +90,17 @@ class Offer:
     imports_end: Place
 
 
-def complete(bench: Workbench, path: Path, place: Place) -> Offer:
+def complete(bench: Workbench, path: Path, place: Place) -> CompletionList:
     """Returns what can stand at a place."""
     text = bench.text(path)
-    context = context_at(text, sketched_text(text), place)
+    context = context_at(text, pieces_parsed(text), place)
     completions = _OFFERS.get(context.part, _nothing)(bench, path, context)
     offered: dict[tuple[str, str], Completion] = {}
     for each in completions:
         offered.setdefault((each.label, each.module), each)
     imports = [each for each in bench.tree(path).items if isinstance(each, Import)]
     end = Place(imports[-1].span.end_line + 1 if imports else 1, 1)
-    return Offer(context.start, context.end, tuple(offered.values()), end)
+    return CompletionList(context.start, context.end, tuple(offered.values()), end)
 
 
 def _nothing(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001

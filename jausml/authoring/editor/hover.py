@@ -10,7 +10,7 @@ from jausml.authoring.editor.context import Part, context_at
 from jausml.authoring.editor.definition import declaration_at, word_at
 from jausml.authoring.editor.paths import facts, sides_at
 from jausml.authoring.editor.positions import Place
-from jausml.authoring.editor.workbench import names_in, sketched_text
+from jausml.authoring.editor.workbench import names_in, pieces_parsed
 from jausml.language.metamodel import documentation
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.model.names import qualified_name
@@ -46,7 +46,7 @@ def hover(bench: Workbench, path: Path, place: Place) -> Hover | None:
     token = word_at(text, place)
     if token is None:
         return None
-    context = context_at(text, sketched_text(text), place)
+    context = context_at(text, pieces_parsed(text), place)
     for explain in (_path, _conversion, _message, _feature, _literal, _named, _keyword):
         said = explain(bench, path, context, token)
         if said:

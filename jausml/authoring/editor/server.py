@@ -16,7 +16,7 @@ from pygls.protocol import LanguageServerProtocol
 from pygls.uris import from_fs_path, to_fs_path
 
 from jausml import __version__
-from jausml.authoring.editor.completion import Completion, CompletionKind, Offer, complete
+from jausml.authoring.editor.completion import Completion, CompletionKind, CompletionList, complete
 from jausml.authoring.editor.definition import Symbol, define, outline
 from jausml.authoring.editor.hover import hover
 from jausml.authoring.editor.positions import Columns, Place
@@ -199,8 +199,8 @@ class _Desk:
 
     async def completion(self, params: types.CompletionParams) -> types.CompletionList:
         path, place = self._at(params)
-        offer = await asyncio.to_thread(complete, self._bench, path, place)
-        start, end = offer.start, offer.end
+        found = await asyncio.to_thread(complete, self._bench, path, place)
+        start, end = found.start, found.end
         span = Span(start.line, start.column, end.line, end.column)
         replaced = _range(self._columns(path), span)
         items = [
@@ -212,19 +212,19 @@ class _Desk:
                 filter_text=each.label,
                 sort_text=f"{0 if each.is_first else 1}{each.label}",
                 text_edit=types.TextEdit(replaced, each.text or each.label),
-                additional_text_edits=self._import(path, offer, each),
+                additional_text_edits=self._import(path, found, each),
             )
-            for each in offer.completions
+            for each in found.completions
         ]
         return types.CompletionList(is_incomplete=False, items=items)
 
     def _import(
-        self, path: Path, offer: Offer, completion: Completion
+        self, path: Path, found: CompletionList, completion: Completion
     ) -> list[types.TextEdit] | None:
         """Returns the edit that imports what a completion needs."""
         if not completion.module:
             return None
-        line, column = offer.imports_end.line, offer.imports_end.column
+        line, column = found.imports_end.line, found.imports_end.column
         where = _range(self._columns(path), Span(line, column, line, column))
         return [types.TextEdit(where, f"import {word(completion.module)}\n")]
 

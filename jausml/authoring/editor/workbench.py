@@ -49,7 +49,7 @@ _PIECES = _Pieces()
 
 
 @lru_cache(maxsize=32)
-def sketched_text(text: str) -> Parsed:
+def pieces_parsed(text: str) -> Parsed:
     """Returns the tree of a text as soon as a key was pressed: parsed is the piece that changed.
 
     It is that of `parsed_text` unless there are syntax errors, which are not those to be shown.
@@ -60,14 +60,14 @@ def sketched_text(text: str) -> Parsed:
 @lru_cache(maxsize=32)
 def parsed_text(text: str) -> Parsed:
     """Returns the tree of a text with its syntax errors; that of a text just seen is kept."""
-    sketched = sketched_text(text)
-    return parse(text) if sketched.faults else sketched
+    parsed = pieces_parsed(text)
+    return parse(text) if parsed.faults else parsed
 
 
 @lru_cache(maxsize=32)
 def names_in(text: str) -> Names:
     """Returns the names in a text; those of a text just seen are kept."""
-    return names_of(sketched_text(text).document)
+    return names_of(pieces_parsed(text).document)
 
 
 ElementT = TypeVar("ElementT", bound="EObject")
@@ -154,7 +154,7 @@ class Workbench:
 
     def tree(self, path: Path) -> SyntaxTree:
         """Returns the syntax tree of a text."""
-        return sketched_text(self.text(path)).document
+        return pieces_parsed(self.text(path)).document
 
     def module_of(self, element: EObject) -> str:
         """Returns what a text imports for an element of the library; empty for another element."""

@@ -36,14 +36,14 @@ if TYPE_CHECKING:
 _MOST_SHOWN = 8
 
 
-class LookedAt:
+class ViewedFiles:
     """The files that someone looks at: those that were asked for last."""
 
     def __init__(self) -> None:
         self._files: OrderedDict[str, None] = OrderedDict()
         self._lock = threading.Lock()
 
-    def look(self, file: str) -> None:
+    def add(self, file: str) -> None:
         """Remembers that someone looks at a file."""
         with self._lock:
             self._files[file] = None
@@ -152,7 +152,7 @@ class StudioContext:
     out: str = ""
     network: Network = field(default_factory=usual_network)
     subscribers: Subscribers = field(default_factory=Subscribers)
-    looked_at: LookedAt = field(default_factory=LookedAt)
+    viewed_files: ViewedFiles = field(default_factory=ViewedFiles)
     drawings: Drawings = field(default_factory=Drawings)
     trials: Trials = field(default_factory=Trials)
     kept: KeptEdits = field(default_factory=KeptEdits)

@@ -15,14 +15,14 @@ from watchfiles import awatch
 from jausml.authoring.editing.reading import SUFFIXES
 from jausml.authoring.studio.checking import Checking
 from jausml.authoring.studio.handlers import (
-    answering,
     editing,
     generating,
     mapping,
-    reading,
+    modelling,
     showing,
+    texts,
 )
-from jausml.authoring.studio.handlers.living import Living
+from jausml.authoring.studio.handlers.live_system import LiveRequests
 from jausml.authoring.studio.rpc import Answering
 from jausml.authoring.studio.views.palette import library_entries
 from jausml.language.metamodel import load_metamodels
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from jausml.authoring.studio.rpc import Request
 
 
-_MODULES = (showing, editing, answering, reading, mapping, generating)
+_MODULES = (showing, editing, modelling, texts, mapping, generating)
 _LOG = logging.getLogger(__name__)
 
 
@@ -49,13 +49,15 @@ class Session:
     def __init__(self, context: StudioContext) -> None:
         load_metamodels()  # now, for threads that ask at once would load them twice
         self._context = context
-        self._living = Living(context)
+        self._living = LiveRequests(context)
         context.subscribers.left = self._living.leave
         methods = {
             name: each for module in _MODULES for name, each in module.methods(context).items()
         }
         self._answering = Answering({**methods, **self._living.methods()})
-        self._checking = Checking(context.verdicts, lambda: context.looked_at.files, self._judged)
+        self._checking = Checking(
+            context.verdicts, lambda: context.viewed_files.files, self._judged
+        )
         context.followers.extend((self._checking.begin, self._living.changed))
 
     @property

@@ -15,7 +15,6 @@ from jausml.authoring.editing.text.naming import named_references
 from jausml.authoring.editing.text.values import DOCUMENTATION, NAME, Heads, Values
 from jausml.language.model.names import name_of
 from jausml.language.model.notation import BY_NAME
-from jausml.language.model.xmi.writer import UnwritableError
 from jausml.language.text.tree import Assignment, Element, Entry, Ignored, Name, Table, Vector
 from jausml.language.text.writing.heads import is_comment
 from jausml.language.text.writing.layout import simple
@@ -35,15 +34,9 @@ if TYPE_CHECKING:
     from jausml.language.model.xmi.parsing import Node
 
 
-class TextPlanner:
-    """Plans changes of ros2jaus texts, as `jausml.authoring.editing.planning.Planner` says."""
-
-    def plan(self, commands: Sequence[ElementCommand], context: Context) -> list[Splice]:
-        """Returns what is to change in one file so that commands hold."""
-        try:
-            return _Plan(context).run(commands)
-        except UnwritableError as error:
-            raise EditError(str(error)) from error
+def plan_text(commands: Sequence[ElementCommand], context: Context) -> list[Splice]:
+    """Returns what is to change in a text, as `planning.Planner` says."""
+    return _Plan(context).run(commands)
 
 
 class _Plan:

@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 from jausml.authoring.editing.commands import EditError
-from jausml.authoring.editing.splices import Splice
+from jausml.authoring.editing.splices import FileText, Splice
 from jausml.language.text.comments import comments_in
 from jausml.language.text.reading.scanning import with_line_feeds
 
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from jausml.language.text.tree import Span
 
 _BLANKS = " \t"
-_LINE_END = re.compile(r"\r\n|\n|\r")
 
 
 class Comment(NamedTuple):
@@ -35,7 +34,7 @@ class Comment(NamedTuple):
         return "\n" not in self.text
 
 
-class TextSource:
+class TextSource(FileText):
     """The text of a document. All places are offsets in characters.
 
     Attributes:
@@ -43,17 +42,9 @@ class TextSource:
     """
 
     def __init__(self, document: Document, file: str) -> None:
-        self.file = file
-        self._data = document.data
-        self._stored = document.data.decode("utf-8-sig")
-        self._mark = len(codecs.BOM_UTF8) if document.data.startswith(codecs.BOM_UTF8) else 0
-        self.text = with_line_feeds(self._stored)
-
-    @cached_property
-    def newline(self) -> str:
-        """The line end of the file: that of its first line."""
-        found = _LINE_END.search(self._stored)
-        return found.group() if found else "\n"
+        mark = len(codecs.BOM_UTF8) if document.data.startswith(codecs.BOM_UTF8) else 0
+        super().__init__(file, document.data, "utf-8", mark)
+        self.text = with_line_feeds(self.stored)
 
     @cached_property
     def unit(self) -> str:
@@ -120,21 +111,6 @@ class TextSource:
         while at > least and self.text[at - 1].isspace():
             at -= 1
         return at
-
-    def splice(self, start: int, end: int, new: str) -> Splice:
-        """Returns the splice that puts a text in place of a stretch.
-
-        Args:
-            new: The new text with line feeds as line ends.
-        """
-        first, last = self._byte(start), self._byte(end)
-        data = new.replace("\n", self.newline).encode()
-        return Splice(self.file, first, self._data[first:last], data)
-
-    def _byte(self, at: int) -> int:
-        if self._stored.isascii():
-            return self._mark + at
-        return self._mark + len(self._stored[:at].encode())
 
     @cached_property
     def _lines(self) -> list[int]:

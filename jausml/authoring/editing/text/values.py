@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.editing.commands import EditError
+from jausml.authoring.editing.splices import common_ends
 from jausml.language.metamodel.filling import contents
 from jausml.language.semantics.ways import CONNECTION, FEATURES
 from jausml.language.text.keywords import snake_case
@@ -117,13 +118,7 @@ class Values:
                 self._edited.blocks.remove(body, [each])
             self._replace(items[0], rendered, 0, len(items[0].values))
             return
-        most = min(len(old), len(values))
-        front = 0
-        while front < most and _is_same(old[front], values[front]):
-            front += 1
-        back = 0
-        while back < most - front and _is_same(old[-1 - back], values[-1 - back]):
-            back += 1
+        front, back = common_ends(old, values, _is_same)
         self._replace(items[0], rendered[front : len(values) - back], front, len(old) - back)
 
     def _replace(self, item: Feature, new: Sequence[Value], start: int, end: int) -> None:

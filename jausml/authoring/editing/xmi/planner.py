@@ -5,7 +5,8 @@ from __future__ import annotations
 from functools import cached_property
 from typing import TYPE_CHECKING, cast
 
-from jausml.authoring.editing.commands import Add, EditError, Move, Remove, Rename, Set
+from jausml.authoring.editing.commands import Add, Move, Remove, Rename, Set
+from jausml.authoring.editing.splices import common_ends
 from jausml.authoring.editing.working_copy import ElementCopy
 from jausml.authoring.editing.xmi.edits import Edits
 from jausml.authoring.editing.xmi.names import (
@@ -20,7 +21,7 @@ from jausml.authoring.editing.xmi.names import (
 from jausml.authoring.editing.xmi.source import Source
 from jausml.language.metamodel import FeatureKind
 from jausml.language.model.values import convert
-from jausml.language.model.xmi.writer import UnwritableError, attribute_text, lexical
+from jausml.language.model.xmi.writer import attribute_text, lexical
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -37,17 +38,9 @@ if TYPE_CHECKING:
 _NAME = "name"
 
 
-class XmiPlanner:
-    """Plans changes of XMI files, as `jausml.authoring.editing.planning.Planner` says."""
-
-    def plan(self, commands: Sequence[ElementCommand], context: Context) -> list[Splice]:
-        """Returns what is to change in one file so that commands hold."""
-        if not context.document.root_nodes:
-            return []
-        try:
-            return _Plan(context).run(commands)
-        except UnwritableError as error:
-            raise EditError(str(error)) from error
+def plan_xmi(commands: Sequence[ElementCommand], context: Context) -> list[Splice]:
+    """Returns what is to change in an XMI file, as `planning.Planner` says."""
+    return _Plan(context).run(commands) if context.document.root_nodes else []
 
 
 class _Plan:
@@ -194,12 +187,7 @@ class _Plan:
     ) -> None:
         """Makes child elements of others, and leaves those that are among both."""
         texts = [self._text(each) for each in old]
-        front = 0
-        while front < min(len(old), len(new)) and texts[front] == new[front]:
-            front += 1
-        back = 0
-        while back < min(len(old), len(new)) - front and texts[-1 - back] == new[-1 - back]:
-            back += 1
+        front, back = common_ends(texts, new)
         ours = list(old[front : len(old) - back])
         theirs = list(new[front : len(new) - back])
         paired = min(len(ours), len(theirs))

@@ -76,11 +76,11 @@ class _Draft:
 
 def assign(scope: Scope, used: bridge.AttributeMap, source: Member, target: Member) -> Options:
     """Returns the ways to assign a member to one of the other side, the best first."""
-    found = ways(scope, used, source, target)
-    if not found.ways:
+    found = candidates(scope, used, source, target)
+    if not found.candidates:
         return Options(refusal=found.refusal)
     options = []
-    for index, each in enumerate(found.ways):
+    for index, each in enumerate(found.candidates):
         table = tabled(used, [each.assignment])
         [made] = table.assignments
         ends = found.source, found.target
@@ -96,25 +96,27 @@ def assign(scope: Scope, used: bridge.AttributeMap, source: Member, target: Memb
 
 
 @dataclass(frozen=True)
-class Ways:
+class Candidates:
     """The ways to assign a member to one of the other side, or why there is none.
 
     Attributes:
-        ways: What can be done, the best first.
+        candidates: What can be done, the best first.
     """
 
     source: Member
     target: Member
     plain: Judged | None = None
-    ways: tuple[Judged, ...] = ()
+    candidates: tuple[Judged, ...] = ()
     refusal: str = ""
 
 
-def ways(scope: Scope, used: bridge.AttributeMap, source: Member, target: Member) -> Ways:
+def candidates(
+    scope: Scope, used: bridge.AttributeMap, source: Member, target: Member
+) -> Candidates:
     """Returns the ways to assign a member to one of the other side, before any table."""
     if source.is_jaus is target.is_jaus:
         refusal = "both are of one side; draw to a member of the other side"
-        return Ways(source, target, refusal=refusal)
+        return Candidates(source, target, refusal=refusal)
     source, target = _in_elements(used, source, target), _in_elements(used, target, source)
     if bool(source.outer) is not bool(target.outer):
         inside, outside = (source, target) if source.outer else (target, source)
@@ -122,10 +124,10 @@ def ways(scope: Scope, used: bridge.AttributeMap, source: Member, target: Member
             f"'{inside.path}' is of each element of '{inside.outer}', '{outside.path}' is"
             " there once; draw between members of elements, or name one element by its index"
         )
-        return Ways(source, target, refusal=refusal)
+        return Candidates(source, target, refusal=refusal)
     found = _found(scope, used, source, target)
     refusal = found.plain.said or "no conversion leads from one to the other"
-    return Ways(source, target, found.plain, tuple(_distinct(found.good)[:_MOST]), refusal)
+    return Candidates(source, target, found.plain, tuple(_distinct(found.good)[:_MOST]), refusal)
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,17 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import NEW, Add, Child
 from jausml.authoring.proposals.elements import AnswerError
-from jausml.authoring.proposals.mapping.assigning import ways
+from jausml.authoring.proposals.mapping.assigning import candidates
 from jausml.authoring.proposals.mapping.assignments import innermost, statement
 from jausml.authoring.proposals.mapping.filling import FEATURES, found
 from jausml.authoring.proposals.mapping.members import member
-from jausml.authoring.proposals.mapping.opens import bare, completed, opens, stops_by_zeros, zeros
+from jausml.authoring.proposals.mapping.opens import (
+    completed,
+    opens,
+    stops_by_zeros,
+    unfilled,
+    zeros,
+)
 from jausml.authoring.proposals.mapping.tabling import additions, table_of, tabled
 from jausml.authoring.proposals.mapping.trial import findings, fresh_map, judge, with_assignments
 from jausml.language.model.values import suggest
@@ -26,7 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping
 
     from jausml.authoring.proposals.elements import Scope
-    from jausml.authoring.proposals.mapping.assigning import Ways
+    from jausml.authoring.proposals.mapping.assigning import Candidates
     from jausml.authoring.proposals.mapping.members import Member
     from jausml.language.metamodel.classes import bridge, jaus, ros
 
@@ -187,7 +193,7 @@ def _alike(
 
 def _of_values(used: bridge.AttributeMap, ways: Collection[bool]) -> Iterator[Doubt]:
     """Yields the unfilled fields that the message always has and whose values have names."""
-    for each in bare(used, to_ros=False) if False in ways else ():
+    for each in unfilled(used, to_ros=False) if False in ways else ():
         names = each.leaves[0].attribute.constants if each.leaves[0].path == each.path else ()
         if each.is_required and names:
             yield Doubt(
@@ -210,7 +216,7 @@ def assignments_of(
     if not colon and (plain := _sourceless(feature, target, source)) is not None:
         return [_allowed(scope, used, plain)]
     found = _ways(scope, used, target, path.partition(",")[0], to_ros=to_ros)
-    known = [] if found is None else [each.assignment for each in found.ways]
+    known = [] if found is None else [each.assignment for each in found.candidates]
     if not colon and "," not in path:
         if found is not None and not known:
             raise AnswerError(f"{source} -> {target}: {found.refusal}")
@@ -245,14 +251,14 @@ def _sourceless(feature: str, target: str, source: str) -> Child | None:
 
 def _ways(
     scope: Scope, used: bridge.AttributeMap, target: str, source: str, *, to_ros: bool
-) -> Ways | None:
+) -> Candidates | None:
     """Returns the ways from member to member; None for paths with an index."""
     try:
         start = member(used, source, is_jaus=to_ros)
         end = member(used, target.partition(",")[0], is_jaus=not to_ros)
     except AnswerError:
         return None
-    return ways(scope, used, start, end)
+    return candidates(scope, used, start, end)
 
 
 def _conversions(text: str) -> tuple[Child, ...]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child
-from jausml.authoring.proposals.mapping.assigning import ways
+from jausml.authoring.proposals.mapping.assigning import candidates
 from jausml.authoring.proposals.mapping.assignments import OF_AUTHORS, innermost, statement, steps
 from jausml.authoring.proposals.mapping.corresponding import corresponding
 from jausml.authoring.proposals.mapping.members import leaves
@@ -141,7 +141,7 @@ def _proposed(
 
     Those with a number that only the author knows are left out.
     """
-    children = [each.assignment for each in ways(scope, used, source, target).ways]
+    children = [each.assignment for each in candidates(scope, used, source, target).candidates]
     own = [each for each in children if not set(steps(each)) & set(OF_AUTHORS)]
     judged = judge(scope.model.metamodels, used, own)
     accepted = [each.assignment for each in judged if each.is_accepted]

@@ -54,7 +54,7 @@ def _unfilled(
 ) -> Iterator[str]:
     if ignored := [each.values["target"][0] for each in own if each.kind == "bridge.Ignore"]:
         yield f"ignored: {_listed(ignored)} of {target}, since no member of {source} corresponds"
-    left = bare(used, to_ros=to_ros)
+    left = unfilled(used, to_ros=to_ros)
     if optional := [each.path for each in left if not each.is_required]:
         yield f"nothing is assigned to {_listed(optional)} of {target}"
     if missing := [each.path for each in left if each.is_required]:
@@ -154,7 +154,7 @@ _FRAMES = {UP: "odom", FLU: "base_link"}
 
 
 @dataclass(frozen=True)
-class Bare:
+class Unfilled:
     """A part of the target message that nothing fills, as large as can be."""
 
     path: str
@@ -171,16 +171,16 @@ def completed(
     named = {parse_path(each.values["target"][0]) for each in made}
     ignored = [
         Child(feature, "bridge.Ignore", {"target": (each.path,)})
-        for each in bare(used, named, to_ros=to_ros)
+        for each in unfilled(used, named, to_ros=to_ros)
         if ignores and not each.is_required
     ]
     judged = judge(scope.model.metamodels, used, [*made, *ignored])
     return [each.assignment for each in judged if each.is_possible]
 
 
-def bare(
+def unfilled(
     used: bridge.AttributeMap, filled: Iterable[tuple[str, ...]] = (), *, to_ros: bool
-) -> list[Bare]:
+) -> list[Unfilled]:
     """Returns what nothing fills in a direction, wholes without their parts.
 
     Options that are not chosen are left out.
@@ -196,7 +196,7 @@ def bare(
 
 def _bare(
     used: bridge.AttributeMap, found: Iterable[tuple[str, Sequence[Member]]], *, to_ros: bool
-) -> Iterator[Bare]:
+) -> Iterator[Unfilled]:
     target = outer_scope(used, to_ros=to_ros).target
     for path, inner in found:
         place, before = target.follow(path), target.follow(path.rpartition(".")[0] or ".")
@@ -205,7 +205,7 @@ def _bare(
             continue
         is_required = isinstance(place, JausPlace) and not place.optional
         is_bit = isinstance(around, jaus.BitField)
-        yield Bare(path, tuple(inner), is_required and not is_bit)
+        yield Unfilled(path, tuple(inner), is_required and not is_bit)
 
 
 def _widest(steps: Sequence[str], taken: Sequence[tuple[str, ...]]) -> str:

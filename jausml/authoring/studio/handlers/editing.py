@@ -71,23 +71,25 @@ class Kept:
 def methods(context: StudioContext) -> Mapping[str, Method[Any]]:
     """Returns the methods by name."""
     return {
-        "edit": Method(Edit, lambda asked: _edit(context, asked), in_turn=True),
+        "edit": Method(Edit, lambda request: _edit(context, request), in_turn=True),
         "kept": Method(Nothing, lambda _: _kept(context)),
-        "kept.again": Method(Kept, lambda asked: _again(context, asked), in_turn=True),
-        "kept.discard": Method(Kept, lambda asked: _discard(context, asked), in_turn=True),
-        "copy": Method(Copy, lambda asked: {"commands": context.project.describe(asked.elements)}),
-        "paste": Method(Paste, lambda asked: _paste(context, asked), in_turn=True),
+        "kept.again": Method(Kept, lambda request: _again(context, request), in_turn=True),
+        "kept.discard": Method(Kept, lambda request: _discard(context, request), in_turn=True),
+        "copy": Method(
+            Copy, lambda request: {"commands": context.project.describe(request.elements)}
+        ),
+        "paste": Method(Paste, lambda request: _paste(context, request), in_turn=True),
         "undo": Method(Nothing, lambda _: _undo(context), in_turn=True),
         "redo": Method(Nothing, lambda _: _redo(context), in_turn=True),
         "log": Method(Nothing, lambda _: _log(context)),
-        "write": Method(Write, lambda asked: _write(context, asked), in_turn=True),
-        "arrange": Method(showing.OfView, lambda asked: _arrange(context, asked), in_turn=True),
+        "write": Method(Write, lambda request: _write(context, request), in_turn=True),
+        "arrange": Method(showing.OfView, lambda request: _arrange(context, request), in_turn=True),
     }
 
 
-def _edit(context: StudioContext, asked: Edit) -> dict[str, Any]:
-    commands = [command(each, f"commands[{i}]") for i, each in enumerate(asked.commands)]
-    return edit(context, commands, asked.label, asked.base, dry=asked.dry)
+def _edit(context: StudioContext, request: Edit) -> dict[str, Any]:
+    commands = [command(each, f"commands[{i}]") for i, each in enumerate(request.commands)]
+    return edit(context, commands, request.label, request.base, dry=request.dry)
 
 
 def edit(
@@ -125,7 +127,7 @@ def _carried_out(
         raise
     finally:
         # What it met on its way is told, whether it was done or not.
-        context.notify_outside(context.project.met())
+        context.notify_outside(context.project.unreported())
     if kept is not None:
         # Only now, whatever kept it from being done.
         context.kept.discard(kept.number)
@@ -138,24 +140,24 @@ def _kept(context: StudioContext) -> dict[str, Any]:
     return {"edits": [each.as_json() for each in context.kept.all]}
 
 
-def _again(context: StudioContext, asked: Kept) -> dict[str, Any]:
-    edit = context.kept.find(asked.number)
+def _again(context: StudioContext, request: Kept) -> dict[str, Any]:
+    edit = context.kept.find(request.number)
     if edit is None:
         raise EditError("this edit is kept no more")
     return _carried_out(context, edit.commands, edit.label, edit.base, edit)
 
 
-def _discard(context: StudioContext, asked: Kept) -> dict[str, Any]:
-    context.kept.discard(asked.number)
+def _discard(context: StudioContext, request: Kept) -> dict[str, Any]:
+    context.kept.discard(request.number)
     context.notify_kept()
     return {}
 
 
-def _paste(context: StudioContext, asked: Paste) -> dict[str, Any]:
-    given = [command(each, f"commands[{i}]") for i, each in enumerate(asked.commands)]
+def _paste(context: StudioContext, request: Paste) -> dict[str, Any]:
+    given = [command(each, f"commands[{i}]") for i, each in enumerate(request.commands)]
     added = [each for each in given if isinstance(each, Add | Set)]
-    model = context.project.find(asked.owner)[1]
-    made = context.project.paste(with_free_addresses(model, added), asked.owner, "Paste")
+    model = context.project.find(request.owner)[1]
+    made = context.project.paste(with_free_addresses(model, added), request.owner, "Paste")
     context.changed(made)
     return {
         "revision": context.project.revision,
@@ -183,19 +185,19 @@ def _log(context: StudioContext) -> dict[str, Any]:
     return {"entries": [entry_as_json(each) for each in (*done, *undone)], "at": len(done)}
 
 
-def _write(context: StudioContext, asked: Write) -> dict[str, Any]:
-    made = context.project.write_text(asked.file, asked.text, asked.base)
+def _write(context: StudioContext, request: Write) -> dict[str, Any]:
+    made = context.project.write_text(request.file, request.text, request.base)
     context.changed(made)
     return {"revision": context.project.revision}
 
 
-def _arrange(context: StudioContext, asked: showing.OfView) -> dict[str, Any]:
-    placed = context.project.positions(asked.file, asked.view)
+def _arrange(context: StudioContext, request: showing.OfView) -> dict[str, Any]:
+    placed = context.project.positions(request.file, request.view)
     if placed:
-        forget = Place(asked.file, asked.view, dict.fromkeys(placed))
-        context.changed(context.project.do([forget], f"Arrange {asked.view}"))
-    context.drawings.forget(asked.file, asked.view)
-    return showing.view(context, asked)
+        forget = Place(request.file, request.view, dict.fromkeys(placed))
+        context.changed(context.project.do([forget], f"Arrange {request.view}"))
+    context.drawings.forget(request.file, request.view)
+    return showing.view(context, request)
 
 
 _ADDRESS = "address"

@@ -1,4 +1,4 @@
-"""Questions about what is generated: the plan, its differences, and carrying it out."""
+"""Requests about what is generated: the plan, its differences, and carrying it out."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Asked:
+class GenerateRequest:
     """What shall be generated."""
 
     file: str
@@ -30,7 +30,7 @@ class Asked:
 
 @dataclass(frozen=True)
 class OfPath:
-    """A file of the plan; see `Asked`."""
+    """A file of the plan; see `GenerateRequest`."""
 
     file: str
     out: str
@@ -40,7 +40,7 @@ class OfPath:
 
 @dataclass(frozen=True)
 class Shown:
-    """The plan that was shown, by its digest; see `Asked`."""
+    """The plan that was shown, by its digest; see `GenerateRequest`."""
 
     file: str
     out: str
@@ -51,9 +51,9 @@ class Shown:
 def methods(context: StudioContext) -> Mapping[str, Method[Any]]:
     """Returns the methods by name."""
     return {
-        "plan": Method(Asked, lambda asked: _plan(context, asked)),
-        "diff": Method(OfPath, lambda asked: _diff(context, asked)),
-        "generate": Method(Shown, lambda asked: _generate(context, asked), in_turn=True),
+        "plan": Method(GenerateRequest, lambda request: _plan(context, request)),
+        "diff": Method(OfPath, lambda request: _diff(context, request)),
+        "generate": Method(Shown, lambda request: _generate(context, request), in_turn=True),
     }
 
 
@@ -61,12 +61,12 @@ def _out(context: StudioContext, file: str, out: str) -> Path:
     return out_folder(context.project.root, file, out, context.out)
 
 
-def _plan(context: StudioContext, asked: Asked) -> object:
-    verdict = context.verdicts.of(asked.file)
-    out = _out(context, asked.file, asked.out)
+def _plan(context: StudioContext, request: GenerateRequest) -> object:
+    verdict = context.verdicts.of(request.file)
+    out = _out(context, request.file, request.out)
     why = _obstacle(context, verdict)
     planned = (
-        Planned(str(out), problems=why) if why else plan(verdict.report, out, force=asked.force)
+        Planned(str(out), problems=why) if why else plan(verdict.report, out, force=request.force)
     )
     freshness = freshness_as_json(context.freshness(verdict))
     return {**as_json(planned), "revision": verdict.revision, "freshness": freshness}
@@ -86,15 +86,15 @@ def _report(context: StudioContext, file: str) -> Report:
     return verdict.report
 
 
-def _diff(context: StudioContext, asked: OfPath) -> object:
-    report = _report(context, asked.file)
-    out = _out(context, asked.file, asked.out)
-    return {"diff": diff(report, out, asked.path, force=asked.force)}
+def _diff(context: StudioContext, request: OfPath) -> object:
+    report = _report(context, request.file)
+    out = _out(context, request.file, request.out)
+    return {"diff": diff(report, out, request.path, force=request.force)}
 
 
-def _generate(context: StudioContext, asked: Shown) -> object:
+def _generate(context: StudioContext, request: Shown) -> object:
     # Also what another program has saved this very moment counts.
     context.refresh()
-    report = _report(context, asked.file)
-    out = _out(context, asked.file, asked.out)
-    return execute(report, out, asked.digest, force=asked.force)
+    report = _report(context, request.file)
+    out = _out(context, request.file, request.out)
+    return execute(report, out, request.digest, force=request.force)

@@ -1,4 +1,4 @@
-"""Questions about attribute maps: what values of one side become on the other."""
+"""Requests about attribute maps: what values of one side become on the other."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.mapping.assignments import clock, constant, ignore
 from jausml.authoring.proposals.mapping.filling import fill_map
-from jausml.authoring.studio.handlers.answering import Port, map_named, map_of, scope_of
+from jausml.authoring.studio.handlers.modelling import Port, map_named, map_of, scope_of
 from jausml.authoring.studio.handlers.showing import OfView
 from jausml.authoring.studio.rpc import Method
 from jausml.authoring.studio.views.spots import end_of
@@ -24,7 +24,7 @@ Direction = Literal["to_ros", "to_jaus"]
 
 
 @dataclass(frozen=True)
-class Asked:
+class InputsRequest:
     """A direction of a map, by the name of the map."""
 
     file: str
@@ -55,32 +55,32 @@ class Filling:
 def methods(context: StudioContext) -> Mapping[str, Method[Any]]:
     """Returns the methods by name."""
     return {
-        "tried": Method(Asked, lambda asked: _inputs(context, asked)),
-        "fill": Method(Filling, lambda asked: _fill(context, asked)),
-        "fill_map": Method(OfView, lambda asked: _fill_map(context, asked)),
-        "try": Method(Trial, lambda asked: _try(context, asked)),
+        "tried": Method(InputsRequest, lambda request: _inputs(context, request)),
+        "fill": Method(Filling, lambda request: _fill(context, request)),
+        "fill_map": Method(OfView, lambda request: _fill_map(context, request)),
+        "try": Method(Trial, lambda request: _try(context, request)),
     }
 
 
-def _inputs(context: StudioContext, asked: Asked) -> object:
-    used = map_named(scope_of(context, asked.file), asked.map)
-    return {"inputs": inputs(used, to_ros=asked.direction == "to_ros")}
+def _inputs(context: StudioContext, request: InputsRequest) -> object:
+    used = map_named(scope_of(context, request.file), request.map)
+    return {"inputs": inputs(used, to_ros=request.direction == "to_ros")}
 
 
-def _fill(context: StudioContext, asked: Filling) -> object:
-    scope = scope_of(context, asked.file)
-    used = _map_of(scope, asked.view)
-    target = end_of(scope, used, asked.target.node, asked.target.port)
+def _fill(context: StudioContext, request: Filling) -> object:
+    scope = scope_of(context, request.file)
+    used = _map_of(scope, request.view)
+    target = end_of(scope, used, request.target.node, request.target.port)
     return {
-        "constant": constant(scope, used, target, asked.value),
+        "constant": constant(scope, used, target, request.value),
         "clock": clock(scope, used, target),
         "ignore": ignore(scope, used, target),
     }
 
 
-def _fill_map(context: StudioContext, asked: OfView) -> object:
-    scope = scope_of(context, asked.file)
-    return fill_map(scope, _map_of(scope, asked.view))
+def _fill_map(context: StudioContext, request: OfView) -> object:
+    scope = scope_of(context, request.file)
+    return fill_map(scope, _map_of(scope, request.view))
 
 
 def _map_of(scope: Scope, view: str) -> bridge.AttributeMap:
@@ -90,7 +90,7 @@ def _map_of(scope: Scope, view: str) -> bridge.AttributeMap:
     return used
 
 
-def _try(context: StudioContext, asked: Trial) -> object:
-    scope = scope_of(context, asked.file)
-    to_ros = asked.direction == "to_ros"
-    return context.trials.run(scope, map_named(scope, asked.map), asked.values, to_ros=to_ros)
+def _try(context: StudioContext, request: Trial) -> object:
+    scope = scope_of(context, request.file)
+    to_ros = request.direction == "to_ros"
+    return context.trials.run(scope, map_named(scope, request.map), request.values, to_ros=to_ros)

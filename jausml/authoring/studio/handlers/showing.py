@@ -1,4 +1,4 @@
-"""Questions about what there is: the project, its views, its problems."""
+"""Requests about what there is: the project, its views, its problems."""
 
 from __future__ import annotations
 
@@ -58,11 +58,11 @@ def methods(context: StudioContext) -> Mapping[str, Method[Any]]:
     """Returns the methods by name."""
     return {
         "hello": Method(Hello, lambda _: _hello(context)),
-        "views": Method(OfFile, lambda asked: _views(context, asked)),
-        "view": Method(OfView, lambda asked: view(context, asked)),
+        "views": Method(OfFile, lambda request: _views(context, request)),
+        "view": Method(OfView, lambda request: view(context, request)),
         "faults": Method(Nothing, lambda _: {"faults": context.faults.all}),
         "problems": Method(
-            OfFile, lambda asked: problems(context, context.verdicts.of(asked.file))
+            OfFile, lambda request: problems(context, context.verdicts.of(request.file))
         ),
     }
 
@@ -85,9 +85,9 @@ def _has_graphviz() -> bool:
     return find_spec("pygraphviz") is not None
 
 
-def _views(context: StudioContext, asked: OfFile) -> dict[str, Any]:
-    context.looked_at.look(asked.file)
-    model = context.project.model(asked.file).model
+def _views(context: StudioContext, request: OfFile) -> dict[str, Any]:
+    context.viewed_files.add(request.file)
+    model = context.project.model(request.file).model
     own = set(view_names(model, library=False))
     views = []
     for name in view_names(model):
@@ -97,20 +97,20 @@ def _views(context: StudioContext, asked: OfFile) -> dict[str, Any]:
     return {"views": views}
 
 
-def view(context: StudioContext, asked: OfView) -> dict[str, Any]:
+def view(context: StudioContext, request: OfView) -> dict[str, Any]:
     """Returns a view, drawn as it stands."""
-    context.looked_at.look(asked.file)
-    verdict = context.verdicts.of(asked.file)
-    key = asked.file, asked.view
+    context.viewed_files.add(request.file)
+    verdict = context.verdicts.of(request.file)
+    key = request.file, request.view
     try:
-        answer = _drawn(context, asked, verdict)
+        answer = _drawn(context, request, verdict)
     except (UnknownViewError, LayoutError) as error:
         raise RpcError(REFUSED, str(error)) from error
     except Exception as error:
         kept = context.pictures.get(key)
         if kept is None:
             raise
-        _LOG.exception("the view %s of %s cannot be drawn", asked.view, asked.file)
+        _LOG.exception("the view %s of %s cannot be drawn", request.view, request.file)
         why = f"the view cannot be drawn now ({type(error).__name__}): see Faults in the history"
         old = Freshness("stale", kept["revision"], why)
         return {**kept, "freshness": freshness_as_json(old)}
@@ -118,12 +118,12 @@ def view(context: StudioContext, asked: OfView) -> dict[str, Any]:
     return answer
 
 
-def _drawn(context: StudioContext, asked: OfView, verdict: Verdict) -> dict[str, Any]:
+def _drawn(context: StudioContext, request: OfView, verdict: Verdict) -> dict[str, Any]:
     graph = graph_of(
-        verdict.result.model, asked.view, verdict.report.diagnostics, context.project.root
+        verdict.result.model, request.view, verdict.report.diagnostics, context.project.root
     )
-    moved = context.project.positions(asked.file, asked.view)
-    drawn = context.drawings.draw(asked.file, graph, moved)
+    moved = context.project.positions(request.file, request.view)
+    drawn = context.drawings.draw(request.file, graph, moved)
     return {
         "revision": verdict.revision,
         "freshness": freshness_as_json(context.freshness(verdict)),
@@ -133,7 +133,7 @@ def _drawn(context: StudioContext, asked: OfView, verdict: Verdict) -> dict[str,
 
 def problems(context: StudioContext, verdict: Verdict) -> dict[str, Any]:
     """Returns a verdict as pages know it, worked out once for all of them."""
-    context.looked_at.look(verdict.file)
+    context.viewed_files.add(verdict.file)
     known = context.sent_verdicts.get(verdict.file)
     if known is None or known[0] is not verdict:
         known = context.sent_verdicts[verdict.file] = (verdict, _problems(context, verdict))

@@ -1,4 +1,4 @@
-"""Questions about the running system: it is watched from `live.start` until nobody looks."""
+"""Requests about the running system: it is watched from `live.start` until nobody looks."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Glance:
     connection: str
 
 
-class Living:
+class LiveRequests:
     """The one system that is watched, if any."""
 
     def __init__(self, context: StudioContext) -> None:
@@ -42,9 +42,9 @@ class Living:
     def methods(self) -> Mapping[str, Method[Any]]:
         """Returns the methods by name."""
         return {
-            "live.start": Method(Started, lambda asked: self.start(asked.file)),
+            "live.start": Method(Started, lambda request: self.start(request.file)),
             "live.stop": Method(Nothing, lambda _: self.stop()),
-            "live.message": Method(Glance, lambda asked: self.message(asked.connection)),
+            "live.message": Method(Glance, lambda request: self.message(request.connection)),
         }
 
     def start(self, file: str) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Questions about texts: a file, and which element is written where."""
+"""Requests about texts: a file, and which element is written where."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.proposals.elements import AnswerError, Scope
-from jausml.authoring.studio.handlers.answering import OfElement, map_of, scope_of
+from jausml.authoring.studio.handlers.modelling import OfElement, map_of, scope_of
 from jausml.authoring.studio.handlers.showing import OfFile, OfView
 from jausml.authoring.studio.rpc import Method
 from jausml.authoring.studio.views.sources import element_at, source
@@ -34,10 +34,10 @@ class InFile:
 def methods(context: StudioContext) -> Mapping[str, Method[Any]]:
     """Returns the methods by name."""
     return {
-        "text": Method(OfFile, lambda asked: _text(context, asked.file)),
-        "source": Method(OfElement, lambda asked: _source(context, asked.element)),
-        "at": Method(InFile, lambda asked: _at(context, asked)),
-        "members": Method(OfView, lambda asked: _members(context, asked)),
+        "text": Method(OfFile, lambda request: _text(context, request.file)),
+        "source": Method(OfElement, lambda request: _source(context, request.element)),
+        "at": Method(InFile, lambda request: _at(context, request)),
+        "members": Method(OfView, lambda request: _members(context, request)),
     }
 
 
@@ -88,20 +88,20 @@ def _is_stale(context: StudioContext, file: str) -> bool:
     return any(each.is_stale for each in context.project.files if each.path == file)
 
 
-def _at(context: StudioContext, asked: InFile) -> dict[str, Any]:
-    if _is_stale(context, asked.file) or asked.file.startswith(refs.LIBRARY):
+def _at(context: StudioContext, request: InFile) -> dict[str, Any]:
+    if _is_stale(context, request.file) or request.file.startswith(refs.LIBRARY):
         return {"element": ""}
-    scope = scope_of(context, asked.file)
-    return {"element": scope.ref(element_at(scope.model, asked.offset))}
+    scope = scope_of(context, request.file)
+    return {"element": scope.ref(element_at(scope.model, request.offset))}
 
 
-def _members(context: StudioContext, asked: OfView) -> dict[str, Any]:
+def _members(context: StudioContext, request: OfView) -> dict[str, Any]:
     """Returns all members of the ends of a map, of which its view shows those of interest."""
-    scope = scope_of(context, asked.file)
-    used = map_of(scope, asked.view)
+    scope = scope_of(context, request.file)
+    used = map_of(scope, request.view)
     if used is None:
-        raise AnswerError(f"{asked.view} is no view of a map")
-    ends = maps.ends(Context(scope.model, asked.view, ()), used)
+        raise AnswerError(f"{request.view} is no view of a map")
+    ends = maps.ends(Context(scope.model, request.view, ()), used)
     sides = [{"node": node, "members": list(_rows(members))} for node, members in ends]
     return {"sides": sides}
 

@@ -1,4 +1,4 @@
-"""Questions that need thought: forms, the palette, what can be connected."""
+"""Requests that need thought: forms, the palette, what can be connected."""
 
 from __future__ import annotations
 
@@ -100,12 +100,12 @@ class Hosting:
 def methods(context: StudioContext) -> Mapping[str, Method[Any]]:
     """Returns the methods by name."""
     return {
-        "form": Method(OfElement, lambda asked: _form(context, asked)),
-        "palette": Method(Search, lambda asked: _palette(context, asked)),
-        "connect": Method(Line, lambda asked: _connect(context, asked)),
-        "ends": Method(Start, lambda asked: _ends(context, asked)),
-        "unlink": Method(Drawn, lambda asked: _unlink(context, asked)),
-        "host": Method(Hosting, lambda asked: _host(context, asked)),
+        "form": Method(OfElement, lambda request: _form(context, request)),
+        "palette": Method(Search, lambda request: _palette(context, request)),
+        "connect": Method(Line, lambda request: _connect(context, request)),
+        "ends": Method(Start, lambda request: _ends(context, request)),
+        "unlink": Method(Drawn, lambda request: _unlink(context, request)),
+        "host": Method(Hosting, lambda request: _host(context, request)),
     }
 
 
@@ -114,36 +114,38 @@ def scope_of(context: StudioContext, file: str) -> Scope:
     return Scope(context.project.model(file).model, context.project.root)
 
 
-def _form(context: StudioContext, asked: OfElement) -> object:
-    file, _ = refs.split(asked.element)
+def _form(context: StudioContext, request: OfElement) -> object:
+    file, _ = refs.split(request.element)
     if not file.startswith(refs.LIBRARY):
         verdict = context.verdicts.of(file)
         scope = Scope(verdict.report.model, context.project.root)
-        return form(scope, asked.element, verdict.report.diagnostics)
-    _, model = context.project.find(asked.element)
-    return form(Scope(model, context.project.root), asked.element)
+        return form(scope, request.element, verdict.report.diagnostics)
+    _, model = context.project.find(request.element)
+    return form(Scope(model, context.project.root), request.element)
 
 
-def _palette(context: StudioContext, asked: Search) -> object:
-    scope = scope_of(context, asked.file)
-    limit = MOST if asked.limit is None else max(0, asked.limit)
-    return {"items": palette(scope, asked.query, asked.kinds, limit, asked.onto)}
+def _palette(context: StudioContext, request: Search) -> object:
+    scope = scope_of(context, request.file)
+    limit = MOST if request.limit is None else max(0, request.limit)
+    return {"items": palette(scope, request.query, request.kinds, limit, request.onto)}
 
 
-def _connect(context: StudioContext, asked: Line) -> object:
-    scope = scope_of(context, asked.file)
-    used = map_of(scope, asked.view)
+def _connect(context: StudioContext, request: Line) -> object:
+    scope = scope_of(context, request.file)
+    used = map_of(scope, request.view)
     if used is not None:
-        first = end_of(scope, used, asked.source.node, asked.source.port)
-        return assign(scope, used, first, end_of(scope, used, asked.target.node, asked.target.port))
-    shown = _shown(scope, asked.view)
+        first = end_of(scope, used, request.source.node, request.source.port)
+        return assign(
+            scope, used, first, end_of(scope, used, request.target.node, request.target.port)
+        )
+    shown = _shown(scope, request.view)
     if isinstance(shown, jaus.StateMachine):
-        return lead(scope, shown, asked.source.node, asked.target.node)
+        return lead(scope, shown, request.source.node, request.target.node)
     if isinstance(shown, jaus.Service):
-        ends_ = ((each.node, each.port) for each in (asked.source, asked.target))
+        ends_ = ((each.node, each.port) for each in (request.source, request.target))
         return join(scope, *ends_)
-    source = spot(scope, asked.source.node, asked.source.port)
-    return connect(scope, source, spot(scope, asked.target.node, asked.target.port))
+    source = spot(scope, request.source.node, request.source.port)
+    return connect(scope, source, spot(scope, request.target.node, request.target.port))
 
 
 def map_of(scope: Scope, view: str) -> bridge.AttributeMap | None:
@@ -160,20 +162,20 @@ def map_named(scope: Scope, name: str) -> bridge.AttributeMap:
     raise AnswerError(f"there is no map {name!a} any more")
 
 
-def _ends(context: StudioContext, asked: Start) -> object:
-    scope = scope_of(context, asked.file)
-    ids = Context(scope.model, asked.view, ())
-    used = map_of(scope, asked.view)
+def _ends(context: StudioContext, request: Start) -> object:
+    scope = scope_of(context, request.file)
+    ids = Context(scope.model, request.view, ())
+    used = map_of(scope, request.view)
     if used is not None:
-        return {"ends": list(_members_beside(scope, ids, used, asked))}
-    shown = _shown(scope, asked.view)
+        return {"ends": list(_members_beside(scope, ids, used, request))}
+    shown = _shown(scope, request.view)
     if isinstance(shown, jaus.StateMachine):
-        return {"ends": list(_states(scope, asked))}
+        return {"ends": list(_states(scope, request))}
     if isinstance(shown, jaus.Service):
-        choices = heritage(scope, asked.port or asked.node)
+        choices = heritage(scope, request.port or request.node)
         return {"ends": [_end(each.value, each.label, each.documentation) for each in choices]}
     found = []
-    for end, why in ends(scope, spot(scope, asked.node, asked.port)):
+    for end, why in ends(scope, spot(scope, request.node, request.port)):
         port = ids.id_of(end.element) if end.element is not None else ""
         label = " ".join(label_of(each) for each in (end.owner, end.element) if each is not None)
         found.append(_end(ids.id_of(end.owner), label, why, port))
@@ -184,10 +186,10 @@ def _end(node: str, label: str, why: str, port: str = "") -> dict[str, str]:
     return {"node": node, "port": port, "label": label, "why": why}
 
 
-def _states(scope: Scope, asked: Start) -> Iterator[dict[str, str]]:
+def _states(scope: Scope, request: Start) -> Iterator[dict[str, str]]:
     """Yields the states of a machine, with that where a line starts."""
-    for each in graph_of(scope.model, asked.view, root=scope.root).nodes:
-        again = "left and entered again" if each.id == asked.node else each.subtitle
+    for each in graph_of(scope.model, request.view, root=scope.root).nodes:
+        again = "left and entered again" if each.id == request.node else each.subtitle
         yield _end(each.id, each.title, again)
 
 
@@ -198,27 +200,27 @@ def _shown(scope: Scope, view: str) -> EObject | None:
     return scope.find(graph_of(scope.model, view, root=scope.root).element)
 
 
-def _unlink(context: StudioContext, asked: Drawn) -> Options:
-    scope = scope_of(context, asked.file)
-    if isinstance(_shown(scope, asked.view), jaus.Service):
-        return cut(scope, asked.line)
+def _unlink(context: StudioContext, request: Drawn) -> Options:
+    scope = scope_of(context, request.file)
+    if isinstance(_shown(scope, request.view), jaus.Service):
+        return cut(scope, request.line)
     return Options(refusal="this line follows from what it joins: delete one of its ends")
 
 
-def _host(context: StudioContext, asked: Hosting) -> object:
-    scope = scope_of(context, asked.file)
-    boxes = [spot(scope, each, "").owner for each in asked.nodes]
-    host = element_of(scope, asked.host) if asked.host else None
+def _host(context: StudioContext, request: Hosting) -> object:
+    scope = scope_of(context, request.file)
+    boxes = [spot(scope, each, "").owner for each in request.nodes]
+    host = element_of(scope, request.host) if request.host else None
     if not boxes or (host is not None and not isinstance(host, system.Host)):
         raise AnswerError("components and nodes run on hosts; drag some into the frame of one")
     return hosted(scope, boxes, host)
 
 
 def _members_beside(
-    scope: Scope, ids: Context, used: bridge.AttributeMap, asked: Start
+    scope: Scope, ids: Context, used: bridge.AttributeMap, request: Start
 ) -> Iterator[dict[str, str]]:
     """Yields the members of the other end of a map that a member may become."""
-    start = end_of(scope, used, asked.node, asked.port)
+    start = end_of(scope, used, request.node, request.port)
     box = f"{ids.id_of(used)}{ROS_END if start.is_jaus else JAUS_END}"
     for each, why in partners(scope, used, start):
         yield _end(box, each.path, why, each.path)
