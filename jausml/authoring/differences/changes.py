@@ -1,4 +1,4 @@
-"""A change from one state of a model to another."""
+"""Changes from one state of a model to another, and whom they break."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which elements of two states of a model are the same one."""
+"""Which root elements of two states belong together, and which elements are the same one."""
 
 from __future__ import annotations
 

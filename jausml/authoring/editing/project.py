@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import threading
 from contextlib import suppress
@@ -36,7 +35,7 @@ from jausml.authoring.editing.records import (
     Preview,
     Referrer,
 )
-from jausml.authoring.editing.splices import applied, difference, inverted
+from jausml.authoring.editing.splices import applied, difference, unified_diff
 from jausml.authoring.editing.working_copy import WorkingCopy
 from jausml.language.model import refs
 from jausml.language.model.inputs import read_input
@@ -287,7 +286,7 @@ class Project:
         with self._lock:
             entry = self._log.last
             if entry is not None:
-                self._replay(entry, [_inverted(each) for each in entry.changes], back=True)
+                self._replay(entry, [each.inverted() for each in entry.changes], back=True)
                 self._log.step_back()
             return entry
 
@@ -464,16 +463,4 @@ class Project:
 
     def _diff(self, file: str, new: bytes) -> str:
         known = self._files.get(file)
-        old = known.data if known is not None else b""
-        lines = (_lines(old), _lines(new))
-        return "".join(difflib.unified_diff(*lines, f"a/{file}", f"b/{file}"))
-
-
-def _lines(data: bytes) -> list[str]:
-    text = data.decode("utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8", "replace")
-    return [f"{each}\n" for each in text.splitlines()]
-
-
-def _inverted(change: FileChange) -> FileChange:
-    steps = tuple(tuple(inverted(step)) for step in reversed(change.steps))
-    return FileChange(change.file, steps, change.after, change.before)
+        return unified_diff(file, known.data if known is not None else b"", new)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 from jausml.authoring.editing.layout import is_layout
+from jausml.authoring.editing.splices import inverted
 
 if TYPE_CHECKING:
     from jausml.authoring.editing.splices import Splice
@@ -43,6 +44,11 @@ class FileChange:
     steps: tuple[tuple[Splice, ...], ...]
     before: str
     after: str
+
+    def inverted(self) -> FileChange:
+        """Returns the change that takes it back."""
+        steps = tuple(tuple(inverted(step)) for step in reversed(self.steps))
+        return FileChange(self.file, steps, self.after, self.before)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import operator
 import re
 from bisect import bisect_right
@@ -168,6 +169,17 @@ def difference(file: str, old: bytes, new: bytes) -> list[Splice]:
     front = _common(most, lambda size: old[:size] == new[:size])
     back = _common(most - front, lambda size: old[len(old) - size :] == new[len(new) - size :])
     return [Splice(file, front, old[front : len(old) - back], new[front : len(new) - back])]
+
+
+def unified_diff(file: str, old: bytes, new: bytes) -> str:
+    """Returns the difference of two states of a file, as `diff -u` writes it."""
+    lines = (_lines(old), _lines(new))
+    return "".join(difflib.unified_diff(*lines, f"a/{file}", f"b/{file}"))
+
+
+def _lines(data: bytes) -> list[str]:
+    text = data.decode("utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8", "replace")
+    return [f"{each}\n" for each in text.splitlines()]
 
 
 def _common(most: int, is_common: Callable[[int], bool]) -> int:

@@ -84,6 +84,13 @@ class ElementCopy:
             copy = copy.owner
         return copy
 
+    @property
+    def siblings(self) -> tuple[list[ElementCopy], list[ElementCopy]]:
+        """What its owner has of the same feature before it, and behind it."""
+        own = self.owner.owned[self.feature] if self.owner is not None else [self]
+        at = own.index(self)
+        return own[:at], own[at + 1 :]
+
     def everything(self) -> Iterator[ElementCopy]:
         """Yields it and all that it owns, in order."""
         pending = [self]

@@ -1,4 +1,4 @@
-"""Definitions: where the name at a place is given, in texts, in models, in the library."""
+"""Where the name at a place is declared, and the outline of what a text declares."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Execution out of a plan of a merge, by commands of editing, each checked by reading again."""
+"""Execution of the plan of a merge, by commands of editing, each checked by reading again."""
 
 from __future__ import annotations
 

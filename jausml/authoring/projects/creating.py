@@ -1,4 +1,4 @@
-"""Maker of a new model project: a model, what Eclipse needs beside it, and what CI runs."""
+"""New projects: a model, what Eclipse needs beside it, what CI runs, and renewed copies."""
 
 from __future__ import annotations
 

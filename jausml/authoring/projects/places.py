@@ -1,4 +1,4 @@
-"""Where new elements go: a model file, and the folder of the project around it."""
+"""Where new elements go: a model file, which is made if need be, and the project around it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Connections of bridges as commands: the bridge, the map, the services and the connection."""
+"""Connections of bridges as commands, by ready maps or by new ones."""
 
 from __future__ import annotations
 

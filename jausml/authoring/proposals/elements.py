@@ -1,4 +1,4 @@
-"""Elements by the texts that name them: `<file>#<fragment>`, valid while nothing changes."""
+"""Elements by the texts and names that mean them, and what can be done with them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whole bridges as commands: made of the ways that were chosen for topics."""
+"""New bridges, components and nodes as commands."""
 
 from __future__ import annotations
 

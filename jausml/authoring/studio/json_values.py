@@ -1,4 +1,4 @@
-"""JSON to dataclasses, by their types: what is of another type is refused, nothing is converted."""
+"""Values as JSON has them, both ways: what is of another type is refused, not converted."""
 
 from __future__ import annotations
 

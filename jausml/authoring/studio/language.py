@@ -5,17 +5,15 @@ from __future__ import annotations
 import asyncio
 import json
 import os
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pygls.exceptions import JsonRpcException
 from pygls.uris import to_fs_path
-from starlette.websockets import WebSocketDisconnect
 
 from jausml.authoring.editor.server import make_server
 from jausml.authoring.studio import rpc
-from jausml.authoring.studio.page_socket import Outgoing, greeted
+from jausml.authoring.studio.page_socket import Outgoing, greeted, received
 from jausml.authoring.studio.rpc import RpcError
 
 if TYPE_CHECKING:
@@ -70,12 +68,8 @@ class LanguageSocket:
         await asyncio.gather(*tasks, return_exceptions=True)
 
     async def _receive_all(self) -> None:
-        with suppress(WebSocketDisconnect):
-            while True:
-                message = await self._socket.receive()
-                if message["type"] == "websocket.disconnect":
-                    return
-                self._take(message.get("text") or "")
+        async for text in received(self._socket):
+            self._take(text or "")
 
     def _take(self, text: str) -> None:
         if _is_answer(text):

@@ -1,4 +1,4 @@
-"""The socket of a page: requests are answered beside each other, what happens is told."""
+"""The socket of a page: requests are answered beside each other, and events are sent."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jausml.authoring.studio.json_values import TypedError, typed
 from jausml.authoring.studio.rpc import Request, RpcError
 
 if TYPE_CHECKING:
-    from collections.abc import Coroutine
+    from collections.abc import AsyncIterator, Coroutine
 
     from starlette.websockets import WebSocket
 
@@ -60,6 +60,13 @@ async def greeted(socket: WebSocket, token: Token) -> Request | None:
     return None
 
 
+async def received(socket: WebSocket) -> AsyncIterator[str | None]:
+    """Yields the messages of a socket until it is closed; None for one that is no text."""
+    with suppress(WebSocketDisconnect):
+        while (message := await socket.receive())["type"] != "websocket.disconnect":
+            yield message.get("text")
+
+
 class PageSocket:
     """One page and what it asks."""
 
@@ -85,12 +92,8 @@ class PageSocket:
         await asyncio.gather(sending, receiving, *self._answering, return_exceptions=True)
 
     async def _receive_all(self) -> None:
-        with suppress(WebSocketDisconnect):
-            while True:
-                message = await self._socket.receive()
-                if message["type"] == "websocket.disconnect":
-                    return
-                self._take(message.get("text"))
+        async for text in received(self._socket):
+            self._take(text)
 
     def _take(self, text: str | None) -> None:
         try:

@@ -1,4 +1,4 @@
-"""JSON-RPC 2.0: requests from text, answers and notifications to text."""
+"""JSON-RPC 2.0: requests and answers as text, and the methods that answer requests."""
 
 from __future__ import annotations
 

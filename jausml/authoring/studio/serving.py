@@ -1,4 +1,4 @@
-"""Serving: a port is taken, the address is told, and signals end it."""
+"""The application and its server: a port is taken, its address is told, signals end it."""
 
 from __future__ import annotations
 

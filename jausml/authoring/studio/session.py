@@ -1,4 +1,4 @@
-"""A session: a project, the pages that look at it, and what happens meanwhile."""
+"""A session: a project, the pages that look at it, and changes of files by others."""
 
 from __future__ import annotations
 

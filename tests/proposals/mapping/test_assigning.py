@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from answers_support import CAR, SHIPPED, scope_of
+from scope_support import CAR, SHIPPED, scope_of
 
 from jausml.authoring.editing.commands import Add, Remove
 from jausml.authoring.proposals.elements import AnswerError

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from answers_support import CAR, read
+from scope_support import CAR, read
 
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.views.planning import diff, execute, out_folder, plan

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from answers_support import CAR, SHIPPED, named, scope_of
+from scope_support import CAR, SHIPPED, named, scope_of
 
 from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.studio.views.sources import source

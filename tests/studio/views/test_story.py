@@ -15,7 +15,7 @@ from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.validation.engine import check
 
 
-class Desk:
+class Editor:
     """A project in which one file is edited."""
 
     def __init__(self, root, file):
@@ -42,18 +42,18 @@ class Desk:
 
 @pytest.mark.parametrize("file", ["robot.xmi", "robot.ros2jaus"])
 def test_a_system_is_made_from_nothing_without_a_finding(file, tmp_path):
-    desk = Desk(tmp_path, file)
-    desk.add("LocalPoseSensor", "components")
-    desk.add("geometry_msgs/PoseStamped", "ros types", "subscription")
-    node = desk.one(ros.Node, "pose_stamped")
-    sensor = desk.one(jaus.Component, "local_pose")
-    desk.draw(Spot(sensor), Spot(node, node.subscriptions[0]))
-    desk.add("VelocityStateDriver", "components")
-    desk.add("geometry_msgs/Twist", "ros types", "publisher")
-    node = desk.one(ros.Node, "twist")
-    driver = desk.one(jaus.Component, "velocity")
-    desk.draw(Spot(node, node.publishers[0]), Spot(driver))
-    report = check(desk.project.model(file))
+    editor = Editor(tmp_path, file)
+    editor.add("LocalPoseSensor", "components")
+    editor.add("geometry_msgs/PoseStamped", "ros types", "subscription")
+    node = editor.one(ros.Node, "pose_stamped")
+    sensor = editor.one(jaus.Component, "local_pose")
+    editor.draw(Spot(sensor), Spot(node, node.subscriptions[0]))
+    editor.add("VelocityStateDriver", "components")
+    editor.add("geometry_msgs/Twist", "ros types", "publisher")
+    node = editor.one(ros.Node, "twist")
+    driver = editor.one(jaus.Component, "velocity")
+    editor.draw(Spot(node, node.publishers[0]), Spot(driver))
+    report = check(editor.project.model(file))
     assert report.diagnostics == ()
     [made] = report.model.instances(bridge.Bridge)
     assert [each.map.name for each in made.bridgeConnections] == [
@@ -64,6 +64,6 @@ def test_a_system_is_made_from_nothing_without_a_finding(file, tmp_path):
     planned = plan(report, tmp_path / "ws")
     assert not planned.problems
     assert {each.action for each in planned.files} == {"create"}
-    while desk.project.undo() is not None:
+    while editor.project.undo() is not None:
         pass
     assert not (tmp_path / file).exists()

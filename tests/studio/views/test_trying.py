@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from answers_support import CAR, SHIPPED, scope_of
+from scope_support import CAR, SHIPPED, scope_of
 
 from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.studio.views.trying import Trials, inputs

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, cast
 
 from jausml.authoring.editing.commands import EditError
 from jausml.language.metamodel.classes import bridge
-from jausml.language.metamodel.filling import contents
 from jausml.language.text.tree import (
     Assignment,
     Call,
@@ -21,9 +20,10 @@ from jausml.language.text.writing.maps import MAP, table_entry, vector_entry
 from jausml.language.text.writing.unparsing import IMPLIED_PARTS
 
 if TYPE_CHECKING:
-    from jausml.authoring.editing.text.edited import EditedText, Places
-    from jausml.authoring.editing.text.mapping import Mapping
+    from jausml.authoring.editing.text.edited import EditedText, InsertionPoints
+    from jausml.authoring.editing.text.mapping import MapChanges
     from jausml.authoring.editing.text.outline import Body, Part
+    from jausml.authoring.editing.working_copy import ElementCopy
     from jausml.language.metamodel import FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
 
@@ -33,36 +33,28 @@ _ARROWS = ("toRos", "toJaus")
 class Adding:
     """Adds elements."""
 
-    def __init__(self, edited: EditedText, places: Places, mapping: Mapping) -> None:
+    def __init__(self, edited: EditedText, points: InsertionPoints, mapping: MapChanges) -> None:
         self._edited = edited
-        self._places = places
+        self._points = points
         self._mapping = mapping
 
-    def add(
-        self,
-        owner: EObject,
-        feature: FeatureTable,
-        made: EObject,
-        position: int | None,
-        moved: EObject | None = None,
-    ) -> None:
-        """Adds an element.
-
-        Args:
-            position: Its position, None for the last.
-        """
+    def add(self, copy: ElementCopy) -> None:
+        """Adds an element of the working copy, where its siblings say."""
+        around = cast("ElementCopy", copy.owner)
+        owner, feature = cast("EObject", around.obj), around.table.features[copy.feature]
+        made = self._edited.detached(copy)
         part = self._edited.find_part(owner)
         if part is None:
-            self._add_to_implied(owner, feature, made, position, moved)
+            self._add_to_implied(owner, feature, made, copy)
         elif isinstance(made, bridge.Conversion) and not isinstance(part, Element):
-            self._add_conversion(owner, cast("Assignment", part), feature, made, position, moved)
+            self._add_conversion(owner, cast("Assignment", part), made, copy)
         elif isinstance(made, bridge.Assignment) and feature.name in _ARROWS:
-            self._add_arrow(owner, cast("Element", part), feature, made, position, moved)
+            self._add_arrow(cast("Element", part), feature, made, copy)
         else:
             body = self._body(part, feature)
             before = None
             if body is not None:
-                before = self._places.for_owned(owner, feature.name, body, position, moved)
+                before = self._points.for_owned(copy, body)
                 item = self._item(owner, part, feature, made)
                 self._edited.blocks.insert(body, before, item)
             else:
@@ -74,12 +66,7 @@ class Adding:
         return self._edited.outline.body(part)
 
     def _add_to_implied(
-        self,
-        owner: EObject,
-        feature: FeatureTable,
-        made: EObject,
-        position: int | None,
-        moved: EObject | None,
+        self, owner: EObject, feature: FeatureTable, made: EObject, copy: ElementCopy
     ) -> None:
         """Adds an element of a root that the text implies: it stands there by itself."""
         parts = IMPLIED_PARTS.get(self._edited.table(owner).qualified_name, ())
@@ -89,7 +76,7 @@ class Adding:
         if not isinstance(item, Element):
             raise EditError(f"text has no place for this element of {feature.name}")
         top = self._edited.outline.top
-        before = self._places.for_owned(owner, feature.name, top, position, moved)
+        before = self._points.for_owned(copy, top)
         self._edited.blocks.insert(top, before, item)
 
     def _item(self, owner: EObject, part: Part, feature: FeatureTable, made: EObject) -> Item:
@@ -116,20 +103,11 @@ class Adding:
         return self._edited.elements.item(owner, made, feature)
 
     def _add_arrow(
-        self,
-        owner: EObject,
-        part: Element,
-        feature: FeatureTable,
-        made: bridge.Assignment,
-        position: int | None,
-        moved: EObject | None,
+        self, part: Element, feature: FeatureTable, made: bridge.Assignment, copy: ElementCopy
     ) -> None:
         """Adds an assignment to a direction of a map, which it begins if there is none."""
-        siblings = [each for each in contents(owner, feature) if each is not moved]
-        items = [self._edited.outline.item_of(self._edited.part(each)) for each in siblings]
-        at = len(items) if position is None else min(position, len(items))
-        before = items[at - 1] if at else None
-        behind = items[at] if at < len(items) else None
+        earlier, later = map(self._points.items, copy.siblings)
+        before, behind = next(reversed(earlier), None), next(iter(later), None)
         arrow = self._edited.maps.arrow(made)
         lists = [self._edited.outline.place(each)[0] if each else None for each in (before, behind)]
         if arrow is not None:
@@ -138,7 +116,7 @@ class Adding:
                     self._edited.blocks.insert(body, item, arrow)
                     return
             direction = self._empty_direction(part, to_ros=feature.name == "toRos")
-            if direction is not None and not items:
+            if direction is not None and before is None and behind is None:
                 self._edited.blocks.insert(direction, None, arrow)
                 return
             new: Item = Direction(feature.name == "toRos", [arrow])
@@ -152,7 +130,7 @@ class Adding:
                 raise EditError(
                     f"no arrow can say this element of {feature.name}; add it at the end"
                 )
-        self._add_whole(owner, part, feature, before, new)
+        self._add_whole(part, copy, before, new)
 
     def _empty_direction(self, part: Element, *, to_ros: bool) -> Body | None:
         for item in part.items:
@@ -160,44 +138,34 @@ class Adding:
                 return self._edited.outline.body(item)
         return None
 
-    def _add_whole(
-        self,
-        owner: EObject,
-        part: Element,
-        feature: FeatureTable,
-        before: Item | None,
-        new: Item,
-    ) -> None:
+    def _add_whole(self, part: Element, copy: ElementCopy, before: Item | None, new: Item) -> None:
         """Adds a direction, or a block in its place, to a map."""
         body = self._edited.outline.body(part)
         if before is not None:
             inner, _ = self._edited.outline.place(before)
             before = inner.owner if isinstance(inner.owner, Direction) else before
         elif body is not None:
-            before = self._places.for_owned(owner, feature.name, body, None, None)
+            before = self._points.for_owned(copy, body)
         self._edited.add_item(part, before, new)
 
     def _add_conversion(
-        self,
-        owner: EObject,
-        part: Assignment,
-        feature: FeatureTable,
-        made: bridge.Conversion,
-        position: int | None,
-        moved: EObject | None,
+        self, owner: EObject, part: Assignment, made: bridge.Conversion, copy: ElementCopy
     ) -> None:
-        present = [each for each in contents(owner, feature) if each is not moved]
-        at = len(present) if position is None else min(position, len(present))
-        calls = [self._edited.part(each) for each in present]
+        earlier, later = (
+            [self._edited.part(cast("EObject", each.obj)) for each in some]
+            for some in copy.siblings
+        )
         call = self._edited.maps.call(made)
-        if call is None or not all(isinstance(each, Call) for each in calls) or moved is not None:
+        is_within = copy.obj is not None and copy.obj.eContainer() is owner
+        calls = [*earlier, *later]
+        if call is None or is_within or not all(isinstance(each, Call) for each in calls):
             self._mapping.put_conversions(owner)
             return
         source, edits = self._edited.source, self._edited.edits
-        if at:
-            edits.insert(source.range_of(calls[at - 1].span)[1], f", {shown_call(call)}")
-        elif calls:
-            edits.insert(source.range_of(calls[0].span)[0], f"{shown_call(call)}, ")
+        if earlier:
+            edits.insert(source.range_of(earlier[-1].span)[1], f", {shown_call(call)}")
+        elif later:
+            edits.insert(source.range_of(later[0].span)[0], f"{shown_call(call)}, ")
         else:
             end = source.range_of(part.targets[-1].span)[1]
             edits.insert(end, f" : {shown_call(call)}")

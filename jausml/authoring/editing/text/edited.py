@@ -20,7 +20,7 @@ from jausml.language.text.writing.layout import lines_of
 from jausml.language.text.writing.maps import MAP, MapWriter
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable
 
     from jausml.authoring.editing.planning import Context
     from jausml.authoring.editing.text.outline import Body, Part
@@ -163,7 +163,7 @@ _MAP_ORDER = (
 """The features of maps that own elements, in the order in which they are written."""
 
 
-class Places:
+class InsertionPoints:
     """Finds places in the blocks of elements."""
 
     def __init__(self, edited: EditedText) -> None:
@@ -173,42 +173,31 @@ class Places:
         """Returns the item behind which a new value of an attribute or a reference goes."""
         return self._last_before(obj, feature, body)
 
-    def for_owned(
-        self, obj: EObject, feature: str, body: Body, position: int | None, without: EObject | None
-    ) -> Item | None:
-        """Returns the item behind which a new element goes, None for the first place.
-
-        Args:
-            position: The position among the elements of the feature, None for the last.
-            without: An element that does not count since it is taken away.
-        """
-        siblings = self._siblings(obj, feature, body, without)
-        if not siblings:
-            return self._last_before(obj, feature, body)
-        if position is None or position >= len(siblings):
-            return siblings[-1]
-        if position:
-            return siblings[position - 1]
-        index = self._edited.outline.place(siblings[0])[1]
-        gone = self._edited.find_part(without) if without is not None else None
-        skipped = self._edited.outline.item_of(gone) if gone is not None else None
-        before = [each for each in body.items[:index] if each is not skipped]
+    def for_owned(self, copy: ElementCopy, body: Body) -> Item | None:
+        """Returns the item behind which an element goes, None for the first place."""
+        earlier, later = (
+            [each for each in self.items(some) if self._edited.outline.place(each)[0] is body]
+            for some in copy.siblings
+        )
+        if earlier:
+            return earlier[-1]
+        owner = copy.owner.obj if copy.owner is not None else None
+        if not later:
+            return self._last_before(cast("EObject", owner), copy.feature, body)
+        index = self._edited.outline.place(later[0])[1]
+        moved = self.items([copy])
+        before = [each for each in body.items[:index] if each not in moved]
         return before[-1] if before else None
 
-    def _siblings(
-        self, obj: EObject, feature: str, body: Body, without: EObject | None
-    ) -> Sequence[Item]:
-        value = getattr(obj, feature)
-        elements = list(value) if self._edited.table(obj).features[feature].many else [value]
-        found = []
-        for each in elements:
-            part = self._edited.find_part(each) if each not in (None, without) else None
-            if part is None:
-                continue
-            item = self._edited.outline.item_of(part)
-            if self._edited.outline.place(item)[0] is body and item not in found:
-                found.append(item)
-        return found
+    def items(self, copies: Iterable[ElementCopy]) -> list[Item]:
+        """Returns what stands in the text for elements, each once."""
+        found: dict[int, Item] = {}
+        for each in copies:
+            part = self._edited.find_part(each.obj) if each.obj is not None else None
+            if part is not None:
+                item = self._edited.outline.item_of(part)
+                found[id(item)] = item
+        return list(found.values())
 
     def _last_before(self, obj: EObject, feature: str, body: Body) -> Item | None:
         table = self._edited.table(obj)

@@ -36,7 +36,7 @@ ENDS = {"message": True, "type": False}
 """The features of a map that its ends say, and whether each is the JAUS end."""
 
 
-class Mapping:
+class MapChanges:
     """Sets features of maps and of what they own."""
 
     def __init__(self, edited: EditedText, values: Values) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from jausml.language.model.names import name_of
 from jausml.language.text.keywords import owning_features, snake_case
@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from jausml.authoring.editing.text.adding import Adding
-    from jausml.authoring.editing.text.edited import EditedText, Places
+    from jausml.authoring.editing.text.edited import EditedText, InsertionPoints
     from jausml.authoring.editing.text.outline import Body, Part
+    from jausml.authoring.editing.working_copy import ElementCopy
     from jausml.language.metamodel import FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
 
@@ -32,65 +33,49 @@ class Moving:
     """Moves elements within a text."""
 
     def __init__(
-        self, edited: EditedText, places: Places, adding: Adding, removing: Removing
+        self, edited: EditedText, points: InsertionPoints, adding: Adding, removing: Removing
     ) -> None:
         self._edited = edited
-        self._places = places
+        self._points = points
         self._adding = adding
         self._removing = removing
 
-    def move(
-        self, obj: EObject, owner: EObject, feature: FeatureTable, position: int | None
-    ) -> None:
-        """Gives an element another owner or another position."""
-        if _stands_there(obj, owner, feature, position):
+    def move(self, copy: ElementCopy) -> None:
+        """Gives an element the owner and the position that it has in the working copy."""
+        obj, around = cast("EObject", copy.obj), cast("ElementCopy", copy.owner)
+        owner = cast("EObject", around.obj)
+        if _stands_there(obj, copy, owner):
             return
         part = self._edited.part(obj)
         if isinstance(part, Call):
-            self._move_call(obj, owner, feature, position)
+            if owner is not obj.eContainer():
+                self._removing.remove([obj])
+            self._adding.add(copy)
             return
         item = self._edited.outline.item_of(part)
-        body = self._body(owner, feature, item, position, obj)
+        feature = around.table.features[copy.feature]
+        body = self._body(copy, owner, item)
         if body is not None and self._can_stay_as_it_is(part, item, owner, feature, body):
-            before = self._places.for_owned(owner, feature.name, body, position, obj)
-            self._carry(item, body, before)
+            self._carry(item, body, self._points.for_owned(copy, body))
         else:
-            made = self._edited.detached(self._edited.copy(obj))
-            self._adding.add(owner, feature, made, position, obj)
+            self._adding.add(copy)
             self._removing.remove([obj])
 
-    def _move_call(
-        self, obj: EObject, owner: EObject, feature: FeatureTable, position: int | None
-    ) -> None:
-        made = self._edited.detached(self._edited.copy(obj))
-        if owner is obj.eContainer():
-            self._adding.add(owner, feature, made, position, obj)
-            return
-        self._removing.remove([obj])
-        self._adding.add(owner, feature, made, position)
-
-    def _body(
-        self,
-        owner: EObject,
-        feature: FeatureTable,
-        item: Item,
-        position: int | None,
-        obj: EObject,
-    ) -> Body | None:
+    def _body(self, copy: ElementCopy, owner: EObject, item: Item) -> Body | None:
         """Returns the list into which the item goes, None where that is not the block itself."""
         part = self._edited.find_part(owner)
         if part is None:
             return self._edited.outline.top
         if isinstance(part, Vector):
-            return self._edited.outline.body(part, 1 if feature.name == "expected" else 0)
+            return self._edited.outline.body(part, 1 if copy.feature == "expected" else 0)
         if isinstance(item, Assignment | Ignored) and not isinstance(part, Assignment):
-            others = [each for each in getattr(owner, feature.name) if each is not obj]
-            at = len(others) if position is None else min(position, len(others))
-            beside = others[at - 1] if at else others[0] if others else obj
-            near = self._edited.outline.item_of(self._edited.part(beside))
+            earlier, later = map(self._points.items, copy.siblings)
+            beside = [*earlier[-1:], *later[:1]]
+            near = beside[0] if beside else item
             body, _ = self._edited.outline.place(near)
             is_direction = isinstance(body.owner, Direction)
-            return body if is_direction and beside.eContainer() is owner else None
+            is_own = bool(beside) or cast("EObject", copy.obj).eContainer() is owner
+            return body if is_direction and is_own else None
         return self._edited.outline.body(part)
 
     def _can_stay_as_it_is(
@@ -121,17 +106,12 @@ class Moving:
         edited.blocks.remove(place, [item])
 
 
-def _stands_there(
-    obj: EObject, owner: EObject, feature: FeatureTable, position: int | None
-) -> bool:
+def _stands_there(obj: EObject, copy: ElementCopy, owner: EObject) -> bool:
     """Tells whether an element is where it shall go."""
-    if not feature.many or obj.eContainer() is not owner:
+    if obj.eContainer() is not owner or obj.eContainmentFeature().name != copy.feature:
         return False
-    siblings = list(getattr(owner, feature.name))
-    if obj not in siblings:
-        return False
-    last = len(siblings) - 1
-    return siblings.index(obj) == (last if position is None else min(position, last))
+    value = getattr(owner, copy.feature)
+    return value is obj or list(value).index(obj) == len(copy.siblings[0])
 
 
 def _shifted(line: str, first: str, indent: str) -> str:

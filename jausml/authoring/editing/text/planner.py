@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, cast
 from jausml.authoring.editing.applying import converted
 from jausml.authoring.editing.commands import Add, EditError, Move, Rename, Set
 from jausml.authoring.editing.text.adding import Adding
-from jausml.authoring.editing.text.edited import EditedText, Places
-from jausml.authoring.editing.text.mapping import ENDS, Mapping
+from jausml.authoring.editing.text.edited import EditedText, InsertionPoints
+from jausml.authoring.editing.text.mapping import ENDS, MapChanges
 from jausml.authoring.editing.text.moving import Moving, Removing
 from jausml.authoring.editing.text.naming import named_references
 from jausml.authoring.editing.text.values import DOCUMENTATION, NAME, Heads, Values
@@ -45,13 +45,13 @@ class _Plan:
     def __init__(self, context: Context) -> None:
         self._context = context
         self._edited = EditedText(context)
-        places = Places(self._edited)
-        self._values = Values(self._edited, places)
+        points = InsertionPoints(self._edited)
+        self._values = Values(self._edited, points)
         self._heads = Heads(self._edited, self._values)
-        self._mapping = Mapping(self._edited, self._values)
-        self._adding = Adding(self._edited, places, self._mapping)
+        self._mapping = MapChanges(self._edited, self._values)
+        self._adding = Adding(self._edited, points, self._mapping)
         self._removing = Removing(self._edited)
-        self._moving = Moving(self._edited, places, self._adding, self._removing)
+        self._moving = Moving(self._edited, points, self._adding, self._removing)
 
     def run(self, commands: Sequence[ElementCommand]) -> list[Splice]:
         """Returns the splices of commands."""
@@ -134,17 +134,14 @@ class _Plan:
 
     def _add(self, owner: EObject, command: Add) -> None:
         [made] = [e for e in self._edited.copy(owner).owned[command.feature] if e.obj is None]
-        feature = self._edited.table(owner).features[command.feature]
-        self._adding.add(owner, feature, self._edited.detached(made), command.position)
+        self._adding.add(made)
 
     def _move(self, obj: EObject, command: Move) -> None:
-        owner = self._own(command.owner)
-        if owner is None:
+        if self._own(command.owner) is None:
             what = name_of(obj) or obj.eClass.name
             reason = f"{what} is named in {self._context.file} by where it stands in that text"
             raise EditError(f"{reason}: copy it into the other file, and remove it here")
-        feature = self._edited.table(owner).features[command.feature]
-        self._moving.move(obj, owner, feature, command.position)
+        self._moving.move(self._edited.copy(obj))
 
     def _follow(self, commands: Sequence[ElementCommand]) -> None:
         named = {}

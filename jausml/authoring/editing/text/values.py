@@ -28,7 +28,7 @@ from jausml.language.text.writing.spelling import documentation, word
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.authoring.editing.text.edited import EditedText, Places
+    from jausml.authoring.editing.text.edited import EditedText, InsertionPoints
     from jausml.authoring.editing.text.outline import Part
     from jausml.language.metamodel import FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
@@ -37,9 +37,9 @@ if TYPE_CHECKING:
 class Values:
     """Sets attributes and references that stand in blocks as features."""
 
-    def __init__(self, edited: EditedText, places: Places) -> None:
+    def __init__(self, edited: EditedText, points: InsertionPoints) -> None:
         self._edited = edited
-        self._places = places
+        self._points = points
 
     def set(
         self,
@@ -67,7 +67,7 @@ class Values:
         body = self._edited.outline.body(part)
         before = None
         if body is not None:
-            before = self._places.for_value(obj, item.name.text, body)
+            before = self._points.for_value(obj, item.name.text, body)
         self._edited.add_item(part, before, item)
 
     def items(self, part: Part, name: str) -> list[Feature]:

@@ -244,10 +244,9 @@ class _Plan:
     def _insert_copy(self, copy: ElementCopy, added: list[Line]) -> None:
         """Puts an element in its place among its siblings."""
         owner = cast("ElementCopy", copy.owner)
-        siblings = owner.owned[copy.feature]
-        at = siblings.index(copy)
-        after = next(filter(None, map(self._staying, reversed(siblings[:at]))), None)
-        before = next(filter(None, map(self._staying, siblings[at + 1 :])), None)
+        earlier, later = copy.siblings
+        after = next(filter(None, map(self._staying, reversed(earlier))), None)
+        before = next(filter(None, map(self._staying, later)), None)
         feature = owner.table.features[copy.feature]
         self._insert(owner, feature, after, before if after is None else None, added)
 

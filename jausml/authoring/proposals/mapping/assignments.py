@@ -1,4 +1,4 @@
-"""Assignments as commands: each stands in the place of what fills the same member."""
+"""Assignments as commands and as text: each replaces what fills the same member."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What pages ask: one module for each kind of question, with its methods."""
+"""Request handlers: one module for each kind of request, with its methods."""

@@ -1,4 +1,4 @@
-"""Requests that change the project, and what they are told to have done."""
+"""Requests that change the project, and the answers that say what was done."""
 
 from __future__ import annotations
 

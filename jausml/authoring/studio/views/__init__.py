@@ -1,1 +1,1 @@
-"""Answers to what the page asks about models: plain functions that return frozen dataclasses."""
+"""What is computed of models for the page: plain functions that return frozen dataclasses."""

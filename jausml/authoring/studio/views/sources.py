@@ -1,4 +1,4 @@
-"""Sources: where the text of an element stands in its file."""
+"""Where the text of an element stands in its file, and which element a place shows."""
 
 from __future__ import annotations
 

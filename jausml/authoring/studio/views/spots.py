@@ -1,4 +1,4 @@
-"""Ends in the system view: what the ids of boxes and rows stand for."""
+"""What the ids of boxes and rows of a diagram stand for."""
 
 from __future__ import annotations
 

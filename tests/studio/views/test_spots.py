@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from answers_support import CAR, scope_of
+from scope_support import CAR, scope_of
 
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.views.spots import end_of

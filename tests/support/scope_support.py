@@ -1,4 +1,4 @@
-"""Models that questions are asked about."""
+"""Models of which views and proposals are computed."""
 
 from __future__ import annotations
 
