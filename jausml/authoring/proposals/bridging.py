@@ -216,7 +216,7 @@ class Draft:
         return "\n".join(lines)
 
 
-def carrying(
+def map_commands(
     scope: Scope, owner: EObject, used: bridge.AttributeMap, *, to_ros: bool
 ) -> list[Command]:
     """Returns what lets a bridge carry a map, whose other end is found when it runs."""

@@ -51,7 +51,7 @@ class Adding:
         elif isinstance(made, bridge.Assignment) and feature.name in _ARROWS:
             self._add_arrow(cast("Element", part), feature, made, copy)
         else:
-            body = self._body(part, feature)
+            body = self._edited.body(part, copy.feature)
             before = None
             if body is not None:
                 before = self._points.for_owned(copy, body)
@@ -59,11 +59,6 @@ class Adding:
                 self._edited.blocks.insert(body, before, item)
             else:
                 self._edited.add_item(part, None, self._item(owner, part, feature, made))
-
-    def _body(self, part: Part, feature: FeatureTable) -> Body | None:
-        if isinstance(part, Vector):
-            return self._edited.outline.body(part, 1 if feature.name == "expected" else 0)
-        return self._edited.outline.body(part)
 
     def _add_to_implied(
         self, owner: EObject, feature: FeatureTable, made: EObject, copy: ElementCopy

@@ -74,7 +74,7 @@ class EditedText:
         return self.metamodels.class_of(obj)
 
     def node(self, obj: EObject) -> Node:
-        """Returns the light node of an element of the text."""
+        """Returns the node of an element of the text."""
         node = self.model.node_of(obj)
         assert node is not None  # noqa: S101 - every element of the file was read
         return node
@@ -94,10 +94,9 @@ class EditedText:
         node = self.model.node_of(obj)
         return None if node is None else self.written.source_of(node)
 
-    def body(self, obj: EObject) -> Body | None:
-        """Returns the list of what an element owns, None for one without a block."""
-        part = self.find_part(obj)
-        return self.outline.top if part is None else self.outline.body(part)
+    def body(self, part: Part, feature: str) -> Body | None:
+        """Returns the list of what an element owns by a feature, None for one without a block."""
+        return self.outline.body(part, 1 if feature == "expected" else 0)
 
     def owned_by(self, item: Element) -> str:
         """Returns the feature that owns the element of an item, empty where it is not known."""

@@ -15,7 +15,6 @@ from jausml.language.text.tree import (
     Ignored,
     Item,
     Name,
-    Vector,
 )
 
 if TYPE_CHECKING:
@@ -66,8 +65,6 @@ class Moving:
         part = self._edited.find_part(owner)
         if part is None:
             return self._edited.outline.top
-        if isinstance(part, Vector):
-            return self._edited.outline.body(part, 1 if copy.feature == "expected" else 0)
         if isinstance(item, Assignment | Ignored) and not isinstance(part, Assignment):
             earlier, later = map(self._points.items, copy.siblings)
             beside = [*earlier[-1:], *later[:1]]
@@ -76,7 +73,7 @@ class Moving:
             is_direction = isinstance(body.owner, Direction)
             is_own = bool(beside) or cast("EObject", copy.obj).eContainer() is owner
             return body if is_direction and is_own else None
-        return self._edited.outline.body(part)
+        return self._edited.body(part, copy.feature)
 
     def _can_stay_as_it_is(
         self, part: Part, item: Item, owner: EObject, feature: FeatureTable, body: Body

@@ -122,7 +122,7 @@ def carried(scope: Scope, owner: bridge.Bridge, at_jaus: Spot, direction: str) -
         for used in _ready(scope, offer, None)
         if not _is_mapped(scope, owner, component, used, direction)
     ]
-    options = [_carrying(scope, owner, component, offer, used) for offer, used in found]
+    options = [_by_ready_map(scope, owner, component, offer, used) for offer, used in found]
     options.sort(key=_order)
     what = at_jaus.message or f"a message of {name_of(component)}"
     refusal = f"no ready map has {what} that {name_of(owner)} does not carry already"
@@ -135,7 +135,7 @@ def _wanted(component: jaus.Component, message: str, direction: str) -> list[Off
     return [each for each in found if not message or name_of(each.message) == message]
 
 
-def _carrying(
+def _by_ready_map(
     scope: Scope,
     owner: bridge.Bridge,
     component: jaus.Component,

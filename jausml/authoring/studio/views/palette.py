@@ -8,7 +8,7 @@ from itertools import islice
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child, Set
-from jausml.authoring.proposals.bridging import bridges_of, carrying, system_of
+from jausml.authoring.proposals.bridging import bridges_of, map_commands, system_of
 from jausml.authoring.proposals.elements import AnswerError, label_of, library
 from jausml.authoring.proposals.fresh import free_address, name_among, participant_name
 from jausml.authoring.studio.views.beginnings import PACKAGES, usual_values
@@ -376,7 +376,7 @@ def _connection(
     if onto is not None and not isinstance(onto, bridge.Bridge | system.System):
         return []
     owner = onto or next(iter(bridges_of(scope)), None) or system_of(scope)
-    return [] if owner is None else carrying(scope, owner, used, to_ros=to_ros)
+    return [] if owner is None else map_commands(scope, owner, used, to_ros=to_ros)
 
 
 def _element(
