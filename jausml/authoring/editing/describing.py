@@ -231,7 +231,7 @@ def pasted(
             taken[owner] = {name_of(one) for one in model.owned(owner)}
         values = dict(each.values)
         if values.get(_NAME):
-            name = _numbered(values[_NAME][0], taken[owner])
+            name = numbered_name(values[_NAME][0], taken[owner])
             values[_NAME] = (name,)
             taken[owner].add(name)
         ref = ref_of(owner, model)
@@ -256,7 +256,7 @@ def _place(command: Add, chosen: EObject, model: Model) -> tuple[EObject, str]:
     raise EditError(f"a {what} has no place in {name_of(chosen) or chosen.eClass.name}")
 
 
-def _numbered(name: str, taken: set[str]) -> str:
+def numbered_name(name: str, taken: set[str]) -> str:
     """Returns a name that is not taken: itself, else with the next number behind it."""
     match = _NUMBERED.fullmatch(name)
     stem, number = (match[1], int(match[2])) if match and len(match[2]) < 9 else (name, 1)

@@ -121,7 +121,7 @@ class Symbol:
 
 
 def outline(text: str) -> list[Symbol]:
-    """Returns what a text declares, as a forest."""
+    """Returns what a text declares, as trees."""
     roots: list[Symbol] = []
     by_item: dict[int, Symbol] = {}
     for each in names_in(text).declarations:

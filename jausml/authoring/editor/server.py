@@ -83,19 +83,19 @@ def make_server(root: Path | None = None) -> LanguageServer:
         text_document_sync_kind=types.TextDocumentSyncKind.Full,
         protocol_cls=_Protocol,
     )
-    desk = _Desk(server, Workbench(root=root))
+    handlers = _Handlers(server, Workbench(root=root))
     triggers = types.CompletionOptions(trigger_characters=[".", "/", ":", ">", "("])
     answers: list[tuple[str, Callable[[Any], Any], Any]] = [
-        (types.TEXT_DOCUMENT_DID_OPEN, desk.did_open, None),
-        (types.TEXT_DOCUMENT_DID_CHANGE, desk.did_change, None),
-        (types.TEXT_DOCUMENT_DID_CLOSE, desk.did_close, None),
-        (types.TEXT_DOCUMENT_COMPLETION, desk.completion, triggers),
-        (types.TEXT_DOCUMENT_HOVER, desk.hover, None),
-        (types.TEXT_DOCUMENT_DEFINITION, desk.definition, None),
-        (types.TEXT_DOCUMENT_PREPARE_RENAME, desk.prepare_rename, None),
-        (types.TEXT_DOCUMENT_RENAME, desk.rename, types.RenameOptions(prepare_provider=True)),
-        (types.TEXT_DOCUMENT_FORMATTING, desk.formatting, None),
-        (types.TEXT_DOCUMENT_DOCUMENT_SYMBOL, desk.symbols, None),
+        (types.TEXT_DOCUMENT_DID_OPEN, handlers.did_open, None),
+        (types.TEXT_DOCUMENT_DID_CHANGE, handlers.did_change, None),
+        (types.TEXT_DOCUMENT_DID_CLOSE, handlers.did_close, None),
+        (types.TEXT_DOCUMENT_COMPLETION, handlers.completion, triggers),
+        (types.TEXT_DOCUMENT_HOVER, handlers.hover, None),
+        (types.TEXT_DOCUMENT_DEFINITION, handlers.definition, None),
+        (types.TEXT_DOCUMENT_PREPARE_RENAME, handlers.prepare_rename, None),
+        (types.TEXT_DOCUMENT_RENAME, handlers.rename, types.RenameOptions(prepare_provider=True)),
+        (types.TEXT_DOCUMENT_FORMATTING, handlers.formatting, None),
+        (types.TEXT_DOCUMENT_DOCUMENT_SYMBOL, handlers.symbols, None),
     ]
     for method, answer, options in answers:
         # pygls writes on what it registers, and a method cannot be written on.
@@ -115,7 +115,7 @@ class _Protocol(LanguageServerProtocol):
             raise
 
 
-class _Desk:
+class _Handlers:
     """Translates what editors ask, and what they are answered."""
 
     def __init__(self, server: LanguageServer, bench: Workbench) -> None:

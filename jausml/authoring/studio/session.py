@@ -49,16 +49,16 @@ class Session:
     def __init__(self, context: StudioContext) -> None:
         load_metamodels()  # now, for threads that ask at once would load them twice
         self._context = context
-        self._living = LiveRequests(context)
-        context.subscribers.left = self._living.leave
+        self._live_requests = LiveRequests(context)
+        context.subscribers.left = self._live_requests.leave
         methods = {
             name: each for module in _MODULES for name, each in module.methods(context).items()
         }
-        self._answering = Answering({**methods, **self._living.methods()})
+        self._answering = Answering({**methods, **self._live_requests.methods()})
         self._checking = Checking(
             context.verdicts, lambda: context.viewed_files.files, self._judged
         )
-        context.followers.extend((self._checking.begin, self._living.changed))
+        context.followers.extend((self._checking.begin, self._live_requests.changed))
 
     @property
     def root(self) -> Path:
@@ -94,7 +94,7 @@ class Session:
             self._checking.close()
             await watched  # it may wait for its turn among the changes
             self._answering.close()
-            await asyncio.to_thread(self._living.stop)
+            await asyncio.to_thread(self._live_requests.stop)
             await asyncio.to_thread(self._context.trials.close)
 
     async def _watch(self, end: asyncio.Event) -> None:

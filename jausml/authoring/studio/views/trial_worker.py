@@ -55,16 +55,16 @@ class Translation:
                 if name in self._classes
             }
             target = self._translate(**messages)
-            told = _told(target)
+            values = _as_values(target)
         except Exception as error:
             return {"error": f"{error}" or type(error).__name__, "kind": type(error).__name__}
         after = self._connection.statistics.out_of_range
-        told["notes"] = [
+        values["notes"] = [
             f"{field}: {policy}"
             for (policy, field), n in after.items()
             if n != counts.get((policy, field))
         ]
-        return told
+        return values
 
 
 def _class_of(hint: typing.Any) -> typing.Any:
@@ -123,7 +123,7 @@ def _value(kind: str, text: str, path: str) -> typing.Any:
         raise BadValueError(f"{path}: {text!r} is no {kind}") from error
 
 
-def _told(target: typing.Any) -> dict[str, typing.Any]:
+def _as_values(target: typing.Any) -> dict[str, typing.Any]:
     if target is None:
         return {"error": "the translation drops the message", "kind": "dropped"}
     if hasattr(target, "LAYOUT"):
