@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.text.blocks import Blocks
@@ -20,16 +21,38 @@ from jausml.language.text.writing.layout import lines_of
 from jausml.language.text.writing.maps import MAP, MapWriter
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from jausml.authoring.editing.planning import Context
     from jausml.authoring.editing.text.outline import Body, Part
     from jausml.authoring.editing.working_copy import ElementCopy
-    from jausml.language.metamodel import ClassTable
+    from jausml.language.metamodel import ClassTable, FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.refs import Ref
     from jausml.language.model.xmi.parsing import Node
     from jausml.language.text.reading.document import TextDocument
+
+
+@dataclass(frozen=True, slots=True)
+class FeatureChange:
+    """Other values of a feature of an element.
+
+    Attributes:
+        part: What stands for the element in the tree.
+        made: The element as it will be, detached.
+        values: The new values; without any, nothing is said of the feature.
+    """
+
+    obj: EObject
+    part: Part
+    made: EObject
+    feature: FeatureTable
+    values: Sequence[Any]
+
+    @property
+    def value(self) -> Any:
+        """The new value of a feature that takes one, None without it."""
+        return self.values[0] if self.values else None
 
 
 class EditedText:

@@ -26,10 +26,8 @@ from jausml.language.text.writing.spelling import path
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.authoring.editing.text.edited import EditedText
-    from jausml.authoring.editing.text.outline import Part
+    from jausml.authoring.editing.text.edited import EditedText, FeatureChange
     from jausml.authoring.editing.text.values import Values
-    from jausml.language.metamodel import FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
 
 ENDS = {"message": True, "type": False}
@@ -43,18 +41,19 @@ class MapChanges:
         self._edited = edited
         self._values = values
 
-    def set_end(self, obj: EObject, part: Element, made: EObject, feature: FeatureTable) -> bool:
+    def set_end(self, change: FeatureChange, part: Element) -> bool:
         """Gives a map another message or type; returns whether an end says it."""
+        feature = change.feature
         is_jaus = ENDS[feature.name]
         ends = (each for each in part.items if isinstance(each, End))
         end = next((each for each in ends if each.is_jaus == is_jaus), None)
-        target = getattr(made, feature.name)
+        target = getattr(change.made, feature.name)
         if target is None:
             if end is not None:
                 body, _ = self._edited.outline.place(end)
                 self._edited.blocks.remove(body, [end])
             return end is not None
-        name = self._edited.names.name(obj, target, feature)
+        name = self._edited.names.name(change.obj, target, feature)
         if not isinstance(name, Name):
             return False
         if end is None:
@@ -69,19 +68,13 @@ class MapChanges:
             self._edited.put(end, End(is_jaus, name, None))
         return True
 
-    def set(
-        self,
-        obj: EObject,
-        part: Part,
-        made: EObject,
-        feature: FeatureTable,
-        values: Sequence[Any],
-    ) -> None:
+    def set(self, change: FeatureChange) -> None:
         """Gives something that has no plain block other values of a feature."""
+        part, made, feature = change.part, change.made, change.feature
         if isinstance(part, Assignment | Ignored):
-            self._set_assignment(obj, part, made, feature, values)
+            self._set_assignment(change, part)
         elif isinstance(part, Call):
-            self._set_call(obj, part, made)
+            self._set_call(change.obj, part, made)
         elif (
             isinstance(part, Entry)
             and (entry := table_entry(cast("bridge.TableEntry", made))) is not None
@@ -93,20 +86,20 @@ class MapChanges:
             and (new := vector_entry(cast("bridge.VectorValue", made))) is not None
         ):
             self._set_vector_entry(part, new, feature.name)
-        elif isinstance(part, Vector) and feature.name == "direction" and values:
-            self._set_way(part, to_ros=values[0].name == "jausToRos")
+        elif isinstance(part, Vector) and feature.name == "direction" and change.values:
+            self._set_way(part, to_ros=change.value.name == "jausToRos")
         elif isinstance(part, Entry | VectorEntry | Table | Vector):
-            self.rewrite(obj, feature)
+            self.rewrite(change)
         else:
             raise EditError(f"{feature.name} follows from the rest of the text: edit it there")
 
-    def rewrite(self, obj: EObject, feature: FeatureTable) -> None:
+    def rewrite(self, change: FeatureChange) -> None:
         """Writes a table or a vector anew, as a uniform block where only that says it."""
-        whole: EObject | None = obj
+        whole: EObject | None = change.obj
         while whole is not None and not isinstance(whole, bridge.ValueTable | bridge.TestVector):
             whole = whole.eContainer()
         if whole is None:
-            raise EditError(f"text cannot say this value of {feature.name} here")
+            raise EditError(f"text cannot say this value of {change.feature.name} here")
         made = self._edited.detached(self._edited.copy(whole))
         maps = self._edited.maps
         new = (
@@ -116,17 +109,11 @@ class MapChanges:
         )
         self._edited.put(self._edited.outline.item_of(self._edited.part(whole)), new)
 
-    def _set_assignment(
-        self,
-        obj: EObject,
-        part: Assignment | Ignored,
-        made: EObject,
-        feature: FeatureTable,
-        values: Sequence[Any],
-    ) -> None:
-        new = self._edited.maps.arrow(cast("bridge.Assignment", made))
+    def _set_assignment(self, change: FeatureChange, part: Assignment | Ignored) -> None:
+        feature = change.feature
+        new = self._edited.maps.arrow(cast("bridge.Assignment", change.made))
         if new is None or type(new) is not type(part):
-            self.say_as_block(obj, made)
+            self.say_as_block(change.obj, change.made)
         elif isinstance(part, Ignored) and isinstance(new, Ignored):
             self._put(part.target, path(new.target.text))
         elif isinstance(part, Assignment) and isinstance(new, Assignment):
@@ -135,7 +122,7 @@ class MapChanges:
             elif feature.name in ("source", "value"):
                 self._put_all(part.sources, ", ".join(map(simple, new.sources)))
             else:
-                self._values.set(obj, part, made, feature, values)
+                self._values.set(change)
 
     def say_as_block(self, obj: EObject, made: EObject) -> None:
         """Writes an assignment as a uniform block, which parts its direction in two."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, cast
 from jausml.authoring.editing.applying import converted
 from jausml.authoring.editing.commands import Add, EditError, Move, Rename, Set
 from jausml.authoring.editing.text.adding import Adding
-from jausml.authoring.editing.text.edited import EditedText, InsertionPoints
+from jausml.authoring.editing.text.edited import EditedText, FeatureChange, InsertionPoints
 from jausml.authoring.editing.text.mapping import ENDS, MapChanges
 from jausml.authoring.editing.text.moving import Moving, Removing
 from jausml.authoring.editing.text.naming import named_references
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from jausml.authoring.editing.commands import ElementCommand
     from jausml.authoring.editing.planning import Context
     from jausml.authoring.editing.splices import Splice
-    from jausml.authoring.editing.text.outline import Part
     from jausml.language.metamodel import FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.refs import Ref
@@ -93,44 +92,42 @@ class _Plan:
         """Gives an element other values of a feature."""
         part = self._edited.part(obj)
         made = self._edited.detached(self._edited.copy(obj))
-        value = values[0] if values else None
+        change = FeatureChange(obj, part, made, feature, values)
         if feature.name == NAME and not feature.many:
-            self._put_name(obj, part, feature, value)
+            self._put_name(change)
         elif feature.name == DOCUMENTATION:
-            self._document(obj, part, made, feature, value)
-        elif self._is_said_by_end(obj, part, made, feature):
+            self._document(change)
+        elif self._is_said_by_end(change):
             return
         elif isinstance(part, Element):
-            self._values.set(obj, part, made, feature, values)
+            self._values.set(change)
         else:
-            self._mapping.set(obj, part, made, feature, values)
+            self._mapping.set(change)
 
-    def _put_name(self, obj: EObject, part: Part, feature: FeatureTable, name: str | None) -> None:
-        if isinstance(part, Table | Vector) and (name is None or not is_name(name)):
-            self._mapping.rewrite(obj, feature)
+    def _put_name(self, change: FeatureChange) -> None:
+        is_sayable = change.value is not None and is_name(change.value)
+        if isinstance(change.part, Table | Vector) and not is_sayable:
+            self._mapping.rewrite(change)
         else:
-            self._heads.set_name(obj, part, name)
+            self._heads.set_name(change.obj, change.part, change.value)
 
-    def _document(
-        self, obj: EObject, part: Part, made: EObject, feature: FeatureTable, text: str | None
-    ) -> None:
-        is_sayable = text is None or is_comment(text)
-        if isinstance(part, Assignment | Ignored) and not is_sayable:
-            self._heads.set_documentation(obj, part, None)
-            self._mapping.say_as_block(obj, made)
-        elif isinstance(part, Table | Vector | Entry) and not is_sayable:
-            self._mapping.rewrite(obj, feature)
+    def _document(self, change: FeatureChange) -> None:
+        is_sayable = change.value is None or is_comment(change.value)
+        if isinstance(change.part, Assignment | Ignored) and not is_sayable:
+            self._heads.set_documentation(change.obj, change.part, None)
+            self._mapping.say_as_block(change.obj, change.made)
+        elif isinstance(change.part, Table | Vector | Entry) and not is_sayable:
+            self._mapping.rewrite(change)
         else:
-            self._heads.set_documentation(obj, part, text)
+            self._heads.set_documentation(change.obj, change.part, change.value)
 
-    def _is_said_by_end(
-        self, obj: EObject, part: Part, made: EObject, feature: FeatureTable
-    ) -> bool:
+    def _is_said_by_end(self, change: FeatureChange) -> bool:
         """Sets a message or a type of a map where an end says it."""
-        is_end = self._edited.table(obj).qualified_name == MAP and feature.name in ENDS
-        if not is_end or not isinstance(part, Element) or self._values.items(part, feature.name):
+        part, name = change.part, change.feature.name
+        is_end = self._edited.table(change.obj).qualified_name == MAP and name in ENDS
+        if not is_end or not isinstance(part, Element) or self._values.items(part, name):
             return False
-        return self._mapping.set_end(obj, part, made, feature)
+        return self._mapping.set_end(change, part)
 
     def _add(self, owner: EObject, command: Add) -> None:
         [made] = [e for e in self._edited.copy(owner).owned[command.feature] if e.obj is None]

@@ -28,7 +28,7 @@ from jausml.language.text.writing.spelling import documentation, word
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.authoring.editing.text.edited import EditedText, InsertionPoints
+    from jausml.authoring.editing.text.edited import EditedText, FeatureChange, InsertionPoints
     from jausml.authoring.editing.text.outline import Part
     from jausml.language.metamodel import FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
@@ -41,26 +41,16 @@ class Values:
         self._edited = edited
         self._points = points
 
-    def set(
-        self,
-        obj: EObject,
-        part: Part,
-        made: EObject,
-        feature: FeatureTable,
-        values: Sequence[Any],
-    ) -> None:
-        """Has a block say other values of a feature.
-
-        Args:
-            values: Its new values; without any, nothing is said of it.
-        """
+    def set(self, change: FeatureChange) -> None:
+        """Has a block say other values of a feature."""
+        part, feature = change.part, change.feature
         items = self.items(part, feature.name)
-        if not values:
+        if not change.values:
             self.remove(part, feature.name)
         elif items:
-            self._change(obj, made, feature, values, items)
-        elif self._must_be_said(obj, feature, values):
-            self.add(obj, part, self._edited.elements.feature(made, feature))
+            self._change(change, items)
+        elif self._must_be_said(change.obj, feature, change.values):
+            self.add(change.obj, part, self._edited.elements.feature(change.made, feature))
 
     def add(self, obj: EObject, part: Part, item: Feature) -> None:
         """Adds a feature to the block of an element."""
@@ -100,18 +90,12 @@ class Values:
             return True
         return feature.unsettable or not _are_same(_values(obj, feature), values)
 
-    def _change(
-        self,
-        obj: EObject,
-        made: EObject,
-        feature: FeatureTable,
-        values: Sequence[Any],
-        items: Sequence[Feature],
-    ) -> None:
-        old = _values(obj, feature)
+    def _change(self, change: FeatureChange, items: Sequence[Feature]) -> None:
+        feature, values = change.feature, change.values
+        old = _values(change.obj, feature)
         if _are_same(old, values):
             return
-        rendered = self._edited.elements.feature(made, feature).values
+        rendered = self._edited.elements.feature(change.made, feature).values
         if len(items) > 1 or len(old) != len(items[0].values):
             for each in items[1:]:
                 body, _ = self._edited.outline.place(each)
