@@ -60,7 +60,7 @@ def source(scope: Scope, ref: str) -> Located:
 
 def _in_xmi(document: Document, model: Model, element: EObject, file: str) -> Located:
     whole = Source(document, file)
-    node = _written(model, element)
+    node = next(_nodes(model, element), None)
     start = end = 0
     if node is not None:
         found = whole.element(node)
@@ -73,38 +73,30 @@ def _in_text(
 ) -> Located:
     text = document.data.decode("utf-8-sig", "replace")
     span = _span(written, model, element)
-    start, end = (0, 0) if span is None else _offsets(text, span)
+    start = end = 0
+    if span is not None:
+        start = _characters(text, (span.line, span.column))
+        end = _characters(text, (span.end_line, span.end_column))
     return _located(file, TEXT, text, start, end)
 
 
 def _span(written: TextDocument, model: Model, element: EObject) -> Span | None:
     """Returns what is written of an element, or of the nearest of its owners."""
-    around: EObject | None = element
-    while around is not None:
-        node = model.node_of(around)
-        found = written.source_of(node) if node is not None else None
+    for node in _nodes(model, element):
+        found = written.source_of(node)
         if found is not None:
             return found.span
-        around = around.eContainer()
     return None
 
 
-def _written(model: Model, element: EObject) -> Node | None:
+def _nodes(model: Model, element: EObject) -> Iterator[Node]:
+    """Yields what was read for an element, and then for its owners."""
     around: EObject | None = element
     while around is not None:
         node = model.node_of(around)
         if node is not None:
-            return node
+            yield node
         around = around.eContainer()
-    return None
-
-
-def _offsets(text: str, span: Span) -> tuple[int, int]:
-    starts = [0, *(match.end() for match in _LINE_END.finditer(text))]
-    return (
-        starts[span.line - 1] + span.column - 1,
-        starts[span.end_line - 1] + span.end_column - 1,
-    )
 
 
 def _located(file: str, notation: str, text: str, start: int, end: int) -> Located:
