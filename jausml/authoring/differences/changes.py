@@ -13,53 +13,6 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.diagnostics import Location
 
-
-class Kind(Enum):
-    """What became of an element."""
-
-    ADDED = "added"
-    REMOVED = "removed"
-    RENAMED = "renamed"
-    CHANGED = "changed"
-    ORDERED = "ordered"
-    """Its parts stand in another order, where the order means something."""
-
-
-class Breaks(Enum):
-    """Whom a change may break."""
-
-    PEERS = "peers"
-    """Programs on the network that were built for the former state, of JAUS or of ROS."""
-    CODE = "code"
-    """Code of users that names or extends what was generated."""
-
-
-@dataclass(frozen=True)
-class Change:
-    """One change.
-
-    Attributes:
-        element: The class of the element in words, such as `bridge connection`.
-        path: Where it stands, by the names of the new state, of the old one if it was removed.
-        feature: The feature that changed; empty for the whole element.
-        old_place: Where the old state says it, None where it does not.
-        new_place: Where the new state says it, None where it does not.
-    """
-
-    kind: Kind
-    element: str
-    path: str
-    feature: str = ""
-    old: str = ""
-    new: str = ""
-    text: str = ""
-    breaks: tuple[Breaks, ...] = ()
-    old_place: Location | None = None
-    new_place: Location | None = None
-    old_element: EObject | None = None
-    new_element: EObject | None = None
-
-
 _PEERS = {
     "jaus.Component": {"address", "provides", "coreServices"},
     "jaus.Service": {"urn", "version", "inherits"},
@@ -96,6 +49,7 @@ _ON_THE_WIRE = (
     "jaus.ValueRange",
     "jaus.EnumeratedValue",
 )
+
 _OFF_THE_WIRE = {"name", "documentation"}
 """All that a field says counts on the wire, but for these."""
 
@@ -151,6 +105,55 @@ _NAMED_IN_CODE = (
 )
 """Elements whose names are those of generated modules, classes, methods or parameters."""
 
+_GROWING = {"provides", "inherits"}
+"""Features to which values may be added without harm to anybody."""
+
+
+class Kind(Enum):
+    """What became of an element."""
+
+    ADDED = "added"
+    REMOVED = "removed"
+    RENAMED = "renamed"
+    CHANGED = "changed"
+    ORDERED = "ordered"
+    """Its parts stand in another order, where the order means something."""
+
+
+class Breaks(Enum):
+    """Whom a change may break."""
+
+    PEERS = "peers"
+    """Programs on the network that were built for the former state, of JAUS or of ROS."""
+    CODE = "code"
+    """Code of users that names or extends what was generated."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """One change.
+
+    Attributes:
+        element: The class of the element in words, such as `bridge connection`.
+        path: Where it stands, by the names of the new state, of the old one if it was removed.
+        feature: The feature that changed; empty for the whole element.
+        old_place: Where the old state says it, None where it does not.
+        new_place: Where the new state says it, None where it does not.
+    """
+
+    kind: Kind
+    element: str
+    path: str
+    feature: str = ""
+    old: str = ""
+    new: str = ""
+    text: str = ""
+    breaks: tuple[Breaks, ...] = ()
+    old_place: Location | None = None
+    new_place: Location | None = None
+    old_element: EObject | None = None
+    new_element: EObject | None = None
+
 
 def breaks(kind: Kind, table: ClassTable, feature: str, *, is_lost: bool) -> tuple[Breaks, ...]:
     """Returns whom a change may break."""
@@ -177,10 +180,6 @@ def _breaks_peers(kind: Kind, classes: set[str], feature: str, *, is_lost: bool)
         return True
     is_seen = any(feature in _PEERS.get(each, ()) for each in classes)
     return is_seen and (is_lost or feature not in _GROWING)
-
-
-_GROWING = {"provides", "inherits"}
-"""Features to which values may be added without harm to anybody."""
 
 
 def marked(marks: Iterable[Breaks]) -> str:

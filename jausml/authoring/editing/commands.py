@@ -29,6 +29,10 @@ NEW = "new:"
 IDENTIFIER = "xmi:id"
 """Among the values of a new element: the id that it shall have. Without one it gets none."""
 
+ElementCommand: TypeAlias = "Set | Add | Remove | Move | Rename"
+
+Command: TypeAlias = "ElementCommand | Create | Place"
+
 
 class EditError(Exception):
     """Why a command is not carried out, for people. Nothing was changed.
@@ -130,10 +134,6 @@ class Place:
     file: str
     view: str
     positions: Mapping[LayoutKey, tuple[int, int] | None]
-
-
-ElementCommand: TypeAlias = "Set | Add | Remove | Move | Rename"
-Command: TypeAlias = "ElementCommand | Create | Place"
 
 
 AddedT = TypeVar("AddedT", Add, Child)

@@ -24,6 +24,11 @@ _STATE = "jaus.State"
 _TARGET = "target"
 _TRANSITIONS = ("transitions", "defaults")
 
+_DIRECTIONS = {"joins": ("toJaus", "rosToJaus"), "reportJoins": ("toRos", "jausToRos")}
+"""Where paths may begin with a join: assignments of a map, and vectors of which direction."""
+
+_SOURCE, _PATH = "source", "path"
+
 
 @dataclass(frozen=True)
 class _NamedTarget:
@@ -154,11 +159,6 @@ def _path(state: ElementCopy, name: str) -> str:
         around = around.owner
     path = ".".join(reversed(names))
     return canonical(path) if around is not None and around.name == CORE_MACHINE else path
-
-
-_DIRECTIONS = {"joins": ("toJaus", "rosToJaus"), "reportJoins": ("toRos", "jausToRos")}
-"""Where paths may begin with a join: assignments of a map, and vectors of which direction."""
-_SOURCE, _PATH = "source", "path"
 
 
 def paths_through(join: ElementCopy, name: str) -> Iterator[tuple[ElementCopy, str, str]]:

@@ -37,6 +37,8 @@ _BUILT = frozenset({"build", "install", "log", "node_modules", "__pycache__"})
 _KEPT = 2
 _MARKS = (b"<<<<<<< ", b">>>>>>> ")
 
+_LINE_END = re.compile(rb"\r\n|\n|\r")
+
 
 @lru_cache(maxsize=64)
 def parsed_text(text: str) -> Parsed:
@@ -238,9 +240,6 @@ def is_text(file: str) -> bool:
 def is_library(file: str) -> bool:
     """Tells whether a file is one of the shipped library."""
     return file.startswith(LIBRARY)
-
-
-_LINE_END = re.compile(rb"\r\n|\n|\r")
 
 
 def encoded(text: str, before: bytes) -> bytes:

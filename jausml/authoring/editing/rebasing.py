@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 
 _KEPT, _KEPT_OUTSIDE = 256, 32
 
+_NAME = "name"
+
 
 @dataclass(frozen=True, slots=True)
 class _Revision:
@@ -130,9 +132,6 @@ def _forgotten(what: str) -> EditError:
 
 def _inverted(shift: Shift) -> Shift:
     return {new: old for old, new in shift.items() if new}
-
-
-_NAME = "name"
 
 
 class OutsideChange:

@@ -27,6 +27,11 @@ if TYPE_CHECKING:
 
 _WORDS = {"WORD", "INDEXED"}
 
+_PUNCTUATION = {
+    *("LBRACE", "RBRACE", "LPAR", "RPAR", "LSQB", "END_BRACKET", "NAMED_BRACKET", "COMMA"),
+    *("COLON", "SEMICOLON", "ARROW", "PAIR", "GIVES", "AT_MOST", "EQUAL", "TILDE"),
+}
+
 
 @dataclass(frozen=True, slots=True)
 class Definition:
@@ -40,12 +45,6 @@ def word_at(text: str, place: Place) -> Token | None:
     """Returns the word or text at a place; the place behind its last character counts."""
     found = [each for each in pieces_parsed(text).tokens if is_within(span_of(each), place)]
     return next((each for each in found if each.type not in _PUNCTUATION), None)
-
-
-_PUNCTUATION = {
-    *("LBRACE", "RBRACE", "LPAR", "RPAR", "LSQB", "END_BRACKET", "NAMED_BRACKET", "COMMA"),
-    *("COLON", "SEMICOLON", "ARROW", "PAIR", "GIVES", "AT_MOST", "EQUAL", "TILDE"),
-}
 
 
 def define(bench: Workbench, path: Path, place: Place) -> Definition | None:

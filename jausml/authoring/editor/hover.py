@@ -31,6 +31,10 @@ if TYPE_CHECKING:
     from jausml.authoring.editor.workbench import Workbench
     from jausml.language.metamodel.classes.ecore import EObject
 
+_MOST_ROWS = 60
+
+_MOST_NAMES = 12
+
 
 @dataclass(frozen=True, slots=True)
 class Hover:
@@ -124,10 +128,6 @@ def _name(token: Token) -> str:
 
 def _place(token: Token) -> Place:
     return Place(token.line or 1, token.column or 1)
-
-
-_MOST_ROWS = 60
-_MOST_NAMES = 12
 
 
 def described(element: EObject) -> str:

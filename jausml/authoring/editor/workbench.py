@@ -30,6 +30,10 @@ if TYPE_CHECKING:
     from jausml.language.model.model import Model
     from jausml.language.text.tree import SyntaxTree
 
+ElementT = TypeVar("ElementT", bound="EObject")
+
+_WORD = re.compile(r"[^\s,(){}\[\]]+|.")
+
 
 class _Pieces:
     """The pieces of the text that was parsed last, which mostly is an earlier state of the next."""
@@ -70,7 +74,6 @@ def names_in(text: str) -> Names:
     return names_of(pieces_parsed(text).document)
 
 
-ElementT = TypeVar("ElementT", bound="EObject")
 _NOTATIONS = (Ros2Jaus(parse=parsed_text),)
 
 
@@ -207,9 +210,6 @@ def _checked(result: ReadResult) -> Sequence[Diagnostic]:
     except RuleError:
         # A rule that fails on a text half written says nothing about it.
         return result.diagnostics
-
-
-_WORD = re.compile(r"[^\s,(){}\[\]]+|.")
 
 
 @dataclass(frozen=True, slots=True)

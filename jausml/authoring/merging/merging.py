@@ -33,6 +33,14 @@ _HALF_DONE = ("JML108", "JML110")
 """The rules of values that are still to come: all that is there was read."""
 _COMMENT = re.compile(rb"<!--(.*?)-->", re.DOTALL)
 
+_PLACES = re.compile(rb"(?<=[\s:]schemaLocation=[\"'])[^\"'<]*")
+
+_ID = re.compile(r"[^\s/#:?%][^\s#:?%]*")
+
+_XMI = b'<xmi:XMI xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI">'
+
+_DECLARATION = re.compile(rb"\s*<\?xml[^>]*\?>")
+
 
 class UnmergeableError(Exception):
     """A state is no model that can be merged by its elements."""
@@ -160,9 +168,6 @@ def _findings(conflicts: list[Conflict], execution: Execution, file: str) -> tup
     return tuple(sorted(set(found)))
 
 
-_PLACES = re.compile(rb"(?<=[\s:]schemaLocation=[\"'])[^\"'<]*")
-
-
 def with_places(merged: bytes, base: bytes, ours: bytes, theirs: bytes) -> bytes:
     """Returns a merge with the places of metamodels that theirs has changed and ours has not.
 
@@ -183,11 +188,6 @@ def _places(data: bytes) -> dict[bytes, bytes]:
     found = _PLACES.search(data)
     words = found.group().split() if found is not None else []
     return dict(zip(words[::2], words[1::2], strict=False))
-
-
-_ID = re.compile(r"[^\s/#:?%][^\s#:?%]*")
-_XMI = b'<xmi:XMI xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI">'
-_DECLARATION = re.compile(rb"\s*<\?xml[^>]*\?>")
 
 
 def placeholders(lost: Iterable[LostReference], metamodels: Metamodels) -> dict[Path, bytes]:

@@ -51,6 +51,9 @@ TEMPLATES = {
 }
 """Files that are rendered, by their paths."""
 
+SUMS = "SHA256SUMS"
+"""The file in a folder of copies that says what they were, as `sha256sum` writes it."""
+
 
 @dataclass(frozen=True)
 class Wish:
@@ -167,10 +170,6 @@ def _differs(path: Path, data: bytes) -> bool:
         return read_input(path) != data
     except FileNotFoundError:
         return False
-
-
-SUMS = "SHA256SUMS"
-"""The file in a folder of copies that says what they were, as `sha256sum` writes it."""
 
 
 def sums_of(contents: Mapping[str, bytes]) -> bytes:

@@ -31,6 +31,21 @@ _MARKS = (".project", ".git")
 _SYSTEM = re.compile(rb"<\w+:System\b|^\s*system\s+[\w`]", re.MULTILINE)
 """What a file with a system begins it with, in either notation."""
 
+_EXAMPLE = "minimal"
+
+_EMPTY = """\
+<?xml version="1.0" encoding="UTF-8"?>
+<system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"\
+ xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"\
+ xmlns:system="http://www.jausml.org/system/1.0" xmi:id="minimal" name="minimal"/>
+"""
+
+_EMPTY_SET = """\
+<?xml version="1.0" encoding="UTF-8"?>
+<jaus:ServiceSet xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"\
+ xmlns:jaus="http://www.jausml.org/jaus/1.0" name="minimal" version="1.0"/>
+"""
+
 
 @dataclass(frozen=True)
 class Place:
@@ -166,20 +181,6 @@ def _marked(path: Path) -> Iterator[Path]:
 
 class ProjectError(Exception):
     """A project or an element of one cannot be made; the message says why."""
-
-
-_EXAMPLE = "minimal"
-_EMPTY = """\
-<?xml version="1.0" encoding="UTF-8"?>
-<system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"\
- xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"\
- xmlns:system="http://www.jausml.org/system/1.0" xmi:id="minimal" name="minimal"/>
-"""
-_EMPTY_SET = """\
-<?xml version="1.0" encoding="UTF-8"?>
-<jaus:ServiceSet xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"\
- xmlns:jaus="http://www.jausml.org/jaus/1.0" name="minimal" version="1.0"/>
-"""
 
 
 def as_xmi(name: str, metamodels: str) -> str:

@@ -23,6 +23,10 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model import Document, Model
 
+_READING = Lock()
+
+FoundT = TypeVar("FoundT", bound="EObject")
+
 
 class AnswerError(Exception):
     """A question that has no answer, in words for people."""
@@ -75,9 +79,6 @@ class Scope:
         return self.model.documents[0].notation is not None
 
 
-_READING = Lock()
-
-
 def library() -> Model:
     """Returns the whole shipped library, read at the first call; all threads get the same."""
     with _READING:
@@ -118,9 +119,6 @@ def _by_what_it_says(element: EObject) -> str:
     if isinstance(target, str):
         return f"{source} -> {target}" if isinstance(source, str) else target
     return element.eClass.name
-
-
-FoundT = TypeVar("FoundT", bound="EObject")
 
 
 def service_of(scope: Scope, word: str) -> jaus.Service:

@@ -35,6 +35,10 @@ if TYPE_CHECKING:
 
 _MOST_SHOWN = 8
 
+_MOST = 100
+
+_LOGGER = "jausml"
+
 
 class ViewedFiles:
     """The files that someone looks at: those that were asked for last."""
@@ -97,10 +101,6 @@ class Subscribers:
             listeners = list(self._listeners)
         for each in listeners:
             each(message)
-
-
-_MOST = 100
-_LOGGER = "jausml"
 
 
 class Faults(logging.Handler):

@@ -25,6 +25,18 @@ ParamsT = TypeVar("ParamsT")
 
 _WORDS = {str: "a text", int: "a whole number", float: "a number", bool: "true or false"}
 
+_COMMANDS: Mapping[str, type[Command]] = {
+    "set": commands.Set,
+    "add": commands.Add,
+    "remove": commands.Remove,
+    "move": commands.Move,
+    "rename": commands.Rename,
+    "create": commands.Create,
+    "place": commands.Place,
+}
+
+_NAMES = {kind: name for name, kind in _COMMANDS.items()}
+
 
 class TypedError(Exception):
     """A value is not of its type; the message says which."""
@@ -138,18 +150,6 @@ def _is_unicode(text: str) -> bool:
     except UnicodeEncodeError:
         return False
     return True
-
-
-_COMMANDS: Mapping[str, type[Command]] = {
-    "set": commands.Set,
-    "add": commands.Add,
-    "remove": commands.Remove,
-    "move": commands.Move,
-    "rename": commands.Rename,
-    "create": commands.Create,
-    "place": commands.Place,
-}
-_NAMES = {kind: name for name, kind in _COMMANDS.items()}
 
 
 def command(value: Mapping[str, object], where: str = "command") -> Command:

@@ -33,6 +33,10 @@ _MOST_AT_ONCE = 64
 _POLICY_VIOLATION = 1008
 _LOG = logging.getLogger(__name__)
 
+_MOST_UNSENT = 1024
+
+_TRY_AGAIN_LATER = 1013
+
 
 @dataclass(frozen=True)
 class Hello:
@@ -136,10 +140,6 @@ class PageSocket:
         """Tells a message from any thread."""
         with suppress(RuntimeError):  # the loop has ended meanwhile
             self._loop.call_soon_threadsafe(self._outgoing.send, message)
-
-
-_MOST_UNSENT = 1024
-_TRY_AGAIN_LATER = 1013
 
 
 class Outgoing:

@@ -31,6 +31,12 @@ Id = str | int | float | None
 _LARGEST = 2**53
 """Beyond it the numbers of JSON are not exact."""
 
+ParamsT = TypeVar("ParamsT")
+
+ResultT = TypeVar("ResultT")
+
+_THREADS = 8
+
 
 class RpcError(Exception):
     """A request that gets no result."""
@@ -105,12 +111,6 @@ def notification(method: str, params: object) -> str:
 
 def _text(message: Mapping[str, Any]) -> str:
     return json.dumps({"jsonrpc": "2.0", **message}, allow_nan=False, separators=(",", ":"))
-
-
-ParamsT = TypeVar("ParamsT")
-ResultT = TypeVar("ResultT")
-
-_THREADS = 8
 
 
 @dataclass(frozen=True)

@@ -36,6 +36,11 @@ PAGE = Path(__file__).resolve().parent / "page"
 
 _SECONDS_TO_END = 2
 
+MOST_SOCKETS = 32
+"""Sockets that are served at once."""
+
+_TRY_AGAIN_LATER = 1013
+
 
 class PageMissingError(Exception):
     """The page was not built."""
@@ -105,12 +110,6 @@ def _ended_by_signals(server: uvicorn.Server) -> Iterator[None]:
     finally:
         for each, handler in zip(signals, before, strict=True):
             signal.signal(each, handler)
-
-
-MOST_SOCKETS = 32
-"""Sockets that are served at once."""
-
-_TRY_AGAIN_LATER = 1013
 
 
 @dataclass

@@ -42,6 +42,11 @@ if TYPE_CHECKING:
 _MODULES = (showing, editing, modelling, texts, mapping, generating)
 _LOG = logging.getLogger(__name__)
 
+DEBOUNCE_MS, STEP_MS = 50, 10
+"""Milliseconds: what changes within them is told at once; how long it must have been quiet."""
+
+LAYOUT_SUFFIX = ".layout.json"
+
 
 class Session:
     """Answers pages, and tells them what happens."""
@@ -106,12 +111,6 @@ class Session:
 
     def _judged(self, verdict: Verdict) -> None:
         self._context.subscribers.notify("problems", showing.problems(self._context, verdict))
-
-
-DEBOUNCE_MS, STEP_MS = 50, 10
-"""Milliseconds: what changes within them is told at once; how long it must have been quiet."""
-
-LAYOUT_SUFFIX = ".layout.json"
 
 
 async def changes(root: Path, end: asyncio.Event) -> AsyncIterator[list[str]]:

@@ -32,6 +32,12 @@ if TYPE_CHECKING:
     from jausml.language.model.xmi.parsing import Node
     from jausml.language.text.reading.document import TextDocument
 
+_MAP_ORDER = (
+    *("tables", "quantities", "joins", "reportJoins", "stopRos", "stopJaus"),
+    *("toRos", "toJaus", "vectors"),
+)
+"""The features of maps that own elements, in the order in which they are written."""
+
 
 @dataclass(frozen=True, slots=True)
 class FeatureChange:
@@ -176,13 +182,6 @@ class EditedText:
         node = self.node(obj)
         spans = (self.written.value_span(each) for each in node.children if each.tag == "name")
         return any(each is part.name.span for each in spans)
-
-
-_MAP_ORDER = (
-    *("tables", "quantities", "joins", "reportJoins", "stopRos", "stopJaus"),
-    *("toRos", "toJaus", "vectors"),
-)
-"""The features of maps that own elements, in the order in which they are written."""
 
 
 class InsertionPoints:

@@ -32,6 +32,14 @@ if TYPE_CHECKING:
     from jausml.language.model.refs import Ref
     from jausml.language.model.xmi.parsing import Node
 
+_PARTING = re.compile("([./])")
+
+_ROLES = ("request", "response", "goal", "result", "feedback")
+"""Steps that say which part of a service or an action is meant."""
+
+_FOLDERS = ("msg", "srv", "action")
+"""Steps that a ROS name may have, and that name nothing."""
+
 
 def plan_text(commands: Sequence[ElementCommand], context: Context) -> list[Splice]:
     """Returns what is to change in a text, as `planning.Planner` says."""
@@ -149,17 +157,6 @@ class _Plan:
                     named[obj] = command.name
         if named:
             Following(self._edited).rename(named)
-
-
-_PARTING = re.compile("([./])")
-
-
-_ROLES = ("request", "response", "goal", "result", "feedback")
-"""Steps that say which part of a service or an action is meant."""
-
-
-_FOLDERS = ("msg", "srv", "action")
-"""Steps that a ROS name may have, and that name nothing."""
 
 
 class Following:

@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from jausml.language.metamodel import FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
 
+NAME, DOCUMENTATION = "name", "documentation"
+
 
 class Values:
     """Sets attributes and references that stand in blocks as features."""
@@ -153,9 +155,6 @@ def _are_same(ones: Sequence[Any], others: Sequence[Any]) -> bool:
 
 def _is_same(one: Any, other: Any) -> bool:
     return one is other or (not hasattr(one, "eClass") and bool(one == other))
-
-
-NAME, DOCUMENTATION = "name", "documentation"
 
 
 class Heads:

@@ -40,6 +40,10 @@ _XSI = "xsi"
 _PLACE = re.compile(r"([^\s\"']+)\s+([^\s\"']+)")
 """A namespace and the place of its metamodel, of which `xsi:schemaLocation` lists several."""
 
+_WORD = re.compile(r"\S+")
+
+_PATH = re.compile(r"/(?:[0-9]+)?(?:/@[^/.@\[\]?]+(?:\.[0-9]+)?)*")
+
 
 class Names:
     """The names that one file uses."""
@@ -209,10 +213,6 @@ def _rank(name: str) -> tuple[int, str]:
     if not name.startswith("xmlns"):
         return (4, "")
     return {"xmlns:xmi": (1, ""), "xmlns:xsi": (2, "")}.get(name, (3, name))
-
-
-_WORD = re.compile(r"\S+")
-_PATH = re.compile(r"/(?:[0-9]+)?(?:/@[^/.@\[\]?]+(?:\.[0-9]+)?)*")
 
 
 @dataclass(frozen=True, slots=True)

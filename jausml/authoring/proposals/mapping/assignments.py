@@ -20,6 +20,21 @@ if TYPE_CHECKING:
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.proposals.mapping.members import Member
 
+_WITH_FACTOR = [each for each in CONVERSIONS.values() if each.takes_factor]
+
+_POLICIES = ("whenAbsent", "defaultValue", "outOfRange")
+
+UNKNOWN = "1"
+"""The number that stands for one that the author knows."""
+
+OF_AUTHORS = tuple(
+    each.name for each in sorted(_WITH_FACTOR, key=lambda each: each.units is UnitEffect.ANY)
+)
+"""Conversions whose argument the author knows, with 1 in its place: proposed behind all others.
+
+Those that say something of units come first.
+"""
+
 
 def filling(
     scope: Scope,
@@ -62,21 +77,6 @@ def _list_of(
             if ends == ([source.outer], [target.outer]):
                 return each
     return None
-
-
-_WITH_FACTOR = [each for each in CONVERSIONS.values() if each.takes_factor]
-_POLICIES = ("whenAbsent", "defaultValue", "outOfRange")
-
-UNKNOWN = "1"
-"""The number that stands for one that the author knows."""
-
-OF_AUTHORS = tuple(
-    each.name for each in sorted(_WITH_FACTOR, key=lambda each: each.units is UnitEffect.ANY)
-)
-"""Conversions whose argument the author knows, with 1 in its place: proposed behind all others.
-
-Those that say something of units come first.
-"""
 
 
 def innermost(child: Child) -> Child:

@@ -43,6 +43,14 @@ _MOST = 6
 Words = tuple[tuple[str, str], ...]
 """Targets, each with what fills it."""
 
+_FIELD = "bridge.FieldAssignment"
+
+_SOURCELESS = {"clock": "bridge.ClockAssignment", "ignore": "bridge.Ignore"}
+
+_CONSTANT = re.compile(r'"(?P<text>.*)"|(?P<plain>[-+]?\.?\d[^\s,:]*|true|false)', re.DOTALL)
+
+_CALL = re.compile(r"(?P<name>\w+)\s*(?:\((?P<arguments>[^()]*)\))?\s*")
+
 
 @dataclass(frozen=True)
 class Wish:
@@ -199,12 +207,6 @@ def _of_values(used: bridge.AttributeMap, ways: Collection[bool]) -> Iterator[Do
             yield Doubt(
                 to_ros=False, target=each.path, choices=tuple(f'"{name}"' for name, _ in names)
             )
-
-
-_FIELD = "bridge.FieldAssignment"
-_SOURCELESS = {"clock": "bridge.ClockAssignment", "ignore": "bridge.Ignore"}
-_CONSTANT = re.compile(r'"(?P<text>.*)"|(?P<plain>[-+]?\.?\d[^\s,:]*|true|false)', re.DOTALL)
-_CALL = re.compile(r"(?P<name>\w+)\s*(?:\((?P<arguments>[^()]*)\))?\s*")
 
 
 def assignments_of(

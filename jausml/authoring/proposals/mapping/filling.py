@@ -40,6 +40,11 @@ _Steps = tuple[str, ...]
 FEATURES = {True: "toRos", False: "toJaus"}
 """The assignments of a map, by whether they go to ROS."""
 
+_DIAGONALS = {9: ((0, 4, 8),), 36: ((0, 7, 14), (21, 28, 35))}
+"""The cells of variances along three axes, by the number of cells of a matrix."""
+
+_COVARIANCE, _RMS = "covariance", "rms"
+
 
 @dataclass(frozen=True, slots=True)
 class Filling:
@@ -191,12 +196,6 @@ def _left(used: bridge.AttributeMap, good: Sequence[Child], *, to_ros: bool) -> 
         if each.attribute.kind != LIST and not is_part and not is_filled(each.path, filled):
             left.append(each.path)
     return tuple(left)
-
-
-_DIAGONALS = {9: ((0, 4, 8),), 36: ((0, 7, 14), (21, 28, 35))}
-"""The cells of variances along three axes, by the number of cells of a matrix."""
-
-_COVARIANCE, _RMS = "covariance", "rms"
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,16 @@ _MOST = 8
 
 _FRAME_IDS = ("frame_id", "child_frame_id")
 
+_STAMP = "header.stamp"
+
+_FRAME_ID, _CHILD_FRAME_ID = "header.frame_id", "child_frame_id"
+
+_FRAMES = {UP: "odom", FLU: "base_link"}
+"""Frames of REP 105 by what the axes of a ROS type are; the outer one comes first."""
+
+STOPS = {True: "stopRos", False: "stopJaus"}
+"""The stops of a map, by whether they go to ROS."""
+
 
 def opens(
     used: bridge.AttributeMap, assignments: Sequence[Child], ways: Collection[bool]
@@ -147,12 +157,6 @@ def _listed(names: Sequence[str]) -> str:
     return ", ".join(names[:_MOST]) + (f" and {more} more" if more > 0 else "")
 
 
-_STAMP = "header.stamp"
-_FRAME_ID, _CHILD_FRAME_ID = "header.frame_id", "child_frame_id"
-_FRAMES = {UP: "odom", FLU: "base_link"}
-"""Frames of REP 105 by what the axes of a ROS type are; the outer one comes first."""
-
-
 @dataclass(frozen=True)
 class Unfilled:
     """A part of the target message that nothing fills, as large as can be."""
@@ -229,10 +233,6 @@ def _header(used: bridge.AttributeMap) -> Iterator[Child]:
         if path in known:
             values = {"target": (path,), "value": (name,)}
             yield Child(FEATURES[True], "bridge.ConstantAssignment", values)
-
-
-STOPS = {True: "stopRos", False: "stopJaus"}
-"""The stops of a map, by whether they go to ROS."""
 
 
 def stops_by_zeros(used: bridge.AttributeMap, ways: Collection[bool]) -> list[bool]:

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from jausml.authoring.studio.kept_edits import KeptEdit
     from jausml.language.model import Model
 
+_ADDRESS = "address"
+
 
 @dataclass(frozen=True)
 class Edit:
@@ -198,9 +200,6 @@ def _arrange(context: StudioContext, request: showing.OfView) -> dict[str, Any]:
         context.changed(context.project.do([forget], f"Arrange {request.view}"))
     context.drawings.forget(request.file, request.view)
     return showing.view(context, request)
-
-
-_ADDRESS = "address"
 
 
 def with_free_addresses(model: Model, commands: Sequence[Add | Set]) -> list[Add | Set]:

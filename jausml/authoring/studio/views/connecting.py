@@ -26,6 +26,13 @@ if TYPE_CHECKING:
     from jausml.authoring.studio.views.spots import Spot
     from jausml.language.metamodel.classes.ecore import EObject
 
+_OTHER_ENDS: Mapping[str, tuple[str, str, str]] = {
+    "Publisher": ("subscriptions", "ros.Subscription", "topic"),
+    "Subscription": ("publishers", "ros.Publisher", "topic"),
+    "ServiceClient": ("serviceServers", "ros.ServiceServer", "service"),
+    "ServiceServer": ("serviceClients", "ros.ServiceClient", "service"),
+}
+
 
 def connect(scope: Scope, source: Spot, target: Spot) -> Options:
     """Returns the ways to connect two ends of the system view, the best first."""
@@ -87,14 +94,6 @@ def ends(scope: Scope, start: Spot) -> list[tuple[Spot, str]]:
         if answer.options:
             found.append((other, answer.options[0].why))
     return found
-
-
-_OTHER_ENDS: Mapping[str, tuple[str, str, str]] = {
-    "Publisher": ("subscriptions", "ros.Subscription", "topic"),
-    "Subscription": ("publishers", "ros.Publisher", "topic"),
-    "ServiceClient": ("serviceServers", "ros.ServiceServer", "service"),
-    "ServiceServer": ("serviceClients", "ros.ServiceClient", "service"),
-}
 
 
 def asked(scope: Scope, source: Spot, target: Spot) -> Options:

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 _MARK = "!"
 
+JAUS_END, ROS_END = "!jaus", "!ros"
+
 
 @dataclass(frozen=True)
 class Spot:
@@ -71,9 +73,6 @@ def all_spots(scope: Scope) -> Iterator[Spot]:
         for feature in ("publishers", "subscriptions", "serviceServers", "serviceClients"):
             for end in getattr(node, feature):
                 yield Spot(node, end)
-
-
-JAUS_END, ROS_END = "!jaus", "!ros"
 
 
 def end_of(scope: Scope, used: bridge.AttributeMap, node: str, port: str) -> Member:

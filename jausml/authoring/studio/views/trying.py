@@ -56,6 +56,10 @@ _WORKER = Path(__file__).with_name("trial_worker.py")
 _ELEMENT = "[0]"
 _WORDS = {NUMBER: "number", BOOL: "boolean", TEXT: "text"}
 
+BRIDGE_NAME, CONNECTION_NAME = "trial", "tried"
+
+_SYSTEM = "trial_system"
+
 
 @dataclass(frozen=True, slots=True)
 class Input:
@@ -287,10 +291,6 @@ def _unit(place: PathPlace, path: str) -> str:
     found = place.follow(path)
     unit = found.attribute().units if isinstance(found, JausPlace | RosPlace) else ""
     return "" if unit == "one" else unit
-
-
-BRIDGE_NAME, CONNECTION_NAME = "trial", "tried"
-_SYSTEM = "trial_system"
 
 
 def trial_bridge(metamodels: Metamodels, used: bridge.AttributeMap, *, to_ros: bool) -> BridgeCode:
