@@ -111,7 +111,7 @@ class Process:
         """What the process said of some kinds so far."""
         return [fact for fact in list(self.facts) if fact["kind"] in kinds]
 
-    def notify(self, line: str) -> None:
+    def tell(self, line: str) -> None:
         """Writes a line to a process that was started with `stdin`."""
         self.popen.stdin.write(f"{line}\n")
         self.popen.stdin.flush()

@@ -142,7 +142,7 @@ def test_the_unit_of_the_judges_commands_a_bridge_in_each_of_its_tests(ros, star
     with Repeater(publisher, Odometry()):
         wait_for(lambda: "runs as" in bridge.log.read_text(), "start of the bridge")
         for number in range(4):
-            unit.notify(str(10 + number))
+            unit.tell(str(10 + number))
             wait_for(lambda: len(unit.of_kind("tested")) > number, "end of a test")  # noqa: B023
     asked = {0x4B00, 0x000F, 0x4003, 0x4002, 0x4404, 0x0010}
     answers = [each["code"] for each in unit.of_kind("answer")]

@@ -117,8 +117,8 @@ class Rover:
 
     def tells(self, reason):
         """Waits until /diagnostics names the reason of the stop."""
-        wait_for(lambda: reason in self.subscribed()[0], f"'{reason}' on /diagnostics", PATIENCE)
-        _, values = self.subscribed()
+        wait_for(lambda: reason in self.told()[0], f"'{reason}' on /diagnostics", PATIENCE)
+        _, values = self.told()
         assert int(values[f"stopped: {reason}"]) > 0
         assert values["when lost"] == "the stop is sent"
 

@@ -55,12 +55,12 @@ class System:
 
     def lamp(self, mode="answer"):
         process = self.start(str(FOLDER / "lamp.py"))
-        process.notify(mode)
+        process.tell(mode)
         wait_for(lambda: process.of_kind("mode"), "lamp")
         return process
 
     def mode(self, lamp, mode):
-        lamp.notify(mode)
+        lamp.tell(mode)
         wait_for(lambda: lamp.of_kind("mode")[-1]["mode"] == mode, mode)
 
     def send(self, name, **members):
@@ -88,7 +88,7 @@ class System:
     def operator(self):
         """Returns an operator that controls the bridge."""
         process = self.start(str(FOLDER / "lamp_operator.py"))
-        process.notify("take")
+        process.tell("take")
         wait_for(lambda: "READY" in states(process), "control of the bridge")
         return process
 
@@ -256,12 +256,12 @@ def test_a_message_calls_a_service(system):
 
     service = system.serve(handler)
     operator = system.operator()
-    operator.notify("set 100")
+    operator.tell("set 100")
     wait_for(lambda: operator.of_kind("confirm"), "confirmation")
-    operator.notify("set 0")
+    operator.tell("set 0")
     wait_for(lambda: operator.of_kind("reject"), "rejection")
     assert taken == [True, False]
-    operator.notify("set 7")  # no counterpart in the table
+    operator.tell("set 7")  # no counterpart in the table
     wait_for(lambda: len(operator.of_kind("reject")) == 2, "rejection")
     assert taken == [True, False]
     system.ros.node.destroy_service(service)
@@ -269,7 +269,7 @@ def test_a_message_calls_a_service(system):
 
 def test_a_service_that_is_absent_is_a_rejection(system):
     operator = system.operator()
-    operator.notify("set 100")
+    operator.tell("set 100")
     wait_for(lambda: operator.of_kind("reject"), "rejection")
     wait_for(lambda: system.value("switch_robot", "failed: no_service") == "1", "diagnostics")
     assert system.status("switch_robot").message == "nobody serves lamp/switch"
@@ -284,7 +284,7 @@ def test_a_service_that_hangs_is_a_rejection(system):
 
     system.serve(handler)
     operator = system.operator()
-    operator.notify("set 100")
+    operator.tell("set 100")
     wait_for(lambda: operator.of_kind("reject"), "rejection")
     go_on.set()
     wait_for(lambda: system.value("switch_robot", "failed: timed_out") == "1", "diagnostics")
@@ -301,12 +301,12 @@ def test_who_does_not_control_the_bridge_is_not_heard(system):
 
     system.serve(handler)
     operator = system.operator()
-    operator.notify("release")
+    operator.tell("release")
     wait_for(lambda: operator.of_kind("released"), "release")
-    operator.notify("set 100")
-    operator.notify("take")
+    operator.tell("set 100")
+    operator.tell("take")
     wait_for(lambda: states(operator).count("READY") > 1, "control again")
-    operator.notify("set 0")
+    operator.tell("set 0")
     wait_for(lambda: operator.of_kind("confirm"), "confirmation")
     assert taken == [False]
 
@@ -321,9 +321,9 @@ def test_the_loss_of_control_ends_calls(system):
 
     system.serve(handler)
     operator = system.operator()
-    operator.notify("set 100")
+    operator.tell("set 100")
     assert begun.wait(20.0)
-    operator.notify("release")
+    operator.tell("release")
     wait_for(lambda: operator.of_kind("reject"), "rejection")
     go_on.set()
     wait_for(lambda: system.value("switch_robot", "failed: ended") == "1", "diagnostics")

@@ -152,7 +152,7 @@ def facts(system, *kinds):
 
 def order(system, *words):
     for word in words:
-        system.processes["ros"].notify(word)
+        system.processes["ros"].tell(word)
 
 
 def pass_by(system, operator, *uids):
