@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from jausml.authoring.editing.commands import Create, EditError, Move
-from jausml.authoring.editing.describing import free_name
+from jausml.authoring.editing.describing import numbered_name
 from jausml.authoring.editing.project import Project
 from jausml.language.metamodel.filling import contents
 from jausml.language.model import read_models
@@ -163,7 +163,7 @@ def test_a_text_keeps_its_elements_and_says_how_they_get_elsewhere(project):
 
 
 def test_free_names():
-    assert free_name("a", set()) == "a"
-    assert free_name("a", {"a"}) == "a_2"
-    assert free_name("a_2", {"a", "a_2", "a_3"}) == "a_4"
-    assert free_name("speed10", {"speed10"}) == "speed_11"
+    assert numbered_name("a", set()) == "a"
+    assert numbered_name("a", {"a"}) == "a_2"
+    assert numbered_name("a_2", {"a", "a_2", "a_3"}) == "a_4"
+    assert numbered_name("speed10", {"speed10"}) == "speed_11"

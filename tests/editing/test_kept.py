@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from random_commands import Commands
 
 from jausml.authoring.editing.commands import EditError
-from jausml.authoring.editing.forest import Forest
 from jausml.authoring.editing.project import Project
 from jausml.authoring.editing.reading import NOTATIONS
+from jausml.authoring.editing.working_copy import WorkingCopy
 from jausml.language.model import read_models
 from jausml.language.model.uris import LIBRARY_URI
 from jausml.language.validation.engine import check
@@ -48,7 +48,7 @@ def test_after_random_commands(name, seed):
                 project.do([Commands(project, chance.choice(files), chance).any()], "any")
             except EditError:
                 continue
-            assert_forest_is_that_of_what_was_read(project)
+            assert_working_copy_is_that_of_what_was_read(project)
             for file in files:
                 assert_verdict_is_that_of_all_anew(project, file)
 
@@ -60,18 +60,18 @@ def assert_verdict_is_that_of_all_anew(project, file):
     assert check(kept).diagnostics == check(anew).diagnostics
 
 
-def assert_forest_is_that_of_what_was_read(project):
-    forest = project._forest
-    assert shape(forest) == shape(Forest.grown(forest.models, project.root))
+def assert_working_copy_is_that_of_what_was_read(project):
+    working_copy = project._working_copy
+    assert shape(working_copy) == shape(WorkingCopy.of(working_copy.models, project.root))
 
 
-def shape(forest):
-    refs = forest.refs()
+def shape(working_copy):
+    refs = working_copy.refs()
 
     def shown(target):
         return target if isinstance(target, str) else refs[target]
 
-    things = [
+    copies = [
         (
             refs[each],
             each.file,
@@ -84,6 +84,6 @@ def shape(forest):
             (each.owner and shown(each.owner), each.feature),
             each.open,
         )
-        for each in forest.everything()
+        for each in working_copy.everything()
     ]
-    return things, {obj: shown(each) for obj, each in forest.things.items()}
+    return copies, {obj: shown(each) for obj, each in working_copy.copies.items()}

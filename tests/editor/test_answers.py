@@ -7,9 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jausml.authoring.editor.completion import UNITS, complete
-from jausml.authoring.editor.definition import define
+from jausml.authoring.editor.definition import define, outline
 from jausml.authoring.editor.hover import hover
-from jausml.authoring.editor.outline import outline
 from jausml.authoring.editor.positions import Columns, Place
 from jausml.authoring.editor.renaming import RenameError, rename
 from jausml.language.attributes.units import parse_unit
@@ -102,8 +101,8 @@ def test_completion_in_the_elements_of_lists(offered):
 
 def test_a_completion_replaces_the_whole_word(bench, at):
     path, place = at(to_ros("Velocity_X -> twist.tw¦ist.linear.x"))
-    offer = complete(bench, path, place)
-    assert (offer.start.column, offer.end.column) == (23, 43)
+    found = complete(bench, path, place)
+    assert (found.start.column, found.end.column) == (23, 43)
 
 
 @pytest.mark.parametrize("unit", UNITS)

@@ -9,10 +9,9 @@ from pathlib import Path
 import pytest
 
 from jausml.authoring.editor.completion import complete
-from jausml.authoring.editor.diagnosing import all_problems, syntax_problems
-from jausml.authoring.editor.outline import outline
+from jausml.authoring.editor.definition import outline
 from jausml.authoring.editor.positions import Place
-from jausml.authoring.editor.workbench import Workbench, parsed_text
+from jausml.authoring.editor.workbench import Workbench, all_problems, parsed_text, syntax_problems
 from jausml.language.text.reading import parsing
 
 EXAMPLES = Path(__file__).parents[2] / "models" / "examples"

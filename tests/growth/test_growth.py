@@ -9,11 +9,10 @@ import pytest
 from counting import calls
 
 from jausml.authoring.editor.completion import complete
-from jausml.authoring.editor.diagnosing import all_problems
+from jausml.authoring.editor.definition import outline
 from jausml.authoring.editor.hover import hover
-from jausml.authoring.editor.outline import outline
 from jausml.authoring.editor.positions import Place
-from jausml.authoring.editor.workbench import Workbench
+from jausml.authoring.editor.workbench import Workbench, all_problems
 from jausml.generation import load_targets, render, select
 from jausml.language.model.xmi.writer import to_xmi
 from jausml.language.text.notation import NOTATIONS

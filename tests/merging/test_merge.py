@@ -201,7 +201,7 @@ def test_what_theirs_refers_to_and_ours_removed_is_told(merge):
     assert [each.rule for each in findings] == ["JML813"]
 
 
-def test_an_assignment_is_one_thing(merge):
+def test_an_assignment_is_one_copy(merge):
     """Half of each side would be a number that nobody meant."""
     conversions = '<conversions kind="scale"><arguments>{}</arguments></conversions>'
     base = replaced(MINIMAL, ("<conversions/>", conversions.format("2.0")))

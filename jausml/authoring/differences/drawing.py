@@ -10,7 +10,7 @@ from collections import defaultdict
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeVar
 
-from jausml.authoring.differences.change import Kind
+from jausml.authoring.differences.changes import Kind
 from jausml.language.model import refs
 from jausml.views.diagrams.graph import ADDED, CHANGED, REMOVED, Edge, End, Graph, Group, Node, Port
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
     from pathlib import Path
 
-    from jausml.authoring.differences.change import Change
+    from jausml.authoring.differences.changes import Change
     from jausml.authoring.differences.matching import Matching
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.model import Model
@@ -33,13 +33,7 @@ _OLD = "old!"
 
 @dataclass(frozen=True)
 class Drawn:
-    """A state and its graph.
-
-    Attributes:
-        graph: The graph.
-        model: The model.
-        root: What the references of the graph are relative to.
-    """
+    """A state and its graph."""
 
     graph: Graph
     model: Model
@@ -47,14 +41,7 @@ class Drawn:
 
 
 def compared(old: Drawn, new: Drawn, matching: Matching, found: Sequence[Change]) -> Graph:
-    """Returns the graph of the new state with what was added, removed and changed.
-
-    Args:
-        old: The old state.
-        new: The new state, in the same view.
-        matching: Which elements of both are the same one.
-        found: What changed.
-    """
+    """Returns the graph of the new state with what was added, removed and changed."""
     same: dict[Ref, Ref] = {}
     for before, after in matching.news.items():
         same[refs.ref_of(before, old.model, old.root)] = refs.ref_of(after, new.model, new.root)
@@ -186,16 +173,16 @@ class _Comparison:
             identity = f"{_OLD}{each.id}" if same is None else same.id
             self._ends[End(old.id, each.id)] = End(new.id, identity)
             at = next(n for n, row in enumerate(rows) if row.id == identity) + 1
-        return _signed_node(replace(new, ports=tuple(rows)), state, self._told(new))
+        return _signed_node(replace(new, ports=tuple(rows)), state, self._details(new))
 
     def _row(self, port: Port, state: str) -> Port:
         if not state:
             return port
         label = f"{_SIGNS[state]} {port.label}"
-        details = (*port.details, *self._told(port))
+        details = (*port.details, *self._details(port))
         return replace(port, label=label, state=state, details=details)
 
-    def _told(self, part: Node | Port | Edge) -> tuple[tuple[str, str], ...]:
+    def _details(self, part: Node | Port | Edge) -> tuple[tuple[str, str], ...]:
         return tuple(("what changed", each) for each in self._texts.get(part.element, ()))
 
     def _united_edges(self) -> list[Edge]:
@@ -215,7 +202,7 @@ class _Comparison:
             if waiting:
                 waiting.pop(0)
             state = self._state(each, {each.id} if waiting is not None else set())
-            found.append(_signed_edge(each, state, self._told(each)))
+            found.append(_signed_edge(each, state, self._details(each)))
             if waiting == []:
                 del left[_signature(each, each.element)]
         gone = (each for rest in left.values() for each in rest)
@@ -232,17 +219,17 @@ def _signed_group(group: Group, state: str) -> Group:
     return replace(group, title=title, state=state)
 
 
-def _signed_node(node: Node, state: str, told: tuple[tuple[str, str], ...]) -> Node:
+def _signed_node(node: Node, state: str, details: tuple[tuple[str, str], ...]) -> Node:
     title = f"{_SIGNS[state]} {node.title}" if state else node.title
-    return replace(node, title=title, state=state, details=(*node.details, *told))
+    return replace(node, title=title, state=state, details=(*node.details, *details))
 
 
-def _signed_edge(edge: Edge, state: str, told: tuple[tuple[str, str], ...]) -> Edge:
+def _signed_edge(edge: Edge, state: str, details: tuple[tuple[str, str], ...]) -> Edge:
     if not state:
         return edge
     sign = _SIGNS[state]
     first, *others = edge.labels or ("",)
     labels = (f"{sign} {first}".rstrip(), *others)
     title = f"{sign} {edge.title}".rstrip()
-    details = (*edge.details, *told)
+    details = (*edge.details, *details)
     return replace(edge, title=title, labels=labels, state=state, details=details)

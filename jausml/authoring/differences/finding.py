@@ -6,10 +6,9 @@ from collections import defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.authoring.differences.breaking import breaks
-from jausml.authoring.differences.change import Change, Kind
+from jausml.authoring.differences.changes import Change, Kind, breaks
 from jausml.authoring.differences.matching import Matching, address, owned, values
-from jausml.authoring.differences.telling import (
+from jausml.authoring.differences.wording import (
     element_words,
     is_sign_change,
     statement,
@@ -39,12 +38,7 @@ _PHRASES = {
 
 
 def is_ordered(table: ClassTable, feature: FeatureTable) -> bool:
-    """Tells whether the order of the parts of an element means something.
-
-    Args:
-        table: The class of the element.
-        feature: The feature that holds the parts.
-    """
+    """Tells whether the order of the parts of an element means something."""
     return any(f"{each.qualified_name}.{feature.name}" in _ORDERED for each in table.supertypes)
 
 
@@ -70,8 +64,6 @@ def changes(
     Documentation, layout, ids and the order of parts that means nothing do not count.
 
     Args:
-        old: The old state.
-        new: The new state.
         roots: Root elements that belong together; None for one that the other state lacks.
         lost: The references of both states that lead to no element. They are compared by what they
             name.

@@ -1,24 +1,22 @@
-"""What commands mean: done to the things of a forest, with all that follows from them."""
+"""What commands mean: done to a working copy, with all that follows from them."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from jausml.authoring.editing.commands import IDENTIFIER, Add, EditError, Move, Remove, Rename, Set
-from jausml.authoring.editing.forest import Thing, default_text, open_features
-from jausml.authoring.editing.joins import paths_through
-from jausml.authoring.editing.sketches import converted
-from jausml.authoring.editing.states import bereft_transitions, targets_through
+from jausml.authoring.editing.following import orphaned_transitions, paths_through, targets_through
+from jausml.authoring.editing.working_copy import ElementCopy, default_text, open_features
 from jausml.language.metamodel import FeatureKind
-from jausml.language.model.values import suggest
+from jausml.language.model.values import convert, suggest
 from jausml.language.model.xmi.writer import lexical
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from jausml.authoring.editing.commands import Child, Command, Values
-    from jausml.authoring.editing.forest import Forest
-    from jausml.language.metamodel import ClassTable, FeatureTable, Metamodels
+    from jausml.authoring.editing.commands import Child, ElementCommand, Values
+    from jausml.authoring.editing.working_copy import WorkingCopy
+    from jausml.language.metamodel import ClassTable, DataTypeTable, FeatureTable, Metamodels
     from jausml.language.model.refs import Ref
 
 NAME = "name"
@@ -26,97 +24,94 @@ ValuesT = TypeVar("ValuesT", bound="Sequence[object]")
 
 
 class Applying:
-    """Applies one command to a forest.
+    """Applies one command to a working copy.
 
     Args:
-        forest: The forest.
-        find: Returns the thing of a ref, or the ref itself when it is of a file that the forest
-            has not; and the class of either.
-        metamodels: The metamodels.
+        find: Returns the copy of a ref, or the ref itself when it is of a file that the working
+            copy has not; and the class of either.
 
     Attributes:
         steps: The command, and what follows from it: all of the state before it.
         removed: What goes, the owners alone.
-        created: What it makes.
     """
 
     def __init__(
         self,
-        forest: Forest,
-        find: Callable[[Ref], tuple[Thing | Ref, ClassTable]],
+        working_copy: WorkingCopy,
+        find: Callable[[Ref], tuple[ElementCopy | Ref, ClassTable]],
         metamodels: Metamodels,
     ) -> None:
-        self._forest = forest
+        self._working_copy = working_copy
         self._find = find
         self._metamodels = metamodels
-        self.steps: list[Command] = []
-        self.removed: list[Thing] = []
-        self.changed: dict[Thing, dict[str, None]] = {}
-        self.created: list[Thing] = []
+        self.steps: list[ElementCommand] = []
+        self.removed: list[ElementCopy] = []
+        self.changed: dict[ElementCopy, dict[str, None]] = {}
+        self.created: list[ElementCopy] = []
 
-    def apply(self, command: Command) -> None:
+    def apply(self, command: ElementCommand) -> None:
         """Applies the command.
 
         Raises:
-            EditError: It makes no sense; the forest is worth nothing any more.
+            EditError: It makes no sense; the working copy is worth nothing any more.
         """
         if isinstance(command, Set):
             self._set(command)
         elif isinstance(command, Rename):
             self._rename(command)
         elif isinstance(command, Remove):
-            self._remove(self._thing(command.element))
+            self._remove(self._copy(command.element))
         elif isinstance(command, Add):
             self._add(command)
         elif isinstance(command, Move):
             self._move(command)
 
-    def _thing(self, ref: Ref) -> Thing:
+    def _copy(self, ref: Ref) -> ElementCopy:
         found, _ = self._find(ref)
         if isinstance(found, str):
             raise EditError(f"{ref} cannot be changed")
         return found
 
     def _set(self, command: Set) -> None:
-        thing = self._thing(command.element)
-        feature = feature_of(thing.table, command.feature)
+        copy = self._copy(command.element)
+        feature = feature_of(copy.table, command.feature)
         if command.feature == NAME and len(command.values) == 1:
             self._rename(Rename(command.element, command.values[0]))
             return
         if feature.kind is FeatureKind.CONTAINMENT:
-            raise EditError(f"{feature.name} of {thing.label} owns elements: add or remove them")
+            raise EditError(f"{feature.name} of {copy.label} owns elements: add or remove them")
         self.steps.append(command)
-        self._give(thing, feature, command.values)
+        self._give(copy, feature, command.values)
 
     def _rename(self, command: Rename) -> None:
-        thing = self._thing(command.element)
+        copy = self._copy(command.element)
         self.steps.append(command)
-        paths = paths_through(thing, command.name)
-        targets = targets_through(thing, command.name, self._forest)
+        paths = paths_through(copy, command.name)
+        targets = targets_through(copy, command.name, self._working_copy)
         for each, name, text in [*paths, *targets]:
-            self.steps.append(Set(self._forest.ref(each), name, (text,)))
+            self.steps.append(Set(self._working_copy.ref(each), name, (text,)))
             self._give(each, feature_of(each.table, name), (text,))
-        self._give(thing, feature_of(thing.table, NAME), (command.name,))
+        self._give(copy, feature_of(copy.table, NAME), (command.name,))
 
-    def _give(self, thing: Thing, feature: FeatureTable, values: Values) -> None:
+    def _give(self, copy: ElementCopy, feature: FeatureTable, values: Values) -> None:
         if not feature.settable or feature.kind is FeatureKind.CONTAINER:
-            raise EditError(f"{feature.name} of {thing.label} follows from the rest of the model")
+            raise EditError(f"{feature.name} of {copy.label} follows from the rest of the model")
         if len(values) > 1 and not feature.many:
-            raise EditError(f"{feature.name} of {thing.label} takes one value")
+            raise EditError(f"{feature.name} of {copy.label} takes one value")
         if feature.kind is FeatureKind.ATTRIBUTE:
-            _put(thing.values, feature.name, canonical(values, feature))
-            thing.open.discard(feature.name)
+            _put(copy.values, feature.name, canonical(values, feature))
+            copy.open.discard(feature.name)
             if not values:
-                thing.open |= open_features(thing.table, thing.file) & {feature.name}
+                copy.open |= open_features(copy.table, copy.file) & {feature.name}
         else:
             targets = [self._target(each, feature) for each in values]
-            _put(thing.references, feature.name, list(dict.fromkeys(targets)))
-        self._note(thing, feature)
+            _put(copy.references, feature.name, list(dict.fromkeys(targets)))
+        self._note(copy, feature)
 
-    def _note(self, thing: Thing, feature: FeatureTable) -> None:
-        self.changed.setdefault(thing, {})[feature.name] = None
+    def _note(self, copy: ElementCopy, feature: FeatureTable) -> None:
+        self.changed.setdefault(copy, {})[feature.name] = None
 
-    def _target(self, ref: Ref, feature: FeatureTable) -> Thing | Ref:
+    def _target(self, ref: Ref, feature: FeatureTable) -> ElementCopy | Ref:
         target, table = self._find(ref)
         wanted = cast("ClassTable", feature.target)
         if table not in wanted.subtypes:
@@ -125,70 +120,70 @@ class Applying:
         return target
 
     def _add(self, command: Add) -> None:
-        owner = self._thing(command.owner)
+        owner = self._copy(command.owner)
         made = self._made(owner.file, command)
         self._own(owner, command.feature, made, command.position)
         self.steps.append(command)
         self.created.append(made)
 
-    def _made(self, file: str, command: Add | Child) -> Thing:
+    def _made(self, file: str, command: Add | Child) -> ElementCopy:
         table = self._metamodels.classes.get(command.kind)
         if table is None or table.abstract:
             what = "abstract" if table is not None else "unknown"
             hint = suggest(command.kind, self._metamodels.classes)
             raise EditError(f"{command.kind} is an {what} class {f'({hint})' if hint else ''}")
-        thing = Thing(table, file)
-        thing.open = open_features(table, file)
+        copy = ElementCopy(table, file)
+        copy.open = open_features(table, file)
         for name, values in command.values.items():
             if name == IDENTIFIER:
-                thing.identifier = "".join(values)
+                copy.identifier = "".join(values)
             else:
-                self._give(thing, feature_of(table, name), tuple(values))
+                self._give(copy, feature_of(table, name), tuple(values))
         for child in command.children:
-            self._own(thing, child.feature, self._made(file, child), None)
-        self.changed.pop(thing, None)
-        return thing
+            self._own(copy, child.feature, self._made(file, child), None)
+        self.changed.pop(copy, None)
+        return copy
 
-    def _own(self, owner: Thing, name: str, thing: Thing, position: int | None) -> None:
+    def _own(self, owner: ElementCopy, name: str, copy: ElementCopy, position: int | None) -> None:
         feature = feature_of(owner.table, name)
         wanted = feature.target
         if feature.kind is not FeatureKind.CONTAINMENT or wanted is None:
             raise EditError(f"{name} of {owner.label} owns no elements")
-        if thing.table not in wanted.subtypes:
+        if copy.table not in wanted.subtypes:
             what = f"{name} of {owner.label} takes a {wanted.qualified_name}"
-            raise EditError(f"{what}, and {thing.label} is none")
+            raise EditError(f"{what}, and {copy.label} is none")
         siblings = owner.owned.setdefault(name, [])
         if not feature.many and (siblings or owner.references.get(name)):
             raise EditError(f"{owner.label} has its {name} already: change or remove it first")
-        siblings.insert(len(siblings) if position is None else position, thing)
-        thing.owner, thing.feature = owner, name
+        siblings.insert(len(siblings) if position is None else position, copy)
+        copy.owner, copy.feature = owner, name
 
     def _move(self, command: Move) -> None:
-        thing = self._thing(command.element)
-        owner = self._thing(command.owner)
-        if any(each is owner for each in thing.everything()):
-            raise EditError(f"{thing.label} cannot be moved into itself")
-        if thing.owner is None:
-            raise EditError(f"{thing.label} is the root of its file, which cannot be moved")
-        self._drop(thing)
-        self._own(owner, command.feature, thing, command.position)
+        copy = self._copy(command.element)
+        owner = self._copy(command.owner)
+        if any(each is owner for each in copy.everything()):
+            raise EditError(f"{copy.label} cannot be moved into itself")
+        if copy.owner is None:
+            raise EditError(f"{copy.label} is the root of its file, which cannot be moved")
+        self._drop(copy)
+        self._own(owner, command.feature, copy, command.position)
         self.steps.append(command)
 
-    def _drop(self, thing: Thing) -> None:
-        """Takes a thing from its owner or its file."""
-        if thing.owner is None:
-            self._forest.roots[thing.file].remove(thing)
+    def _drop(self, copy: ElementCopy) -> None:
+        """Takes a copy from its owner or its file."""
+        if copy.owner is None:
+            self._working_copy.roots[copy.file].remove(copy)
             return
-        siblings = thing.owner.owned[thing.feature]
-        siblings.remove(thing)
+        siblings = copy.owner.owned[copy.feature]
+        siblings.remove(copy)
         if not siblings:
-            del thing.owner.owned[thing.feature]
+            del copy.owner.owned[copy.feature]
 
-    def _remove(self, thing: Thing) -> None:
-        if thing.owner is None and len(self._forest.roots[thing.file]) == 1:
-            raise EditError(f"{thing.label} is all of {thing.file}: delete the file")
-        going: set[Thing] = set()
-        pending = [thing]
+    def _remove(self, copy: ElementCopy) -> None:
+        if copy.owner is None and len(self._working_copy.roots[copy.file]) == 1:
+            raise EditError(f"{copy.label} is all of {copy.file}: delete the file")
+        going: set[ElementCopy] = set()
+        pending = [copy]
         while pending:
             each = pending.pop()
             if each in going:
@@ -196,51 +191,51 @@ class Applying:
             gone = set(each.everything())
             going |= gone
             self.removed.append(each)
-            pending += self._bereft(gone, going)
+            pending += self._orphaned(gone, going)
         # What stands in something else that goes needs no mention.
         inner = {part for each in self.removed for part in each.everything() if part is not each}
         self.removed = [each for each in self.removed if each not in inner]
         self._unlink(going)
-        fragments = self._forest.fragments()
+        fragments = self._working_copy.fragments()
         for each in self.removed:
-            self.steps.append(Remove(self._forest.ref(each, fragments)))
+            self.steps.append(Remove(self._working_copy.ref(each, fragments)))
         for each, names in self.changed.items():
             for name in names:
                 values = [self._as_ref(v, fragments) for v in each.references.get(name, ())]
-                self.steps.append(Set(self._forest.ref(each, fragments), name, tuple(values)))
+                self.steps.append(Set(self._working_copy.ref(each, fragments), name, tuple(values)))
         for each in self.removed:
             self._drop(each)
 
-    def _bereft(self, gone: set[Thing], going: set[Thing]) -> Sequence[Thing]:
+    def _orphaned(self, gone: set[ElementCopy], going: set[ElementCopy]) -> Sequence[ElementCopy]:
         """Returns what cannot be without something that goes."""
         found = []
-        for thing, name in self._forest.referrers(gone):
-            feature = thing.table.features[name]
+        for copy, name in self._working_copy.referrers(gone):
+            feature = copy.table.features[name]
             is_needed = feature.lower > 0 and not feature.many
-            if thing not in going and is_needed and thing.owner is not None:
-                found.append(_whole(thing))
-        lost = bereft_transitions(going, self._forest)
+            if copy not in going and is_needed and copy.owner is not None:
+                found.append(_whole(copy))
+        lost = orphaned_transitions(going, self._working_copy)
         return [*found, *(each for each in lost if each not in going)]
 
-    def _unlink(self, going: set[Thing]) -> None:
-        for thing, name in list(self._forest.referrers(going)):
-            if thing not in going:
-                left = [each for each in thing.references[name] if each not in going]
-                _put(thing.references, name, left)
-                self._note(thing, thing.table.features[name])
+    def _unlink(self, going: set[ElementCopy]) -> None:
+        for copy, name in list(self._working_copy.referrers(going)):
+            if copy not in going:
+                left = [each for each in copy.references[name] if each not in going]
+                _put(copy.references, name, left)
+                self._note(copy, copy.table.features[name])
 
-    def _as_ref(self, target: Thing | Ref, fragments: Mapping[Thing, str]) -> Ref:
-        return target if isinstance(target, str) else self._forest.ref(target, fragments)
+    def _as_ref(self, target: ElementCopy | Ref, fragments: Mapping[ElementCopy, str]) -> Ref:
+        return target if isinstance(target, str) else self._working_copy.ref(target, fragments)
 
 
-def _whole(thing: Thing) -> Thing:
-    """Returns the outermost owner that cannot be without a thing, which may be itself."""
-    while thing.owner is not None and thing.owner.owner is not None:
-        feature = thing.owner.table.features[thing.feature]
+def _whole(copy: ElementCopy) -> ElementCopy:
+    """Returns the outermost owner that cannot be without a copy, which may be itself."""
+    while copy.owner is not None and copy.owner.owner is not None:
+        feature = copy.owner.table.features[copy.feature]
         if feature.many or feature.lower == 0:
             break
-        thing = thing.owner
-    return thing
+        copy = copy.owner
+    return copy
 
 
 def _put(values: dict[str, ValuesT], name: str, new: ValuesT) -> None:
@@ -251,11 +246,7 @@ def _put(values: dict[str, ValuesT], name: str, new: ValuesT) -> None:
 
 
 def feature_of(table: ClassTable, name: str) -> FeatureTable:
-    """Returns a feature of a class.
-
-    Raises:
-        EditError: It has none of the name.
-    """
+    """Returns a feature of a class."""
     feature = table.features.get(name)
     if feature is None:
         hint = suggest(name, table.features)
@@ -263,12 +254,22 @@ def feature_of(table: ClassTable, name: str) -> FeatureTable:
     return feature
 
 
-def canonical(values: Values, feature: FeatureTable) -> tuple[str, ...]:
-    """Returns values of an attribute as EMF writes them; none where the default need not stand.
+def converted(texts: Values, feature: FeatureTable) -> list[Any]:
+    """Returns the values of an attribute that texts stand for."""
+    if len(texts) > 1 and not feature.many:
+        raise EditError(f"{feature.name} takes one value")
+    found = []
+    for text in texts:
+        value, fault = convert(text, cast("DataTypeTable", feature.data_type))
+        if fault is not None:
+            hint = f"; {fault.hint}" if fault.hint else ""
+            raise EditError(f"{feature.name}: {fault.reason}{hint}")
+        found.append(value)
+    return found
 
-    Raises:
-        EditError: One is no value of the attribute.
-    """
+
+def canonical(values: Values, feature: FeatureTable) -> tuple[str, ...]:
+    """Returns values of an attribute as EMF writes them; none where the default need not stand."""
     found = [lexical(each, feature) for each in converted(values, feature)]
     if feature.many or feature.unsettable or found != [default_text(feature)]:
         return tuple(dict.fromkeys(found)) if feature.unique else tuple(found)

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 # The types of commands are asked for at run time, where commands come as JSON.
 from collections.abc import Mapping  # noqa: TC003
-from dataclasses import dataclass, field
-from typing import TypeAlias
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 from jausml.language.model.refs import Ref  # noqa: TC001
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
 
 LayoutKey: TypeAlias = str
 """Name of a box of a view that survives shifts of positions, such as `bridge:main/velocity`."""
@@ -24,6 +28,10 @@ NEW = "new:"
 
 IDENTIFIER = "xmi:id"
 """Among the values of a new element: the id that it shall have. Without one it gets none."""
+
+ElementCommand: TypeAlias = "Set | Add | Remove | Move | Rename"
+
+Command: TypeAlias = "ElementCommand | Create | Place"
 
 
 class EditError(Exception):
@@ -52,10 +60,7 @@ class Child:
     """An element that a new element owns.
 
     Attributes:
-        feature: The feature that owns it.
         kind: Its class with the package, such as `bridge.PeriodicConnection`.
-        values: Its values by feature.
-        children: What it owns.
     """
 
     feature: str
@@ -69,11 +74,6 @@ class Add:
     """Adds an element with what it owns.
 
     Attributes:
-        owner: The element that shall own it.
-        feature: The feature of the owner.
-        kind: Its class with the package, such as `bridge.PeriodicConnection`.
-        values: Its values by feature.
-        children: What it owns.
         position: Its position among the values of the feature, None for the end.
     """
 
@@ -115,13 +115,7 @@ class Rename:
 
 @dataclass(frozen=True, slots=True)
 class Create:
-    """Makes a model file with one root element.
-
-    Attributes:
-        file: The file, relative to the root with forward slashes.
-        kind: Class of the root element with the package, such as `system.System`.
-        values: Its values by feature.
-    """
+    """Makes a model file with one root element."""
 
     file: str
     kind: str
@@ -133,8 +127,6 @@ class Place:
     """Places boxes of a view by hand.
 
     Attributes:
-        file: The model file whose view it is.
-        view: Name of the view.
         positions: Upper left corners in pixels by the key of the box; None leaves a box to the
             layout engine again.
     """
@@ -144,4 +136,26 @@ class Place:
     positions: Mapping[LayoutKey, tuple[int, int] | None]
 
 
-Command: TypeAlias = "Set | Add | Remove | Move | Rename | Create | Place"
+AddedT = TypeVar("AddedT", Add, Child)
+
+
+def with_created(command: ElementCommand, known: Callable[[Ref], Ref]) -> ElementCommand:
+    """Returns a command with refs to what is there in place of those to what was made.
+
+    Args:
+        known: Returns the ref for which one such as `new:0` stands, and any other text as it is.
+    """
+    if isinstance(command, Set):
+        values = tuple(map(known, command.values))
+        return replace(command, element=known(command.element), values=values)
+    if isinstance(command, Rename | Remove):
+        return replace(command, element=known(command.element))
+    if isinstance(command, Move):
+        return replace(command, element=known(command.element), owner=known(command.owner))
+    return replace(_inside(command, known), owner=known(command.owner))
+
+
+def _inside(made: AddedT, known: Callable[[Ref], Ref]) -> AddedT:
+    values = {name: tuple(map(known, each)) for name, each in made.values.items()}
+    children = tuple(_inside(each, known) for each in made.children)
+    return replace(made, values=values, children=children)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from jausml.authoring.editing.commands import NEW, Add, Child, EditError, Set
-from jausml.authoring.editing.forest import attribute_values
+from jausml.authoring.editing.working_copy import attribute_values
 from jausml.language.metamodel import FeatureKind
 from jausml.language.metamodel.filling import contents
 from jausml.language.model.names import name_of
@@ -33,10 +33,6 @@ def described(
     The owner of each is empty, its feature the one that owns it now. What they refer to within
     what is copied becomes a ref to the copy, such as `new:0/@maps.1`: a copy of a bridge has its
     connections use its own maps. What refers so is added after what it refers to.
-
-    Args:
-        elements: The elements, each with a model that has it.
-        ref_of: Returns the ref of an element of a model.
     """
     return _Describing(elements, ref_of).commands()
 
@@ -223,17 +219,7 @@ def pasted(
     model: Model,
     ref_of: Callable[[EObject, Model], Ref],
 ) -> tuple[Add | Set, ...]:
-    """Returns descriptions as commands that add to an owner, with names that are free there.
-
-    Args:
-        commands: The descriptions.
-        chosen: The owner, or what stands in it.
-        model: The model of it.
-        ref_of: Returns the ref of an element of a model.
-
-    Raises:
-        EditError: Neither the element nor one around it can own what is described.
-    """
+    """Returns descriptions as commands that add to an owner, with names that are free there."""
     taken: dict[EObject, set[str]] = {}
     found: list[Add | Set] = []
     for each in commands:
@@ -245,7 +231,7 @@ def pasted(
             taken[owner] = {name_of(one) for one in model.owned(owner)}
         values = dict(each.values)
         if values.get(_NAME):
-            name = free_name(values[_NAME][0], taken[owner])
+            name = numbered_name(values[_NAME][0], taken[owner])
             values[_NAME] = (name,)
             taken[owner].add(name)
         ref = ref_of(owner, model)
@@ -270,7 +256,7 @@ def _place(command: Add, chosen: EObject, model: Model) -> tuple[EObject, str]:
     raise EditError(f"a {what} has no place in {name_of(chosen) or chosen.eClass.name}")
 
 
-def free_name(name: str, taken: set[str]) -> str:
+def numbered_name(name: str, taken: set[str]) -> str:
     """Returns a name that is not taken: itself, else with the next number behind it."""
     match = _NUMBERED.fullmatch(name)
     stem, number = (match[1], int(match[2])) if match and len(match[2]) < 9 else (name, 1)

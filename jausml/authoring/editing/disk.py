@@ -36,25 +36,14 @@ def _is_locked(descriptor: int) -> bool:
 
 
 class Disk:
-    """The files below a folder.
-
-    Args:
-        root: The folder, symbolic links followed.
-    """
+    """The files below a folder."""
 
     def __init__(self, root: Path) -> None:
         self._root = root
         self._is_alone = False
 
     def read(self, file: str) -> bytes | None:
-        """Returns what is stored of a file, None when it is not there.
-
-        Args:
-            file: The file, relative to the folder with forward slashes.
-
-        Raises:
-            EditError: It lies outside the folder, or cannot be read.
-        """
+        """Returns what is stored of a file, None when it is not there."""
         path = self._root / file
         if not Path(os.path.realpath(path)).is_relative_to(self._root):
             raise EditError(f"{file} lies outside the opened folder")

@@ -3,37 +3,47 @@
 from __future__ import annotations
 
 import posixpath
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
+from jausml.authoring.editing.applying import converted, feature_of
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.layout import is_layout
-from jausml.authoring.editing.reading import can_be_parsed, digest, is_library, is_text, stored
+from jausml.authoring.editing.reading import (
+    SUFFIXES,
+    can_be_parsed,
+    digest,
+    is_library,
+    is_model_file,
+    is_text,
+    stored,
+)
 from jausml.authoring.editing.records import FileChange, Stored
 from jausml.authoring.editing.splices import applied, difference, merged
+from jausml.language.metamodel import FeatureKind, load_metamodels
+from jausml.language.metamodel.filling import new_object, set_value, set_values
 from jausml.language.model import refs
+from jausml.language.model.model import Model
+from jausml.language.model.values import suggest
+from jausml.language.model.xmi.writer import UnwritableError, to_xmi
+from jausml.language.text.notation import SUFFIX
+from jausml.language.text.writing.unparsing import to_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from pathlib import Path
 
+    from jausml.authoring.editing.commands import Create, Values
     from jausml.authoring.editing.reading import Reader
     from jausml.authoring.editing.splices import Splice
+    from jausml.language.metamodel import FeatureTable, Metamodels
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.model import Model
     from jausml.language.model.reading.reader import ReadResult
     from jausml.language.model.refs import Ref
 
 
 class Draft:
-    """The files of a project with changes that nobody else sees yet.
-
-    Args:
-        root: The opened folder, symbolic links followed.
-        files: The files as they are.
-        reader: Reads models.
-        revision: The revision that the changes would lead to.
-    """
+    """The files of a project with changes that nobody else sees yet."""
 
     def __init__(
         self, root: Path, files: Mapping[str, Stored], reader: Reader, revision: int
@@ -64,11 +74,7 @@ class Draft:
         return self._reader.documents(file, self.files)
 
     def editable(self, ref: Ref) -> str:
-        """Returns the file of a ref.
-
-        Raises:
-            EditError: It must not be changed, or cannot be as it is.
-        """
+        """Returns the file of a ref."""
         file, _ = refs.split(ref)
         if is_library(file):
             raise EditError(f"{ref} is part of the library, which cannot be changed")
@@ -79,11 +85,7 @@ class Draft:
         return file
 
     def element(self, ref: Ref) -> tuple[EObject, Model]:
-        """Returns an element, and the model of its own file.
-
-        Raises:
-            EditError: There is no such element, or it must not be changed.
-        """
+        """Returns an element, and the model of its own file."""
         model = self.read(self.editable(ref)).model
         found = refs.find(ref, model, self.root)
         if found is None:
@@ -91,11 +93,7 @@ class Draft:
         return found, model
 
     def locate(self, ref: Ref) -> tuple[EObject, Model]:
-        """Returns an element, be it one of the library, and a model that has it.
-
-        Raises:
-            EditError: There is no such element.
-        """
+        """Returns an element, be it one of the library, and a model that has it."""
         file, _ = refs.split(ref)
         if is_library(file):
             model = self._reader.library(file).model
@@ -133,11 +131,7 @@ class Draft:
             self.files[file] = stored(file, data, self._revision, before)
 
     def check(self, file: str) -> None:
-        """Sees to it that a file that was changed can be parsed.
-
-        Raises:
-            EditError: It cannot.
-        """
+        """Sees to it that a file that was changed can be parsed."""
         held = self.files[file]
         if held == self._before.get(file):
             return
@@ -172,3 +166,55 @@ def _mentions(data: bytes, file: str) -> bool:
         return True  # written in one of several ways
     # Every other byte of UTF-16 is nought.
     return name.encode("ascii") in data.replace(b"\0", b"")
+
+
+def new_document(command: Create, draft: Draft) -> tuple[bytes, dict[str, Values]]:
+    """Returns the bytes of a new file, and references of its root that are still to be set."""
+    _check_name(command.file, draft)
+    metamodels = load_metamodels()
+    root, later = _root(command, metamodels)
+    write = to_text if command.file.endswith(SUFFIX) else to_xmi
+    try:
+        text = write([root], Model([], metamodels), draft.root / command.file)
+    except UnwritableError as error:
+        raise EditError(str(error)) from error
+    return text.encode("utf-8"), later
+
+
+def _root(command: Create, metamodels: Metamodels) -> tuple[Any, dict[str, Values]]:
+    table = metamodels.classes.get(command.kind)
+    if table is None or table.abstract:
+        hint = suggest(command.kind, metamodels.classes)
+        raise EditError(f"{command.kind} is no class that a file can have {hint}".strip())
+    root = new_object(table)
+    later: dict[str, Values] = {}
+    for name, values in command.values.items():
+        feature = feature_of(table, name)
+        if feature.kind is FeatureKind.CROSS_REFERENCE:
+            later[name] = tuple(values)
+        elif feature.kind is FeatureKind.ATTRIBUTE:
+            _fill(root, feature, tuple(values))
+        else:
+            raise EditError(f"{name} of a new {table.name} owns elements: add them afterwards")
+    return root, later
+
+
+def _check_name(file: str, draft: Draft) -> None:
+    parts = file.split("/")
+    is_plain = posixpath.normpath(file) == file and not file.startswith("/") and "\\" not in file
+    if not is_plain or any(each.startswith(".") or "\0" in each for each in parts):
+        raise EditError(f"{file!r} is no name of a file below the opened folder")
+    if not file.endswith(SUFFIXES):
+        raise EditError(f"{file} must end in {' or '.join(SUFFIXES)}")
+    if not is_model_file(file, draft.root):
+        raise EditError(f"{file} would not be among the models of the opened folder")
+    if file in draft.files or (draft.root / file).exists():
+        raise EditError(f"there is a {file} already")
+
+
+def _fill(root: object, feature: FeatureTable, texts: Values) -> None:
+    found = converted(texts, feature)
+    if feature.many:
+        set_values(root, feature, found)
+    elif found:
+        set_value(root, feature, found[0])

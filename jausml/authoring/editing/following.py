@@ -1,45 +1,194 @@
-"""Layouts that follow the elements whose boxes they place."""
+"""Texts that name elements by paths, and follow when these are renamed.
+
+They are paths through a join of a map, and targets of transitions. A state is looked for in its
+machine put together with those that it extends, as `semantics` does it; those of heirs and of
+inherited services count as far as the working copy has them.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.authoring.editing.layout import renamed
-from jausml.language.model.refs import Keys
-from jausml.views.diagrams.views import view_names
+from jausml.authoring.editing.working_copy import ElementCopy
+from jausml.language.semantics.jaus.inherited_machines import CORE_MACHINE, Machine, canonical
 
 if TYPE_CHECKING:
-    from jausml.authoring.editing.forest import Forest
-    from jausml.authoring.editing.layout import Layout
-    from jausml.language.model.model import Model
+    from collections.abc import Collection, Iterator
+
+    from jausml.authoring.editing.working_copy import WorkingCopy
+    from jausml.language.model.refs import Ref
 
 
-def followed(layout: Layout, file: str, before: Forest, after: Forest) -> Layout:
-    """Returns the layout of a file after an edit: what was renamed keeps its place.
+_STATE = "jaus.State"
+_TARGET = "target"
+_TRANSITIONS = ("transitions", "defaults")
 
-    Args:
-        layout: The layout before.
-        file: The model file.
-        before: The elements before.
-        after: The elements after, with the things of those before; what is gone is not among them.
-    """
-    old, new = before.models[file], after.models[file]
-    elements = {after.things[obj]: obj for obj in new.elements() if obj in after.things}
-    old_keys, new_keys = old.made(Keys), new.made(Keys)
-    names: dict[str, str | None] = {}
-    for obj in old.elements():
-        thing = before.things.get(obj)
-        if thing is not None:
-            element = elements.get(thing)
-            names[old_keys.of(obj)] = new_keys.of(element) if element is not None else None
-    views = _views(old, new)
-    moved = {views.get(view, view): boxes for view, boxes in layout.items()}
-    return renamed(moved, lambda key: names.get(key, key))
+_DIRECTIONS = {"joins": ("toJaus", "rosToJaus"), "reportJoins": ("toRos", "jausToRos")}
+"""Where paths may begin with a join: assignments of a map, and vectors of which direction."""
+
+_SOURCE, _PATH = "source", "path"
 
 
-def _views(old: Model, new: Model) -> dict[str, str]:
-    """Returns the new names of views by the old ones, which change when an element is renamed."""
-    before, after = (view_names(each) for each in (old, new))
-    if len(before) != len(after):
-        return {}
-    return dict(zip(before, after, strict=True))
+@dataclass(frozen=True)
+class _NamedTarget:
+    """A transition that names its target."""
+
+    transition: ElementCopy
+    source: str
+    text: str
+    machine: ElementCopy
+
+    @property
+    def target(self) -> str | None:
+        """Path of the state that it enters, None where there is none."""
+        return _put_together(self.machine).resolve(self.source, self.text)
+
+
+def targets_through(
+    state: ElementCopy, name: str, working_copy: WorkingCopy
+) -> Iterator[tuple[ElementCopy, str, str]]:
+    """Yields what names a state as its target, and how if that had another name."""
+    machine = _machine(state)
+    if machine is None or not name or not state.name:
+        return
+    old, new = _path(state, state.name), _path(state, name)
+    for named in _named_targets(machine, working_copy):
+        target = named.target
+        if target == old or (target or "").startswith(f"{old}."):
+            inner = str(target)[len(old) :]
+            text = _renamed(named.text, str(target), state.name, name, inner) or f"{new}{inner}"
+            if text != named.text:
+                yield named.transition, _TARGET, text
+
+
+def orphaned_transitions(
+    gone: Collection[ElementCopy], working_copy: WorkingCopy
+) -> Iterator[ElementCopy]:
+    """Yields the transitions that enter no state any more when elements go."""
+    for machine in {each: None for each in map(_machine, gone) if each is not None}:
+        for named in _named_targets(machine, working_copy):
+            left = _put_together(named.machine, gone)
+            if named.target is not None and left.resolve(named.source, named.text) is None:
+                yield named.transition
+
+
+def _renamed(text: str, target: str, old: str, new: str, inner: str) -> str:
+    """Returns a target with another name of a state; empty where only the whole path would do."""
+    steps, below = text.split("."), inner.count(".")
+    if len(steps) <= below:
+        return text
+    before = len(steps) - below - len(old.split("."))
+    if before < 0 or not f".{target}".endswith(f".{text}"):
+        return ""
+    return f"{'.'.join([*steps[:before], new])}{inner}"
+
+
+def _named_targets(machine: ElementCopy, working_copy: WorkingCopy) -> Iterator[_NamedTarget]:
+    """Yields the transitions with targets of a machine, and of those that extend it."""
+    for each in (machine, *_heirs(machine, working_copy)):
+        for path, state in _states(each):
+            for feature in _TRANSITIONS:
+                for transition in state.owned.get(feature, ()):
+                    text = next(iter(transition.values.get(_TARGET, ())), None)
+                    if text:
+                        yield _NamedTarget(transition, path, text, each)
+
+
+def _put_together(machine: ElementCopy, gone: Collection[ElementCopy] = ()) -> Machine:
+    """Returns the paths of a machine with those that it extends, without what goes."""
+    made = Machine(machine.name)
+    for each in _extended(machine):
+        for path, state in _states(each):
+            if state not in gone:
+                made.enter(path)
+    return made
+
+
+def _extended(machine: ElementCopy) -> Iterator[ElementCopy]:
+    """Yields a machine and those that it extends."""
+    service: ElementCopy | Ref | None = machine.owner
+    seen: set[ElementCopy] = set()
+    while isinstance(service, ElementCopy) and service not in seen:
+        seen.add(service)
+        yield from _alike(service, machine)
+        service = next(iter(service.references.get("inherits", ())), None)
+
+
+def _heirs(machine: ElementCopy, working_copy: WorkingCopy) -> Iterator[ElementCopy]:
+    """Yields the machines that extend one."""
+    pending = [machine.owner] if machine.owner is not None else []
+    seen = set(pending)
+    while pending:
+        for heir, feature in working_copy.referrers({pending.pop()}):
+            if feature == "inherits" and heir not in seen:
+                seen.add(heir)
+                pending.append(heir)
+                yield from _alike(heir, machine)
+
+
+def _alike(service: ElementCopy, machine: ElementCopy) -> Iterator[ElementCopy]:
+    """Yields the machines of a service that have the name of one."""
+    yield from (each for each in service.owned.get("machines", ()) if each.name == machine.name)
+
+
+def _states(machine: ElementCopy) -> Iterator[tuple[str, ElementCopy]]:
+    """Yields the states of a machine with their paths."""
+    pending = list(machine.owned.get("states", ()))
+    while pending:
+        state = pending.pop()
+        yield _path(state, state.name), state
+        pending += state.owned.get("states", ())
+
+
+def _machine(copy: ElementCopy) -> ElementCopy | None:
+    """Returns the machine of a state, None for anything else."""
+    if copy.table.qualified_name != _STATE:
+        return None
+    around: ElementCopy | None = copy
+    while around is not None and around.table.qualified_name == _STATE:
+        around = around.owner
+    return around
+
+
+def _path(state: ElementCopy, name: str) -> str:
+    """Returns the path of a state if it had a name."""
+    names, around = [name], state.owner
+    while around is not None and around.table.qualified_name == _STATE:
+        names.append(around.name)
+        around = around.owner
+    path = ".".join(reversed(names))
+    return canonical(path) if around is not None and around.name == CORE_MACHINE else path
+
+
+def paths_through(join: ElementCopy, name: str) -> Iterator[tuple[ElementCopy, str, str]]:
+    """Yields what has paths through a join, the feature, and the paths with another name for it."""
+    if join.owner is None or join.feature not in _DIRECTIONS or not join.name:
+        return
+    feature, direction = _DIRECTIONS[join.feature]
+    for each in join.owner.owned.get(feature, ()):
+        for copy in each.everything():
+            yield from _changed(copy, _SOURCE, join.name, name, is_nested=copy is not each)
+    for vector in join.owner.owned.get("vectors", ()):
+        if vector.values.get("direction", ("jausToRos",)) == (direction,):
+            for given in vector.owned.get("given", ()):
+                yield from _changed(given, _PATH, join.name, name, is_nested=False)
+
+
+def _changed(
+    copy: ElementCopy, feature: str, old: str, new: str, *, is_nested: bool
+) -> Iterator[tuple[ElementCopy, str, str]]:
+    text = next(iter(copy.values.get(feature, ())), None)
+    if not text:
+        return
+    # Within a list only paths from outside of it begin with a join.
+    lead = "/" if is_nested else ""
+    paths = text.split(", ")
+    found = [
+        f"{lead}{new}{path[len(lead + old) :]}"
+        if path == lead + old or path.startswith(f"{lead}{old}.")
+        else path
+        for path in paths
+    ]
+    if found != paths:
+        yield copy, feature, ", ".join(found)

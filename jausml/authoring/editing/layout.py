@@ -10,12 +10,17 @@ import re
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from jausml.language.model.refs import Keys
 from jausml.language.text.notation import SUFFIX as TEXT_SUFFIX
+from jausml.views.diagrams.views import view_names
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from jausml.authoring.editing.commands import LayoutKey
+    from jausml.authoring.editing.working_copy import WorkingCopy
+    from jausml.language.model.model import Model
+
 
 SUFFIX = ".layout.json"
 
@@ -81,7 +86,6 @@ def renamed(layout: Layout, new_name: Callable[[LayoutKey], LayoutKey | None]) -
     """Returns a layout whose boxes have other keys.
 
     Args:
-        layout: The layout.
         new_name: Returns the new key of an element, None for one that is gone.
     """
     return {view: _renamed(boxes, new_name) for view, boxes in layout.items()}
@@ -124,3 +128,27 @@ def _within(position: tuple[int, int]) -> tuple[int, int]:
 
 def _text(key: str) -> str:
     return json.dumps(key, ensure_ascii=False)
+
+
+def followed(layout: Layout, file: str, before: WorkingCopy, after: WorkingCopy) -> Layout:
+    """Returns the layout of a file after an edit: what was renamed keeps its place."""
+    old, new = before.models[file], after.models[file]
+    elements = {after.copies[obj]: obj for obj in new.elements() if obj in after.copies}
+    old_keys, new_keys = old.made(Keys), new.made(Keys)
+    names: dict[str, str | None] = {}
+    for obj in old.elements():
+        copy = before.copies.get(obj)
+        if copy is not None:
+            element = elements.get(copy)
+            names[old_keys.of(obj)] = new_keys.of(element) if element is not None else None
+    views = _views(old, new)
+    moved = {views.get(view, view): boxes for view, boxes in layout.items()}
+    return renamed(moved, lambda key: names.get(key, key))
+
+
+def _views(old: Model, new: Model) -> dict[str, str]:
+    """Returns the new names of views by the old ones, which change when an element is renamed."""
+    before, after = (view_names(each) for each in (old, new))
+    if len(before) != len(after):
+        return {}
+    return dict(zip(before, after, strict=True))

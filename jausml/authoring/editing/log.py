@@ -1,4 +1,4 @@
-"""The log of a project: what was done, and what was undone and can be done again."""
+"""The log of a project: what was done, what can be done again, and what others took back."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.records import Entry
+from jausml.authoring.editing.splices import applied, inverted
 
 if TYPE_CHECKING:
-    from jausml.authoring.editing.records import FileChange
+    from jausml.authoring.editing.records import FileChange, Stored
     from jausml.language.model.refs import Ref
 
 
@@ -68,3 +69,17 @@ class Log:
     def step_on(self) -> None:
         """Notes that the next entry was done again."""
         self._at += 1
+
+
+def takes_back(entry: Entry | None, known: Stored | None, new: bytes | None) -> bool:
+    """Tells whether a file has the lines again that an edit has replaced, and none that it made."""
+    if entry is None or known is None or new is None or entry.is_outside:
+        return False
+    for change in entry.changes:
+        if change.file == known.file and change.after == known.digest:
+            before = known.data
+            for step in reversed(change.steps):
+                before = applied(before, inverted(step))
+            old, own, now = (set(each.splitlines()) for each in (before, known.data, new))
+            return old != own and old - own <= now and not (own - old) & now
+    return False

@@ -11,9 +11,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
-    from jausml.authoring.editing.commands import Command
-    from jausml.authoring.editing.forest import Forest, Thing
+    from jausml.authoring.editing.commands import ElementCommand
     from jausml.authoring.editing.splices import Splice
+    from jausml.authoring.editing.working_copy import ElementCopy, WorkingCopy
     from jausml.language.metamodel import ClassTable
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.documents import Document
@@ -26,19 +26,16 @@ class Context:
     """The file for which is planned, and the model that was read of it and all it refers to.
 
     Attributes:
-        file: The file, relative to the root with forward slashes.
         root: The opened folder, symbolic links followed.
-        model: The model.
-        forest: The elements of all files concerned, as the commands will have them.
-        paths: The paths of things of the forest before the commands.
-        locate: Returns the element of a ref, and a model that has it.
+        working_copy: The elements of all files concerned, as the commands will have them.
+        paths: The paths of copies of the working copy before the commands.
     """
 
     file: str
     root: Path
     model: Model
-    forest: Forest
-    paths: Mapping[Thing, str]
+    working_copy: WorkingCopy
+    paths: Mapping[ElementCopy, str]
     locate: Callable[[Ref], tuple[EObject, Model]]
 
     @property
@@ -49,6 +46,10 @@ class Context:
     def find(self, ref: Ref) -> EObject | None:
         """Returns the element of a ref, None when neither the file nor what it refers to has it."""
         return refs.find(ref, self.model, self.root)
+
+    def ref(self, copy: ElementCopy) -> Ref:
+        """Returns the ref of an element as it was read."""
+        return f"{copy.file}#{self.working_copy.identifiers.get(copy) or self.paths[copy]}"
 
     def find_class(self, ref: Ref) -> ClassTable:
         """Returns the class of the element of a ref."""
@@ -61,9 +62,9 @@ class Context:
 
 
 class Planner(Protocol):
-    """Plans changes of files of one notation."""
+    """Plans changes of a file of one notation."""
 
-    def plan(self, commands: Sequence[Command], context: Context) -> list[Splice]:
+    def __call__(self, commands: Sequence[ElementCommand], context: Context) -> list[Splice]:
         """Returns what is to change in one file so that commands hold.
 
         In the file that has an element of a command this is the change itself; in a file that
@@ -72,8 +73,7 @@ class Planner(Protocol):
 
         Args:
             commands: The commands, all of the same state of the files.
-            context: The file and its model as they are.
 
         Raises:
-            EditError: The notation cannot say what is wanted.
+            UnwritableError: The notation cannot say what is wanted.
         """

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import threading
 from contextlib import suppress
@@ -11,18 +10,22 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from jausml.authoring.editing.carrying import carry_out, referrers
 from jausml.authoring.editing.commands import EditError
-from jausml.authoring.editing.conflicts import takes_back
 from jausml.authoring.editing.describing import described, pasted
 from jausml.authoring.editing.disk import Disk
 from jausml.authoring.editing.drafts import Draft
-from jausml.authoring.editing.forest import Forest
+from jausml.authoring.editing.executing import execute, referrers
 from jausml.authoring.editing.layout import is_layout, layout_file, read_layout
-from jausml.authoring.editing.log import Log
-from jausml.authoring.editing.outside import Outside
-from jausml.authoring.editing.reading import Reader, is_library, is_model_file, model_files, stored
-from jausml.authoring.editing.rebasing import Rebasing
+from jausml.authoring.editing.log import Log, takes_back
+from jausml.authoring.editing.reading import (
+    Reader,
+    encoded,
+    is_library,
+    is_model_file,
+    model_files,
+    stored,
+)
+from jausml.authoring.editing.rebasing import OutsideChange, Rebasing
 from jausml.authoring.editing.records import (
     Change,
     Entry,
@@ -32,8 +35,8 @@ from jausml.authoring.editing.records import (
     Preview,
     Referrer,
 )
-from jausml.authoring.editing.splices import applied, difference, inverted
-from jausml.authoring.editing.typing import typed
+from jausml.authoring.editing.splices import applied, difference, unified_diff
+from jausml.authoring.editing.working_copy import WorkingCopy
 from jausml.language.model import refs
 from jausml.language.model.inputs import read_input
 from jausml.language.text.notation import SUFFIX
@@ -62,11 +65,7 @@ class Project:
 
     Every change is written at once and logged. All methods may be called from any thread.
 
-    Args:
-        opened: The folder; or a model file, whose folder is meant.
-
     Attributes:
-        root: The folder, symbolic links followed.
         opened: The model file that was named, relative to the root; else empty.
         typing_pause: Seconds without typing after which what is typed is another entry of the log.
 
@@ -86,8 +85,8 @@ class Project:
         self._rebasing = Rebasing()
         self._typed = (0, 0.0)
         self.typing_pause = 2.0
-        self._forest: Forest | None = None
-        self._untold: list[Change] = []
+        self._working_copy: WorkingCopy | None = None
+        self._unreported: list[Change] = []
         self._files: dict[str, Stored] = {}
         names = list(model_files(self.root))
         if self.opened and self.opened not in names:
@@ -128,32 +127,18 @@ class Project:
 
         It is that of the last revision in which the file could be parsed. It stays as it is when
         the file changes: later calls return another one.
-
-        Args:
-            file: The file, relative to the root with forward slashes.
-
-        Raises:
-            EditError: The project has no such file.
         """
         with self._lock:
             self._known(file)
             return self._reader.read(file, self._files)
 
     def read(self, file: str) -> tuple[ReadResult, Freshness]:
-        """Returns the model of a file as `model` does, and what it is worth at this moment.
-
-        Raises:
-            EditError: The project has no such file.
-        """
+        """Returns the model of a file as `model` does, and what it is worth at this moment."""
         with self._lock:
             return self.model(file), self._reader.freshness(file, self._files, self._revision)
 
     def text(self, file: str) -> bytes:
-        """Returns the bytes of a file.
-
-        Raises:
-            EditError: The project has no such file.
-        """
+        """Returns the bytes of a file."""
         with self._lock:
             return self._known(file).data
 
@@ -165,9 +150,6 @@ class Project:
         """Returns the element of a ref, and the model of its file.
 
         Elements of the library are looked for in the models of all files.
-
-        Raises:
-            EditError: There is none.
         """
         file, _ = refs.split(ref)
         with self._lock:
@@ -183,16 +165,12 @@ class Project:
         """Returns what commands would do; nothing is written.
 
         Args:
-            commands: The commands.
             base: The revision of which their refs are; None for the present one.
-
-        Raises:
-            EditError: They cannot be carried out.
         """
         with self._lock:
             commands = self._rebased(commands, base)
             draft = self._draft()
-            outcome = carry_out(commands, draft)
+            outcome = execute(commands, draft)
             changes = draft.changes()
             new = {each.file: draft.files.get(each.file) for each in changes}
             diff = "".join(self._diff(f, each.data if each else b"") for f, each in new.items())
@@ -211,8 +189,6 @@ class Project:
         Where another program has just changed a file, they are planned again with what it says.
 
         Args:
-            commands: The commands, each of which finds what those before it did.
-            label: What they do, for people.
             base: The revision of which their refs are; None for the present one. Refs are
                 followed through what was done since.
             is_first: Whether they give way where others have changed the same since; else they
@@ -247,32 +223,23 @@ class Project:
 
     def _done(self, commands: Sequence[Command], label: str) -> Entry:
         draft = self._draft()
-        forest, self._forest = self._forest, None
-        outcome = carry_out(commands, draft, forest)
+        working_copy, self._working_copy = self._working_copy, None
+        outcome = execute(commands, draft, working_copy)
         changes = draft.changes()
         if not changes:
             # Nothing is to be done only if the files say so, not what is known of them.
-            self._check_unchanged(outcome.forest.models)
-            self._forest = outcome.forest
+            self._check_unchanged(outcome.working_copy.models)
+            self._working_copy = outcome.working_copy
             return Entry(0, label, ())
         self._write({each.file: draft.files.get(each.file) for each in changes})
-        # Only now: a forest of what was not written would be one of nothing.
-        self._forest = outcome.forest
+        # Only now: a working copy of what was not written would be one of nothing.
+        self._working_copy = outcome.working_copy
         entry = self._log.add(label, changes, outcome.created)
         self._rebasing.note(self._revision, entry, outcome.shifts)
         return entry
 
     def write_text(self, file: str, text: str, base: int) -> Entry:
-        """Writes what somebody typed; what cannot be parsed is written too, and its model stays.
-
-        Args:
-            file: A text file.
-            text: All of its text.
-            base: The revision of which the text was changed.
-
-        Raises:
-            EditError: It was changed by others since.
-        """
+        """Writes what somebody typed; what cannot be parsed is written too, and its model stays."""
         with self._lock:
             known = self._known(file)
             if not file.endswith(SUFFIX):
@@ -281,7 +248,7 @@ class Project:
                 message = f"{file} has changed since: look at it again, and repeat what you typed"
                 raise EditError(message, conflict=True)
             draft = self._draft()
-            draft.put(file, typed(text, known.data))
+            draft.put(file, encoded(text, known.data))
             changes = draft.changes()
             if not changes:
                 return Entry(0, f"Type in {file}", ())
@@ -319,7 +286,7 @@ class Project:
         with self._lock:
             entry = self._log.last
             if entry is not None:
-                self._replay(entry, [_inverted(each) for each in entry.changes], back=True)
+                self._replay(entry, [each.inverted() for each in entry.changes], back=True)
                 self._log.step_back()
             return entry
 
@@ -350,31 +317,22 @@ class Project:
         with self._lock:
             wanted = set(paths) or {*self._files, *model_files(self.root)}
             wanted = {f for f in wanted if f in self._files or is_model_file(f, self.root)}
-            return (*self.met(), *filter(None, map(self._refreshed, sorted(wanted))))
+            return (*self.unreported(), *filter(None, map(self._refreshed, sorted(wanted))))
 
-    def met(self) -> tuple[Change, ...]:
+    def unreported(self) -> tuple[Change, ...]:
         """Returns the files that edits found changed by other programs, each once."""
         with self._lock:
-            met, self._untold = self._untold, []
+            met, self._unreported = self._unreported, []
             return tuple(met)
 
     def describe(self, elements: Sequence[Ref]) -> tuple[Add | Set, ...]:
-        """Returns commands that would add elements once more, to whatever owner.
-
-        Raises:
-            EditError: One of the elements is not there.
-        """
+        """Returns commands that would add elements once more, to whatever owner."""
         with self._lock:
             draft = self._draft()
             return described([draft.locate(each) for each in elements], self.ref)
 
     def paste(self, commands: Sequence[Add | Set], owner: Ref, label: str) -> Entry:
         """Adds what `describe` gave, under names that are free.
-
-        Args:
-            commands: The descriptions.
-            owner: The element that shall own it, or that stands beside it.
-            label: What it does, for people.
 
         Raises:
             EditError: It cannot be carried out. Nothing was written.
@@ -384,21 +342,12 @@ class Project:
             return self.do(pasted(commands, obj, model, self.ref), label)
 
     def referrers(self, ref: Ref) -> tuple[Referrer, ...]:
-        """Returns what refers to an element or to what it owns, in all files.
-
-        Raises:
-            EditError: There is no such element, or it is one of the library.
-        """
+        """Returns what refers to an element or to what it owns, in all files."""
         with self._lock:
             return referrers(ref, self._draft())
 
     def positions(self, file: str, view: str) -> Mapping[LayoutKey, tuple[int, int]]:
-        """Returns the upper left corners of boxes that were placed by hand in a view, by key.
-
-        Args:
-            file: The model file whose view it is.
-            view: Name of the view.
-        """
+        """Returns the upper left corners of boxes that were placed by hand in a view, by key."""
         with self._lock:
             held = self._files.get(layout_file(file))
             return read_layout(held.data).get(view, {}) if held is not None else {}
@@ -449,7 +398,7 @@ class Project:
             if found != (known.data if known is not None else None):
                 change = self._refreshed(file)
                 if change is not None:
-                    self._untold.append(change)
+                    self._unreported.append(change)
                 message = f"{file} was just changed by another program: look at it, and repeat"
                 raise ChangedBeneathError(message, conflict=True)
 
@@ -502,26 +451,16 @@ class Project:
         """Remembers a change that no commands made, with what is needed to understand it."""
         after = dict(self._files)
 
-        def understood() -> Outside:
+        def understood() -> OutsideChange:
             if file not in before or file not in after:
                 raise EditError(f"{file} was deleted, or came again, meanwhile", conflict=True)
             models = (self._reader.read(file, each).model for each in (before, after))
-            return Outside(file, *(Forest.grown({file: each}, self.root) for each in models))
+            return OutsideChange(
+                file, *(WorkingCopy.of({file: each}, self.root) for each in models)
+            )
 
         self._rebasing.note_outside(self._revision, file, understood)
 
     def _diff(self, file: str, new: bytes) -> str:
         known = self._files.get(file)
-        old = known.data if known is not None else b""
-        lines = (_lines(old), _lines(new))
-        return "".join(difflib.unified_diff(*lines, f"a/{file}", f"b/{file}"))
-
-
-def _lines(data: bytes) -> list[str]:
-    text = data.decode("utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8", "replace")
-    return [f"{each}\n" for each in text.splitlines()]
-
-
-def _inverted(change: FileChange) -> FileChange:
-    steps = tuple(tuple(inverted(step)) for step in reversed(change.steps))
-    return FileChange(change.file, steps, change.after, change.before)
+        return unified_diff(file, known.data if known is not None else b"", new)

@@ -1,7 +1,8 @@
-"""Reading of a project's files: models of bytes that are held, each read once."""
+"""A project's files: texts become the bytes of files, and bytes become models, each read once."""
 
 from __future__ import annotations
 
+import codecs
 import hashlib
 import os
 import re
@@ -28,12 +29,15 @@ if TYPE_CHECKING:
     from jausml.language.model.documents import Document
     from jausml.language.text.reading.parsing import Parsed
 
+
 XMI_SUFFIX = ".xmi"
 SUFFIXES = (XMI_SUFFIX, SUFFIX)
 _MOST_FILES = 10_000
 _BUILT = frozenset({"build", "install", "log", "node_modules", "__pycache__"})
 _KEPT = 2
 _MARKS = (b"<<<<<<< ", b">>>>>>> ")
+
+_LINE_END = re.compile(rb"\r\n|\n|\r")
 
 
 @lru_cache(maxsize=64)
@@ -53,11 +57,7 @@ def digest(data: bytes) -> str:
 
 
 def model_files(root: Path) -> Iterator[str]:
-    """Yields model and layout files below a folder, relative to it with forward slashes, in order.
-
-    Args:
-        root: The folder, symbolic links followed.
-    """
+    """Yields model and layout files below a folder, relative to it with `/`, in order."""
     count = 0
     for folder, folders, names in os.walk(root):
         folders[:] = sorted(each for each in folders if _is_shown(each))
@@ -75,10 +75,6 @@ def is_model_file(file: str, root: Path) -> bool:
 
     Hidden files and folders and those of builds are left out, links that lead out of the folder,
     and the shipped library with its copies.
-
-    Args:
-        file: The file, relative to the folder with forward slashes.
-        root: The folder, symbolic links followed.
     """
     if not file.endswith((*SUFFIXES, layout.SUFFIX)) or not all(map(_is_shown, file.split("/"))):
         return False
@@ -97,14 +93,7 @@ def _is_shown(name: str) -> bool:
 
 
 def stored(file: str, data: bytes, revision: int, before: Stored | None = None) -> Stored:
-    """Returns a file with new bytes; while these cannot be parsed, its model stays what it was.
-
-    Args:
-        file: The file, relative to the root with forward slashes.
-        data: Its bytes.
-        revision: Revision of the project in which they came.
-        before: The file as it was, None for a new one.
-    """
+    """Returns a file with new bytes; while these cannot be parsed, its model stays what it was."""
     good, since = data, revision
     if before is not None and not can_be_parsed(file, data) and can_be_parsed(file, before.good):
         good, since = before.good, before.good_since
@@ -131,11 +120,7 @@ class _Kept:
 
 
 class Reader:
-    """Reads the models of a project's files, and keeps those whose files are as they were.
-
-    Args:
-        root: The opened folder, symbolic links followed.
-    """
+    """Reads the models of a project's files, and keeps those whose files are as they were."""
 
     def __init__(self, root: Path) -> None:
         self._root = root
@@ -145,12 +130,7 @@ class Reader:
         self._cache = LibraryCache()
 
     def read(self, file: str, files: Mapping[str, Stored]) -> ReadResult:
-        """Returns the model of a file and all that it refers to.
-
-        Args:
-            file: The file.
-            files: All files of the project.
-        """
+        """Returns the model of a file and all that it refers to."""
         kept = self._kept.setdefault(file, [])
         names = frozenset(files)
         for each in kept:
@@ -167,9 +147,6 @@ class Reader:
 
         Args:
             file: The file as refs name it, such as `library:/jaus/mobility.xmi`.
-
-        Raises:
-            EditError: The library has no such file.
         """
         found = self._library.get(file)
         if found is None:
@@ -204,13 +181,7 @@ class Reader:
         return replace(result, diagnostics=[*faults, *result.diagnostics]) if faults else result
 
     def freshness(self, file: str, files: Mapping[str, Stored], revision: int) -> Freshness:
-        """Returns what the model of a file is worth.
-
-        Args:
-            file: The file.
-            files: All files of the project.
-            revision: Revision of the project.
-        """
+        """Returns what the model of a file is worth."""
         result = self.read(file, files)
         documents = {file_of(each, self._root): each for each in result.model.documents}
         old = [
@@ -269,3 +240,23 @@ def is_text(file: str) -> bool:
 def is_library(file: str) -> bool:
     """Tells whether a file is one of the shipped library."""
     return file.startswith(LIBRARY)
+
+
+def encoded(text: str, before: bytes) -> bytes:
+    """Returns the bytes of a text, with the byte order mark and the line ends of its file.
+
+    Args:
+        text: The text; where its lines end with line feeds alone, an editor may have made them so.
+
+    Raises:
+        EditError: The text has characters that no file can hold.
+    """
+    ends = set(_LINE_END.findall(before))
+    if len(ends) == 1 and "\r" not in text:
+        text = text.replace("\n", ends.pop().decode())
+    mark = codecs.BOM_UTF8 if before.startswith(codecs.BOM_UTF8) else b""
+    try:
+        return mark + text.removeprefix("\ufeff").encode()
+    except UnicodeEncodeError as error:
+        message = f"the text has half a character, U+{ord(text[error.start]):04X}"
+        raise EditError(message) from error

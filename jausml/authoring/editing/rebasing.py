@@ -1,52 +1,60 @@
-"""Refs of earlier revisions: followed through what was done since."""
+"""Refs of earlier revisions: followed through what was done since, be it by other programs."""
 
 from __future__ import annotations
 
-from collections import OrderedDict
+from collections import OrderedDict, defaultdict
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import TYPE_CHECKING
+from itertools import chain
+from typing import TYPE_CHECKING, Any
 
-from jausml.authoring.editing.batches import with_created
-from jausml.authoring.editing.commands import Create, EditError, Place
+from jausml.authoring.editing.commands import (
+    Create,
+    EditError,
+    Place,
+    Remove,
+    Rename,
+    Set,
+    with_created,
+)
 from jausml.language.model import refs
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 
-    from jausml.authoring.editing.commands import Add, Command, Move, Remove, Rename, Set
-    from jausml.authoring.editing.outside import Outside
+    from jausml.authoring.editing.commands import Command, ElementCommand
     from jausml.authoring.editing.records import Entry
+    from jausml.authoring.editing.working_copy import ElementCopy, WorkingCopy
     from jausml.language.model.refs import Ref
 
-    Movable = Set | Add | Remove | Move | Rename
     Shift = Mapping[Ref, Ref]
     """New refs by old ones where they differ; empty for what is gone."""
 
+
 _KEPT, _KEPT_OUTSIDE = 256, 32
+
+_NAME = "name"
 
 
 @dataclass(frozen=True, slots=True)
-class _Passage:
+class _Revision:
     """What happened in one revision.
 
     Attributes:
-        files: The files that have changed.
         shifts: How refs shifted; None when no commands say so.
-        outside: Understands a change that no commands made.
     """
 
     files: frozenset[str]
     shifts: tuple[Shift, ...] | None
-    outside: Callable[[], Outside] | None = None
+    outside: Callable[[], OutsideChange] | None = None
 
-    def past(self, command: Movable, *, is_first: bool) -> Movable:
+    def past(self, command: ElementCommand, *, is_first: bool) -> ElementCommand:
         """Returns a command with the refs after what happened."""
         if self.outside is not None and self._concerns(command):
             return self.outside().followed(command, is_first=is_first)
         return with_created(command, self._followed)
 
-    def _concerns(self, command: Movable) -> bool:
+    def _concerns(self, command: ElementCommand) -> bool:
         named: list[Ref] = []
 
         def noted(ref: Ref) -> Ref:
@@ -71,7 +79,7 @@ class Rebasing:
     """Follows refs from one revision to the next, as long as it remembers."""
 
     def __init__(self) -> None:
-        self._passages: OrderedDict[int, _Passage] = OrderedDict()
+        self._revisions: OrderedDict[int, _Revision] = OrderedDict()
         self._shifts: OrderedDict[int, tuple[Shift, ...]] = OrderedDict()
 
     def note(self, revision: int, entry: Entry, shifts: Sequence[Shift]) -> None:
@@ -87,49 +95,32 @@ class Rebasing:
         self._pass(revision, entry, shifts)
         return shifts is not None
 
-    def note_outside(self, revision: int, file: str, outside: Callable[[], Outside]) -> None:
-        """Remembers that something was done to a file that no commands say.
-
-        Args:
-            revision: The revision that it led to.
-            file: The file.
-            outside: Understands it; asked for only when a command was thought of before it.
-        """
-        self._passages[revision] = _Passage(frozenset([file]), None, cache(outside))
+    def note_outside(self, revision: int, file: str, outside: Callable[[], OutsideChange]) -> None:
+        """Remembers that something was done to a file that no commands say."""
+        self._revisions[revision] = _Revision(frozenset([file]), None, cache(outside))
         # Each has the files before and after: more than a few would need much memory.
-        held = [number for number, each in self._passages.items() if each.outside is not None]
+        held = [number for number, each in self._revisions.items() if each.outside is not None]
         for number in held[:-_KEPT_OUTSIDE]:
-            self._passages[number] = replace(self._passages[number], outside=None)
+            self._revisions[number] = replace(self._revisions[number], outside=None)
         self._forget()
 
     def rebased(self, command: Command, base: int, now: int, *, is_first: bool = True) -> Command:
-        """Returns a command with the present refs of its elements.
-
-        Args:
-            command: A command with the refs of an earlier revision.
-            base: That revision.
-            now: The present revision.
-            is_first: Whether it gives way where others have changed the same; else it wins.
-
-        Raises:
-            EditError: What it speaks of is gone, or cannot be found again for certain, or others
-                have changed the same.
-        """
+        """Returns a command with the present refs of its elements."""
         if isinstance(command, Create | Place):
             return command
         for revision in range(base + 1, now + 1):
-            passage = self._passages.get(revision)
-            if passage is None:
+            change = self._revisions.get(revision)
+            if change is None:
                 raise _forgotten("the model")
-            command = passage.past(command, is_first=is_first)
+            command = change.past(command, is_first=is_first)
         return command
 
     def _pass(self, revision: int, entry: Entry, shifts: tuple[Shift, ...] | None) -> None:
-        self._passages[revision] = _Passage(frozenset(entry.files), shifts)
+        self._revisions[revision] = _Revision(frozenset(entry.files), shifts)
         self._forget()
 
     def _forget(self) -> None:
-        for kept in (self._passages, self._shifts):
+        for kept in (self._revisions, self._shifts):
             while len(kept) > _KEPT:
                 kept.popitem(last=False)
 
@@ -141,3 +132,137 @@ def _forgotten(what: str) -> EditError:
 
 def _inverted(shift: Shift) -> Shift:
     return {new: old for old, new in shift.items() if new}
+
+
+class OutsideChange:
+    """A change of a file of which only the file before and after is known.
+
+    An element is the same if it has the same names up to its root. What has no name of its own is
+    found again only where nothing of it has changed, since its position says nothing.
+    """
+
+    def __init__(self, file: str, before: WorkingCopy, after: WorkingCopy) -> None:
+        self._file = file
+        self._old = {ref: copy for copy, ref in before.refs().items()}
+        self._refs = after.refs()
+        self._contents: dict[ElementCopy, Hashable] = {}
+        self._same: dict[ElementCopy, ElementCopy] = {}
+        old, new = before.roots[file], after.roots[file]
+        if len(old) == len(new) == 1 and old[0].table is new[0].table:
+            # The only one may have another name, and is the same all the same.
+            self._same[old[0]] = new[0]
+            old, new = _owned(old[0]), _owned(new[0])
+        self._pair(old, new)
+
+    def followed(self, command: ElementCommand, *, is_first: bool = True) -> ElementCommand:
+        """Returns a command with the refs after the change.
+
+        Args:
+            is_first: Whether the command gives way where both change the same; else it wins.
+
+        Raises:
+            EditError: What it speaks of is gone or cannot be found again for certain, or what it
+                changes was changed already.
+        """
+        if is_first:
+            self._check(command)
+        return with_created(command, self._followed)
+
+    def _followed(self, ref: Ref) -> Ref:
+        if refs.split(ref)[0] != self._file:
+            return ref
+        old = self._old.get(ref)
+        new = self._same.get(old) if old is not None else None
+        if new is None:
+            what = old.label if old is not None else ref
+            message = f"{what} of {self._file} is gone or has another name meanwhile"
+            raise EditError(message, conflict=True)
+        return self._refs[new]
+
+    def _check(self, command: ElementCommand) -> None:
+        old = self._old.get(command.element) if isinstance(command, Set | Remove | Rename) else None
+        new = self._same.get(old) if old is not None else None
+        if old is None or new is None:
+            return
+        if isinstance(command, Remove):
+            if self._content(old) != self._content(new):
+                message = f"{old.label} was changed meanwhile: look at it before it goes"
+                raise EditError(message, conflict=True)
+            return
+        feature = command.feature if isinstance(command, Set) else _NAME
+        if _value(old, feature) != _value(new, feature):
+            now = ", ".join(map(str, new.values.get(feature, ()))) or "something else"
+            message = f"{feature} of {old.label} was changed meanwhile, to {now}"
+            raise EditError(message, conflict=True)
+
+    # Which is which
+
+    def _pair(self, old: Iterable[ElementCopy], new: Iterable[ElementCopy]) -> None:
+        pending = [(list(old), list(new))]
+        while pending:
+            before, after = pending.pop()
+            pairs = [*_unique(before, after, _named)]
+            paired = set(chain.from_iterable(pairs))
+            left, other = ([e for e in each if e not in paired] for each in (before, after))
+            pairs += _unique(left, other, self._content)
+            for one, same in pairs:
+                self._same[one] = same
+                pending.append((_owned(one), _owned(same)))
+
+    def _content(self, copy: ElementCopy) -> Hashable:
+        """Returns all that a copy is, without its position."""
+        known = self._contents.get(copy)
+        if known is None:
+            names = sorted({*copy.values, *copy.references})
+            values = tuple((name, _value(copy, name)) for name in names)
+            owned = tuple(
+                (name, tuple(map(self._content, each))) for name, each in sorted(copy.owned.items())
+            )
+            known = (copy.table.qualified_name, copy.feature, values, owned)
+            self._contents[copy] = known
+        return known
+
+
+def _unique(
+    before: Iterable[ElementCopy], after: Iterable[ElementCopy], mark: Callable[[ElementCopy], Any]
+) -> Iterator[tuple[ElementCopy, ElementCopy]]:
+    """Yields the pairs of copies that nothing else has the mark of, on either side."""
+    sides: list[dict[Hashable, list[ElementCopy]]] = []
+    for copies in (before, after):
+        found = defaultdict(list)
+        for each in copies:
+            found[mark(each)].append(each)
+        sides.append(found)
+    old, new = sides
+    for key, copies in old.items():
+        others = new.get(key, ())
+        if key is not None and len(copies) == len(others) == 1:
+            yield copies[0], others[0]
+
+
+def _named(copy: ElementCopy) -> Hashable:
+    """Returns how a copy is called where it stands, None for what is owned and has no name."""
+    if not copy.name and copy.owner is not None:
+        return None
+    return copy.table.qualified_name, copy.feature, copy.name
+
+
+def _owned(copy: ElementCopy) -> list[ElementCopy]:
+    return [each for children in copy.owned.values() for each in children]
+
+
+def _value(copy: ElementCopy, feature: str) -> Hashable:
+    values = tuple(copy.values.get(feature, ()))
+    targets = copy.references.get(feature, ())
+    return values, tuple(each if isinstance(each, str) else _path(each) for each in targets)
+
+
+def _path(copy: ElementCopy) -> Hashable:
+    """Returns a copy by its names, and by its position where it has none."""
+    steps: list[Hashable] = []
+    each: ElementCopy | None = copy
+    while each is not None:
+        siblings = each.owner.owned.get(each.feature, []) if each.owner is not None else []
+        steps.append((each.feature, each.name or siblings.index(each) if siblings else each.name))
+        each = each.owner
+    return copy.file, tuple(steps)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 from jausml.authoring.editing.layout import is_layout
+from jausml.authoring.editing.splices import inverted
 
 if TYPE_CHECKING:
     from jausml.authoring.editing.splices import Splice
@@ -19,8 +20,6 @@ class FileInfo:
 
     Attributes:
         path: The file, relative to the root with forward slashes.
-        notation: How it is written.
-        revision: Revision of the project in which it changed last.
         is_stale: Whether it cannot be read as it is, so that its model is an earlier one.
         is_dirty: Whether it is text that cannot be parsed as it is.
     """
@@ -37,8 +36,6 @@ class FileChange:
     """A change of one file: steps of splices, each of the result of the one before.
 
     Attributes:
-        file: The file, relative to the root with forward slashes.
-        steps: The splices.
         before: Digest of the file before, empty when it was not there.
         after: Digest of the file after, empty when it is not there any more.
     """
@@ -48,6 +45,11 @@ class FileChange:
     before: str
     after: str
 
+    def inverted(self) -> FileChange:
+        """Returns the change that takes it back."""
+        steps = tuple(tuple(inverted(step)) for step in reversed(self.steps))
+        return FileChange(self.file, steps, self.after, self.before)
+
 
 @dataclass(frozen=True, slots=True)
 class Entry:
@@ -55,10 +57,7 @@ class Entry:
 
     Attributes:
         number: Its number, counted from 1 and never given twice.
-        label: What it does, for people.
-        changes: The files that it changes, that of positions included.
         created: The elements that it made, valid in the revision that it led to.
-        is_outside: Whether another program did it.
     """
 
     number: int
@@ -92,8 +91,6 @@ class Preview:
     """What commands would do.
 
     Attributes:
-        changes: The files that would change.
-        created: The elements that they would make, valid in the revision that they would lead to.
         referrers: Elements that refer to what would go, and would lose that or go too.
         diff: The differences of the files, as `diff -u` writes them.
     """
@@ -109,8 +106,6 @@ class Change:
     """A change of a file by another program.
 
     Attributes:
-        file: The file, relative to the root with forward slashes.
-        diff: The difference, as `diff -u` writes it.
         is_conflict: Whether it has done away with the last edit, which it had not seen.
     """
 
@@ -129,7 +124,6 @@ class Freshness:
             have not been brought together.
         since: Revision of the project of whose files it is; None where they never could be read.
         why: What keeps it from being current, for people; empty when it is.
-        faults: What is wrong with files that cannot be read.
     """
 
     state: Literal["current", "stale", "unreadable", "conflict"]
@@ -148,12 +142,7 @@ class Stored:
     """A file as the project knows it.
 
     Attributes:
-        file: The file, relative to the root with forward slashes.
-        data: Its bytes.
-        digest: Their digest.
-        revision: Revision of the project in which it changed last.
         good: The bytes of which its model is read: those, or the last ones that could be parsed.
-        good_since: Revision of the project in which these came.
     """
 
     file: str

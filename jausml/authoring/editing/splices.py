@@ -1,9 +1,15 @@
-"""Splices: bytes of a file that others take the place of, and the way back."""
+"""Splices: bytes of a file that others take the place of, the way back, and the text of a file."""
 
 from __future__ import annotations
 
+import difflib
+import operator
+import re
+from bisect import bisect_right
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import cached_property
+from itertools import accumulate
+from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.editing.commands import EditError
 
@@ -18,8 +24,6 @@ class Splice:
     Attributes:
         file: The file, relative to the root with forward slashes.
         start: Offset in bytes, in the file as it was before any splice of the same step.
-        old: The bytes that stand there.
-        new: The bytes that take their place.
     """
 
     file: str
@@ -31,6 +35,87 @@ class Splice:
     def end(self) -> int:
         """Offset behind the old bytes."""
         return self.start + len(self.old)
+
+
+class FileText:
+    """The text of a file, of which splices are made by offsets in characters.
+
+    Attributes:
+        stored: The text without a byte order mark, its line ends as they are.
+    """
+
+    errors = "strict"
+    """What becomes of characters that the encoding lacks, as `str.encode` has it."""
+
+    def __init__(self, file: str, data: bytes, encoding: str, mark: int = 0) -> None:
+        self.file = file
+        self.stored = data[mark:].decode(encoding)
+        self._data = data
+        self._encoding = encoding
+        self._mark = mark
+
+    @cached_property
+    def newline(self) -> str:
+        """The line end of the file: that of its first line."""
+        found = re.search(r"\r\n|\n|\r", self.stored)
+        return found.group() if found else "\n"
+
+    def splice(self, start: int, end: int, new: str) -> Splice:
+        """Returns the splice that puts a text in place of characters.
+
+        Args:
+            new: The new text, markup included, with line feeds as line ends.
+        """
+        first, last = self._offset(start), self._offset(end)
+        data = new.replace("\n", self.newline).encode(self._encoding, self.errors)
+        return Splice(self.file, first, self._data[first:last], data)
+
+    @cached_property
+    def _width(self) -> int:
+        """Bytes of each character, 0 when they differ."""
+        for width in (1, 2):
+            if len(self.stored) * width == len(self._data) - self._mark:
+                return width
+        return 0
+
+    @cached_property
+    def _line_starts(self) -> tuple[list[int], list[int]]:
+        """Where lines start, in bytes and in characters."""
+        lines = self.stored.splitlines(keepends=True)
+        sizes = (len(each.encode(self._encoding)) for each in lines)
+        in_bytes = list(accumulate(sizes, initial=self._mark))
+        return in_bytes, list(accumulate(map(len, lines), initial=0))
+
+    def _character(self, offset: int) -> int:
+        """Returns the offset in characters for one in bytes."""
+        if self._width:
+            return (offset - self._mark) // self._width
+        in_bytes, in_characters = self._line_starts
+        line = bisect_right(in_bytes, offset) - 1
+        return in_characters[line] + len(self._data[in_bytes[line] : offset].decode(self._encoding))
+
+    def _offset(self, character: int) -> int:
+        """Returns the offset in bytes for one in characters."""
+        if self._width:
+            return self._mark + character * self._width
+        in_bytes, in_characters = self._line_starts
+        line = bisect_right(in_characters, character) - 1
+        text = self.stored[in_characters[line] : character]
+        return in_bytes[line] + len(text.encode(self._encoding))
+
+
+def common_ends(
+    old: Sequence[Any], new: Sequence[Any], is_same: Callable[[Any, Any], bool] = operator.eq
+) -> tuple[int, int]:
+    """Returns how many values two sequences have in common at the front and then at the back."""
+    most = min(len(old), len(new))
+    front = 0
+    while front < most and is_same(old[front], new[front]):
+        front += 1
+    back = 0
+    while back < most - front and is_same(old[-1 - back], new[-1 - back]):
+        back += 1
+    return front, back
 
 
 def merged(splices: Iterable[Splice]) -> list[Splice]:
@@ -54,11 +139,7 @@ def applied(data: bytes, splices: Sequence[Splice]) -> bytes:
     """Returns what splices of one file make of it.
 
     Args:
-        data: The file.
         splices: Those of one step, in order, none over another.
-
-    Raises:
-        EditError: The file does not have the old bytes where a splice expects them.
     """
     parts: list[bytes] = []
     at = 0
@@ -88,6 +169,17 @@ def difference(file: str, old: bytes, new: bytes) -> list[Splice]:
     front = _common(most, lambda size: old[:size] == new[:size])
     back = _common(most - front, lambda size: old[len(old) - size :] == new[len(new) - size :])
     return [Splice(file, front, old[front : len(old) - back], new[front : len(new) - back])]
+
+
+def unified_diff(file: str, old: bytes, new: bytes) -> str:
+    """Returns the difference of two states of a file, as `diff -u` writes it."""
+    lines = (_lines(old), _lines(new))
+    return "".join(difflib.unified_diff(*lines, f"a/{file}", f"b/{file}"))
+
+
+def _lines(data: bytes) -> list[str]:
+    text = data.decode("utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8", "replace")
+    return [f"{each}\n" for each in text.splitlines()]
 
 
 def _common(most: int, is_common: Callable[[int], bool]) -> int:

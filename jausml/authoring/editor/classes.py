@@ -32,7 +32,6 @@ def class_of(element: Element, owner: ClassTable | None) -> ClassTable | None:
     """Returns the class of a block, None when nothing tells it.
 
     Args:
-        element: The block.
         owner: The class of the block around it; None on top level.
     """
     if element.keyword is not None:
@@ -55,12 +54,7 @@ def class_of_value(element: Element, feature: FeatureTable | None) -> ClassTable
 
 
 def features_of(container: Item | None, owner: ClassTable | None) -> dict[str, FeatureTable]:
-    """Returns the features that a block can state.
-
-    Args:
-        container: What the block belongs to.
-        owner: Its class, where it is the block of an element.
-    """
+    """Returns the features that a block can state."""
     if isinstance(container, Assignment):
         tables = [table(each) for each in ASSIGNMENTS]
         return {name: feature for each in tables for name, feature in each.features.items()}

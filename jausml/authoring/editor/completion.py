@@ -6,19 +6,20 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING
 
-from jausml.authoring.editor import references
 from jausml.authoring.editor.classes import contained_classes, features_of, keywords, table
 from jausml.authoring.editor.context import Part, context_at
 from jausml.authoring.editor.paths import facts, fields_of, sides_at
 from jausml.authoring.editor.positions import Place
-from jausml.authoring.editor.workbench import names_in, sketched_text
+from jausml.authoring.editor.workbench import names_in, pieces_parsed
 from jausml.language.metamodel import ClassTable, FeatureTable, ValueKind, documentation
 from jausml.language.metamodel.classes import jaus, ros
+from jausml.language.model.names import qualified_name
 from jausml.language.model.values import show
 from jausml.language.semantics.conversions import CONVERSIONS
+from jausml.language.semantics.jaus.services import with_inherited
 from jausml.language.text.keywords import snake_case
-from jausml.language.text.reading.imports import library_files
-from jausml.language.text.tree import Assignment, Direction, End, Import
+from jausml.language.text.reading.imports import library_files, library_maps
+from jausml.language.text.tree import Assignment, Direction, Element, End, Feature, Import, Name
 from jausml.language.text.writing.spelling import path as written_path
 from jausml.language.text.writing.spelling import word as written_word
 
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from jausml.authoring.editor.names import Declaration
     from jausml.authoring.editor.workbench import Workbench
     from jausml.language.semantics.conversions import Conversion
+
 
 UNITS = (
     *("m", "mm", "km", "s", "ms", "Hz", "kg", "N", "N m", "Pa", "K", "V", "A", "W", "J"),
@@ -63,10 +65,6 @@ class Completion:
     """Something that can stand at a place.
 
     Attributes:
-        label: What is offered, and written.
-        kind: What it is.
-        detail: A few words on it.
-        documentation: More on it.
         text: What is written, when that is not the label.
         module: What of the library is imported with it; empty for nothing.
         is_first: Whether it goes better than others with what stands around.
@@ -82,15 +80,8 @@ class Completion:
 
 
 @dataclass(frozen=True, slots=True)
-class Offer:
-    """One completion: something that can stand at a place.
-
-    Attributes:
-        start: Where the word begins that a completion replaces.
-        end: Where it ends.
-        completions: What can stand there.
-        imports_end: Where the text can have a further import.
-    """
+class CompletionList:
+    """One completion: something that can stand at a place."""
 
     start: Place
     end: Place
@@ -98,23 +89,17 @@ class Offer:
     imports_end: Place
 
 
-def complete(bench: Workbench, path: Path, place: Place) -> Offer:
-    """Returns what can stand at a place.
-
-    Args:
-        bench: What is open.
-        path: The file of the text.
-        place: The place.
-    """
+def complete(bench: Workbench, path: Path, place: Place) -> CompletionList:
+    """Returns what can stand at a place."""
     text = bench.text(path)
-    context = context_at(text, sketched_text(text), place)
+    context = context_at(text, pieces_parsed(text), place)
     completions = _OFFERS.get(context.part, _nothing)(bench, path, context)
     offered: dict[tuple[str, str], Completion] = {}
     for each in completions:
         offered.setdefault((each.label, each.module), each)
     imports = [each for each in bench.tree(path).items if isinstance(each, Import)]
     end = Place(imports[-1].span.end_line + 1 if imports else 1, 1)
-    return Offer(context.start, context.end, tuple(offered.values()), end)
+    return CompletionList(context.start, context.end, tuple(offered.values()), end)
 
 
 def _nothing(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
@@ -201,8 +186,8 @@ def _conversion(bench: Workbench, path: Path, context: Context) -> Iterator[Comp
 
 def conversion_completion(conversion: Conversion) -> Completion:
     """Returns a conversion with its signature and what it does."""
-    told = (conversion.signature, conversion.documentation)
-    return Completion(conversion.name, CompletionKind.CONVERSION, *told)
+    shown = (conversion.signature, conversion.documentation)
+    return Completion(conversion.name, CompletionKind.CONVERSION, *shown)
 
 
 def _argument(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:
@@ -229,17 +214,17 @@ def _value(bench: Workbench, path: Path, context: Context) -> Iterator[Completio
         yield from _literals(feature)
     elif feature.target is not None:
         if feature.target is table("bridge.AttributeMap"):
-            yield from map(_reference, references.maps(bench, path, context))
+            yield from map(_reference, maps(bench, path, context))
         yield from _declared(bench, path, feature.target, context)
         if feature.target is table("jaus.Service"):
-            yield from map(_reference, references.services(bench, path))
+            yield from map(_reference, services(bench, path))
         elif feature.target is table("jaus.MessageDef"):
             yield from _jaus_type(bench, path, context)
         elif feature.target is table("ros.MessageType"):
             yield from _ros_type(bench, path, context)
 
 
-def _reference(candidate: references.Candidate) -> Completion:
+def _reference(candidate: Candidate) -> Completion:
     name = written_path(candidate.name)
     detail, module = candidate.detail, candidate.module
     return Completion(name, CompletionKind.NAME, detail, module=module, is_first=candidate.fits)
@@ -287,3 +272,76 @@ _OFFERS = {
     Part.ARGUMENT: _argument,
     Part.VALUE: _value,
 }
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """An element that a reference can name.
+
+    Attributes:
+        module: What the text must import first, empty when it knows the name.
+    """
+
+    name: str
+    detail: str
+    module: str = ""
+    fits: bool = False
+
+
+def services(bench: Workbench, path: Path) -> Iterator[Candidate]:
+    """Yields the services that a text can name.
+
+    Those that the library has in several versions need an import that says which.
+    """
+    imported = _imported(bench, path)
+    named: dict[str, list[jaus.Service]] = {}
+    for each in bench.elements(path, jaus.Service):
+        named.setdefault(each.name or "", []).append(each)
+    for name, found in named.items():
+        modules = [bench.module_of(each) for each in found] if len(found) > 1 else [""]
+        known = [each for each in zip(found, modules, strict=True) if each[1] in {"", *imported}]
+        for service, module in known[:1] or zip(found, modules, strict=True):
+            detail = f"{qualified_name(service)} {service.version or ''}".strip()
+            yield Candidate(name, detail, "" if known else module)
+
+
+def maps(bench: Workbench, path: Path, context: Context) -> Iterator[Candidate]:
+    """Yields the maps of the library for a connection: first those of its services."""
+    imported = _imported(bench, path)
+    wanted = _messages_around(bench, path, context)
+    for each in library_maps():
+        module = "" if each.module in imported else each.module
+        detail = f"{each.message}, {each.type}"
+        yield Candidate(each.name, detail, module, each.message in wanted)
+
+
+def _imported(bench: Workbench, path: Path) -> set[str]:
+    items = bench.tree(path).items
+    return {
+        each.target.text
+        for each in items
+        if isinstance(each, Import) and isinstance(each.target, Name)
+    }
+
+
+def _messages_around(bench: Workbench, path: Path, context: Context) -> set[str]:
+    """Returns the names of the messages that the bridge and its peers have around a place."""
+    blocks = [each.item for each in context.levels if isinstance(each.item, Element)]
+    named = {name for block in blocks for name in _values(block, ("provides", "uses", "services"))}
+    peers = {name for block in blocks for name in _values(block, ("peers",))}
+    for item in bench.tree(path).items:
+        if isinstance(item, Element) and item.name is not None and item.name.text in peers:
+            named |= set(_values(item, ("provides",)))
+    steps = {each.rpartition(".")[2] for each in named}
+    known = [each for each in bench.elements(path, jaus.Service) if each.name in steps]
+    return {
+        str(message.name)
+        for service in with_inherited(known)
+        for message in (*service.inputs, *service.outputs)
+    }
+
+
+def _values(block: Element, features: Iterable[str]) -> Iterator[str]:
+    for item in block.items:
+        if isinstance(item, Feature) and item.name.text in features:
+            yield from (each.text for each in item.values if isinstance(each, Name))

@@ -61,8 +61,6 @@ class Level:
 
     Attributes:
         item: What the list belongs to; None for the document itself.
-        table: Its class, where it is a block of an element and its class is known.
-        items: The list.
     """
 
     item: Item | None
@@ -76,12 +74,9 @@ class Context:
 
     Attributes:
         levels: The lists around it, the outermost first.
-        part: What stands there.
-        word: The beginning of the word at the place, as far as the place.
         start: Where that word begins.
         end: Where the whole word ends.
         about: The conversion of an argument, or the feature of a value.
-        in_text: Whether the place is in quotation marks.
     """
 
     levels: tuple[Level, ...]
@@ -124,13 +119,7 @@ class Context:
 
 
 def context_at(text: str, parsed: Parsed, place: Place) -> Context:
-    """Returns where a place is.
-
-    Args:
-        text: The text.
-        parsed: Its tree and tokens.
-        place: The place.
-    """
+    """Returns where a place is."""
     line = text.split("\n")[place.line - 1] if place.line <= text.count("\n") + 1 else ""
     before = line[: place.column - 1]
     found = _WORD_AT_END.search(before)

@@ -8,51 +8,49 @@ from typing import TYPE_CHECKING, Any
 from jausml.authoring.editor.classes import features_of, keywords, table
 from jausml.authoring.editor.context import Part, context_at
 from jausml.authoring.editor.definition import declaration_at, word_at
-from jausml.authoring.editor.descriptions import described, described_map
 from jausml.authoring.editor.paths import facts, sides_at
 from jausml.authoring.editor.positions import Place
-from jausml.authoring.editor.workbench import names_in, sketched_text
+from jausml.authoring.editor.workbench import names_in, pieces_parsed
 from jausml.language.metamodel import documentation
+from jausml.language.metamodel.classes import jaus, ros
+from jausml.language.model.names import qualified_name
 from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.text.keywords import snake_case
 from jausml.language.text.reading.shaping import word_text
-from jausml.language.text.tree import Element
+from jausml.language.text.tree import Direction, Element, End
+from jausml.live.messages.definitions import rows_of
+from jausml.live.messages.errors import DefinitionError
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
     from pathlib import Path
 
     from lark import Token
 
     from jausml.authoring.editor.context import Context
     from jausml.authoring.editor.workbench import Workbench
+    from jausml.language.metamodel.classes.ecore import EObject
+
+_MOST_ROWS = 60
+
+_MOST_NAMES = 12
 
 
 @dataclass(frozen=True, slots=True)
 class Hover:
-    """Everything known of a word.
-
-    Attributes:
-        text: It, as Markdown.
-        token: The word.
-    """
+    """Everything known of a word."""
 
     text: str
     token: Token
 
 
 def hover(bench: Workbench, path: Path, place: Place) -> Hover | None:
-    """Returns what is known of the word at a place, None when it is nothing.
-
-    Args:
-        bench: What is open.
-        path: The file of the text.
-        place: The place.
-    """
+    """Returns what is known of the word at a place, None when it is nothing."""
     text = bench.text(path)
     token = word_at(text, place)
     if token is None:
         return None
-    context = context_at(text, sketched_text(text), place)
+    context = context_at(text, pieces_parsed(text), place)
     for explain in (_path, _conversion, _message, _feature, _literal, _named, _keyword):
         said = explain(bench, path, context, token)
         if said:
@@ -73,14 +71,14 @@ def _path(bench: Workbench, path: Path, context: Context, token: Token) -> str:
     said += [getattr(field, "interpretation", None), getattr(field, "documentation", None)]
     if attribute.constants:
         said.append(", ".join(f"{name} = {value}" for name, value in attribute.constants[:12]))
-    return _joined(said)
+    return _joined(*said)
 
 
 def _conversion(bench: Workbench, path: Path, context: Context, token: Token) -> str:  # noqa: ARG001
     if context.part is not Part.CONVERSION:
         return ""
     known = CONVERSIONS.get(_name(token))
-    return "" if known is None else _joined([f"`{known.signature}`", known.documentation])
+    return "" if known is None else _joined(f"`{known.signature}`", known.documentation)
 
 
 def _message(bench: Workbench, path: Path, context: Context, token: Token) -> str:  # noqa: ARG001
@@ -96,7 +94,7 @@ def _feature(bench: Workbench, path: Path, context: Context, token: Token) -> st
     if feature is None or context.part not in (Part.ITEM, Part.SOURCE):
         return ""
     kind = feature.type_name.rpartition(".")[2]
-    return _joined([f"**{feature.name}**: {kind}", documentation(feature.feature)])
+    return _joined(f"**{feature.name}**: {kind}", documentation(feature.feature))
 
 
 def _literal(bench: Workbench, path: Path, context: Context, token: Token) -> str:  # noqa: ARG001
@@ -104,7 +102,7 @@ def _literal(bench: Workbench, path: Path, context: Context, token: Token) -> st
     if context.part is not Part.VALUE or feature is None or feature.data_type is None:
         return ""
     literal = feature.data_type.literals.get(_name(token))
-    return "" if literal is None else _joined([f"**{_name(token)}**", documentation(literal)])
+    return "" if literal is None else _joined(f"**{_name(token)}**", documentation(literal))
 
 
 def _named(bench: Workbench, path: Path, context: Context, token: Token) -> str:  # noqa: ARG001
@@ -116,16 +114,12 @@ def _named(bench: Workbench, path: Path, context: Context, token: Token) -> str:
     said: list[Any] = [f"{kind} **{declaration.name.text}**", declaration.item.documentation]
     if isinstance(declaration.item, Element) and declaration.table is table("bridge.AttributeMap"):
         said.append(described_map(declaration.item))
-    return _joined(said)
+    return _joined(*said)
 
 
 def _keyword(bench: Workbench, path: Path, context: Context, token: Token) -> str:  # noqa: ARG001
     known = keywords().get(_name(token))
-    return "" if known is None else _joined([f"**{token}**", documentation(known.eclass)])
-
-
-def _joined(parts: list[Any]) -> str:
-    return "\n\n".join(str(each) for each in parts if each)
+    return "" if known is None else _joined(f"**{token}**", documentation(known.eclass))
 
 
 def _name(token: Token) -> str:
@@ -134,3 +128,110 @@ def _name(token: Token) -> str:
 
 def _place(token: Token) -> Place:
     return Place(token.line or 1, token.column or 1)
+
+
+def described(element: EObject) -> str:
+    """Returns what is known of an element of the library or a text; empty for other classes."""
+    if isinstance(element, jaus.MessageDef):
+        return _joined(_head(element, element.code), element.documentation, _fields(element))
+    if isinstance(element, ros.MessageType):
+        return _joined(_head(element), element.documentation, _ros_fields(element))
+    if isinstance(element, jaus.Service):
+        return _service(element)
+    return ""
+
+
+def described_map(block: Element) -> str:
+    """Returns which ends a map has, and in which directions it goes."""
+    ends = [
+        f"{'JAUS' if each.is_jaus else 'ROS'} `{each.type.text}`"
+        for each in block.items
+        if isinstance(each, End)
+    ]
+    ways = [
+        "JAUS->ROS" if each.to_ros else "ROS->JAUS"
+        for each in block.items
+        if isinstance(each, Direction)
+    ]
+    return _joined(", ".join(ends), ", ".join(dict.fromkeys(ways)))
+
+
+def _head(element: EObject, *facts: str | None) -> str:
+    return " ".join(filter(None, (f"**{qualified_name(element)}**", *facts)))
+
+
+def _fields(message: jaus.MessageDef) -> str:
+    try:
+        rows = rows_of(message)
+    except DefinitionError:
+        return ""
+    # Paths start at the members of the outermost record.
+    outermost = int(bool(rows) and rows[0].type.startswith("record"))
+    cells = [
+        (
+            f"{'&nbsp;&nbsp;' * (row.depth - outermost)}{row.name}",
+            row.type,
+            row.units,
+            _joined(row.legal, _names(row.names), between=" "),
+            row.presence or "always",
+        )
+        for row in rows[outermost:]
+    ]
+    return _table(("field", "type", "unit", "values", "present"), cells)
+
+
+def _names(names: Mapping[int, str] | None) -> str:
+    shown = [f"{value} {name}" for value, name in sorted((names or {}).items())]
+    more = [f"{len(shown) - _MOST_NAMES} more"] if len(shown) > _MOST_NAMES else []
+    return ", ".join(shown[:_MOST_NAMES] + more)
+
+
+def _ros_fields(type_: ros.MessageType) -> str:
+    cells = [
+        (each.name or "", _ros_type(each), _first_line(each.documentation)) for each in type_.fields
+    ]
+    return _table(("field", "type", ""), cells)
+
+
+def _ros_type(field: ros.Field) -> str:
+    if isinstance(field, ros.MessageField):
+        word = qualified_name(field.messageType).replace(".", "/") if field.messageType else ""
+    else:
+        word = str(getattr(getattr(field, "type", None), "name", ""))
+    size = field.arraySize or ""
+    brackets = {"fixedArray": f"[{size}]", "boundedSequence": f"[<={size}]"}
+    kind = field.arrayKind.name
+    return word + brackets.get(kind, "[]" if kind == "unboundedSequence" else "")
+
+
+def _service(service: jaus.Service) -> str:
+    facts = [f"`{service.urn}` {service.version}"]
+    if service.inherits is not None:
+        facts.append(f"inherits {service.inherits.name}")
+    messages = [
+        f"{word}: {', '.join(str(each.name) for each in messages)}"
+        for word, messages in (("takes", service.inputs), ("sends", service.outputs))
+        if messages
+    ]
+    return _joined(_head(service), ", ".join(facts), service.documentation, *messages)
+
+
+def _table(head: Sequence[str], cells: Sequence[Sequence[str]]) -> str:
+    """Returns a table in Markdown, empty without rows."""
+    if not cells:
+        return ""
+    lines = [_line(head), _line(["---"] * len(head)), *map(_line, cells[:_MOST_ROWS])]
+    more = f"\n\n{len(cells) - _MOST_ROWS} more" if len(cells) > _MOST_ROWS else ""
+    return "\n".join(lines) + more
+
+
+def _line(cells: Iterable[str]) -> str:
+    return f"| {' | '.join(each.replace('|', chr(92) + '|') for each in cells)} |"
+
+
+def _first_line(text: str | None) -> str:
+    return (text or "").partition("\n")[0]
+
+
+def _joined(*parts: Any, between: str = "\n\n") -> str:
+    return between.join(str(each) for each in parts if each)

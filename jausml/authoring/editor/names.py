@@ -37,9 +37,6 @@ class Declaration:
     """A name that a text gives to an element.
 
     Attributes:
-        name: The name.
-        table: The class of the element.
-        item: What declares it.
         owners: The items around it, the outermost first.
     """
 
@@ -57,14 +54,7 @@ class Declaration:
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """A name that refers to an element.
-
-    Attributes:
-        name: The name, perhaps with those of owners before it.
-        wanted: The class of the element.
-        owners: The items around it, the outermost first.
-        is_first_step: Whether only the first step of a path is the name.
-    """
+    """A name that refers to an element."""
 
     name: Name
     wanted: ClassTable
@@ -79,12 +69,7 @@ class Reference:
 
 @dataclass(slots=True)
 class Names:
-    """All names of a document, in order.
-
-    Attributes:
-        declarations: What declares elements.
-        references: What refers to them.
-    """
+    """All names of a document, in order."""
 
     declarations: list[Declaration] = field(default_factory=list)
     references: list[Reference] = field(default_factory=list)
@@ -108,12 +93,7 @@ def names_of(document: SyntaxTree) -> Names:
 
 
 def find(reference: Reference, declarations: Iterable[Declaration]) -> Declaration | None:
-    """Returns the declaration that a reference means: the one that shares most owners with it.
-
-    Args:
-        reference: The reference.
-        declarations: Those of its document, or of one that it imports.
-    """
+    """Returns the declaration that a reference means: the one that shares most owners with it."""
     steps = reference.text.replace("/", ".").split(".")
     fitting = [
         each

@@ -25,25 +25,14 @@ MessageT = TypeVar("MessageT", "jaus.MessageDef", "ros.MessageType")
 
 @dataclass(frozen=True, slots=True)
 class Sides:
-    """Starts of the paths of assignments; None where a message is not known.
-
-    Attributes:
-        source: Where source paths start.
-        target: Where target paths start.
-        joins: Where paths start that begin with the name of a join.
-    """
+    """Starts of the paths of assignments; None where a message is not known."""
 
     source: PathPlace | None
     target: PathPlace | None
     joins: dict[str, PathPlace]
 
     def follow(self, path: str, *, is_source: bool) -> PathPlace | None:
-        """Returns where a path leads to; None when it leads nowhere.
-
-        Args:
-            path: The path.
-            is_source: Whether it is a source.
-        """
+        """Returns where a path leads to; None when it leads nowhere."""
         first, _, rest = path.partition(".")
         if is_source and first in self.joins:
             return _follow(self.joins[first], rest or ".")
@@ -51,13 +40,7 @@ class Sides:
 
 
 def sides_at(bench: Workbench, path: Path, context: Context) -> Sides:
-    """Returns where the paths at a place start.
-
-    Args:
-        bench: What is open.
-        path: The file of the text.
-        context: The place.
-    """
+    """Returns where the paths at a place start."""
     message = _at_end(bench, path, context, jaus.MessageDef)
     kind = _at_end(bench, path, context, ros.MessageType)
     from_jaus = message_place(message) if message is not None else None

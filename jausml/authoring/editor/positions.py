@@ -32,7 +32,6 @@ class Columns:
     """Translates between the columns of a text and those of an editor.
 
     Args:
-        text: The text.
         encoding: Units in which the editor counts: `utf-8`, `utf-16` or `utf-32`.
     """
 
@@ -45,7 +44,6 @@ class Columns:
 
         Args:
             line: Line, counted from 0.
-            units: Units before the place on its line.
         """
         text = self._line(line)
         taken = 0

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from jausml.authoring.editing.commands import EditError
-from jausml.authoring.editing.unsaved import Unsaved
+from jausml.authoring.editing.commands import EditError, Rename
+from jausml.authoring.editing.drafts import Draft
+from jausml.authoring.editing.executing import execute
+from jausml.authoring.editing.reading import Reader, can_be_parsed, stored
 from jausml.authoring.editor.definition import declaration_at
 from jausml.authoring.editor.positions import is_within, start_of
 from jausml.authoring.editor.workbench import names_in
+from jausml.language.model import refs
 from jausml.language.model.uris import library_root
 from jausml.language.text.reading.document import TextDocument
 from jausml.language.text.tree import Span
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from collections.abc import Callable, Mapping, Sequence
 
     from jausml.authoring.editing.splices import Splice
     from jausml.authoring.editor.names import Declaration
@@ -24,6 +29,7 @@ if TYPE_CHECKING:
     from jausml.authoring.editor.workbench import Workbench
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.model import Model
+    from jausml.language.model.refs import Ref
 
 
 class RenameError(ValueError):
@@ -32,13 +38,7 @@ class RenameError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Edit:
-    """A change of a text.
-
-    Attributes:
-        path: The file.
-        span: What is replaced.
-        text: What by.
-    """
+    """A change of a text."""
 
     path: Path
     span: Span
@@ -46,13 +46,7 @@ class Edit:
 
 
 def renamed_span(bench: Workbench, path: Path, place: Place) -> Span | None:
-    """Returns the name at a place that can be changed, None when there is none.
-
-    Args:
-        bench: What is open.
-        path: The file of the text.
-        place: The place.
-    """
+    """Returns the name at a place that can be changed, None when there is none."""
     if declaration_at(bench, path, place) is None:
         return None
     names = names_in(bench.text(path))
@@ -65,9 +59,6 @@ def rename(bench: Workbench, path: Path, place: Place, name: str) -> list[Edit]:
     """Returns the changes that give an element another name, wherever a text names it.
 
     Args:
-        bench: What is open.
-        path: The file of the text.
-        place: A place at the name of the element, or at a reference to it.
         name: The new name, without back quotes.
 
     Raises:
@@ -128,3 +119,36 @@ def _check_free(bench: Workbench, home: Path, declaration: Declaration, name: st
         if is_beside and other.name.text == name and other is not declaration:
             line = other.name.span.line
             raise RenameError(f"line {line} declares another element of the name '{name}'")
+
+
+class Unsaved:
+    """Some model files as somebody holds them.
+
+    Args:
+        contents: The files by real path. What they refer to besides is read where it is stored.
+    """
+
+    def __init__(self, contents: Mapping[Path, bytes]) -> None:
+        self._root = Path(os.path.commonpath([each.parent for each in contents]))
+        names = {path: path.relative_to(self._root).as_posix() for path in contents}
+        self._names = names
+        files = {name: stored(name, contents[path], 0) for path, name in names.items()}
+        self._draft = Draft(self._root, files, Reader(self._root), 1)
+
+    def ref(self, path: Path, find: Callable[[Model], EObject | None]) -> Ref:
+        """Returns the ref of an element of a file, empty where there is none."""
+        model = self._draft.read(self._names[path]).model
+        return refs.ref_of(find(model), model, self._root)
+
+    def rename(self, element: Ref, name: str) -> Mapping[Path, Sequence[Splice]]:
+        """Returns what another name of an element changes in each file."""
+        home, _ = refs.split(element)
+        if not can_be_parsed(home, self._draft.files[home].data):
+            raise EditError(f"{home} cannot be parsed as it is: fix it first")
+        execute([Rename(element, name)], self._draft)
+        changed = {each.file: each.steps for each in self._draft.changes()}
+        return {
+            path: [splice for step in changed[name] for splice in step]
+            for path, name in self._names.items()
+            if name in changed
+        }

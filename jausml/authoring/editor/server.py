@@ -16,14 +16,18 @@ from pygls.protocol import LanguageServerProtocol
 from pygls.uris import from_fs_path, to_fs_path
 
 from jausml import __version__
-from jausml.authoring.editor.completion import Completion, CompletionKind, Offer, complete
-from jausml.authoring.editor.definition import define
-from jausml.authoring.editor.diagnosing import Problem, all_problems, syntax_problems
+from jausml.authoring.editor.completion import Completion, CompletionKind, CompletionList, complete
+from jausml.authoring.editor.definition import Symbol, define, outline
 from jausml.authoring.editor.hover import hover
-from jausml.authoring.editor.outline import Symbol, outline
 from jausml.authoring.editor.positions import Columns, Place
 from jausml.authoring.editor.renaming import RenameError, rename, renamed_span
-from jausml.authoring.editor.workbench import Workbench, parsed_text
+from jausml.authoring.editor.workbench import (
+    Problem,
+    Workbench,
+    all_problems,
+    parsed_text,
+    syntax_problems,
+)
 from jausml.language.metamodel import load_metamodels
 from jausml.language.model.diagnostics import Severity
 from jausml.language.text.notation import SUFFIX
@@ -72,30 +76,26 @@ def serve() -> None:
 
 
 def make_server(root: Path | None = None) -> LanguageServer:
-    """Returns the server with all that it answers.
-
-    Args:
-        root: The folder outside of which it reads nothing but the library; None for no limit.
-    """
+    """Returns the server with all that it answers."""
     server = LanguageServer(
         "jausml",
         __version__,
         text_document_sync_kind=types.TextDocumentSyncKind.Full,
         protocol_cls=_Protocol,
     )
-    desk = _Desk(server, Workbench(root=root))
+    handlers = _Handlers(server, Workbench(root=root))
     triggers = types.CompletionOptions(trigger_characters=[".", "/", ":", ">", "("])
     answers: list[tuple[str, Callable[[Any], Any], Any]] = [
-        (types.TEXT_DOCUMENT_DID_OPEN, desk.did_open, None),
-        (types.TEXT_DOCUMENT_DID_CHANGE, desk.did_change, None),
-        (types.TEXT_DOCUMENT_DID_CLOSE, desk.did_close, None),
-        (types.TEXT_DOCUMENT_COMPLETION, desk.completion, triggers),
-        (types.TEXT_DOCUMENT_HOVER, desk.hover, None),
-        (types.TEXT_DOCUMENT_DEFINITION, desk.definition, None),
-        (types.TEXT_DOCUMENT_PREPARE_RENAME, desk.prepare_rename, None),
-        (types.TEXT_DOCUMENT_RENAME, desk.rename, types.RenameOptions(prepare_provider=True)),
-        (types.TEXT_DOCUMENT_FORMATTING, desk.formatting, None),
-        (types.TEXT_DOCUMENT_DOCUMENT_SYMBOL, desk.symbols, None),
+        (types.TEXT_DOCUMENT_DID_OPEN, handlers.did_open, None),
+        (types.TEXT_DOCUMENT_DID_CHANGE, handlers.did_change, None),
+        (types.TEXT_DOCUMENT_DID_CLOSE, handlers.did_close, None),
+        (types.TEXT_DOCUMENT_COMPLETION, handlers.completion, triggers),
+        (types.TEXT_DOCUMENT_HOVER, handlers.hover, None),
+        (types.TEXT_DOCUMENT_DEFINITION, handlers.definition, None),
+        (types.TEXT_DOCUMENT_PREPARE_RENAME, handlers.prepare_rename, None),
+        (types.TEXT_DOCUMENT_RENAME, handlers.rename, types.RenameOptions(prepare_provider=True)),
+        (types.TEXT_DOCUMENT_FORMATTING, handlers.formatting, None),
+        (types.TEXT_DOCUMENT_DOCUMENT_SYMBOL, handlers.symbols, None),
     ]
     for method, answer, options in answers:
         # pygls writes on what it registers, and a method cannot be written on.
@@ -115,7 +115,7 @@ class _Protocol(LanguageServerProtocol):
             raise
 
 
-class _Desk:
+class _Handlers:
     """Translates what editors ask, and what they are answered."""
 
     def __init__(self, server: LanguageServer, bench: Workbench) -> None:
@@ -199,8 +199,8 @@ class _Desk:
 
     async def completion(self, params: types.CompletionParams) -> types.CompletionList:
         path, place = self._at(params)
-        offer = await asyncio.to_thread(complete, self._bench, path, place)
-        start, end = offer.start, offer.end
+        found = await asyncio.to_thread(complete, self._bench, path, place)
+        start, end = found.start, found.end
         span = Span(start.line, start.column, end.line, end.column)
         replaced = _range(self._columns(path), span)
         items = [
@@ -212,19 +212,19 @@ class _Desk:
                 filter_text=each.label,
                 sort_text=f"{0 if each.is_first else 1}{each.label}",
                 text_edit=types.TextEdit(replaced, each.text or each.label),
-                additional_text_edits=self._import(path, offer, each),
+                additional_text_edits=self._import(path, found, each),
             )
-            for each in offer.completions
+            for each in found.completions
         ]
         return types.CompletionList(is_incomplete=False, items=items)
 
     def _import(
-        self, path: Path, offer: Offer, completion: Completion
+        self, path: Path, found: CompletionList, completion: Completion
     ) -> list[types.TextEdit] | None:
         """Returns the edit that imports what a completion needs."""
         if not completion.module:
             return None
-        line, column = offer.imports_end.line, offer.imports_end.column
+        line, column = found.imports_end.line, found.imports_end.column
         where = _range(self._columns(path), Span(line, column, line, column))
         return [types.TextEdit(where, f"import {word(completion.module)}\n")]
 

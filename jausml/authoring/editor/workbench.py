@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import threading
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import TYPE_CHECKING, TypeVar
 
 from jausml.authoring.editor.names import Names, names_of
+from jausml.language.model.diagnostics import Severity
 from jausml.language.model.inputs import read_input
 from jausml.language.model.names import qualified_name
 from jausml.language.model.reading.reader import ReadResult, read_models
@@ -16,7 +18,7 @@ from jausml.language.text.notation import SUFFIX, Ros2Jaus, decode
 from jausml.language.text.reading.imports import resolve
 from jausml.language.text.reading.parsing import Parsed, parse
 from jausml.language.text.reading.segments import joined, parse_segment, segments_of
-from jausml.language.text.tree import Import, Text
+from jausml.language.text.tree import Import, Span, Text
 from jausml.language.validation.engine import RuleError, check
 
 if TYPE_CHECKING:
@@ -27,6 +29,10 @@ if TYPE_CHECKING:
     from jausml.language.model.diagnostics import Diagnostic
     from jausml.language.model.model import Model
     from jausml.language.text.tree import SyntaxTree
+
+ElementT = TypeVar("ElementT", bound="EObject")
+
+_WORD = re.compile(r"[^\s,(){}\[\]]+|.")
 
 
 class _Pieces:
@@ -47,7 +53,7 @@ _PIECES = _Pieces()
 
 
 @lru_cache(maxsize=32)
-def sketched_text(text: str) -> Parsed:
+def pieces_parsed(text: str) -> Parsed:
     """Returns the tree of a text as soon as a key was pressed: parsed is the piece that changed.
 
     It is that of `parsed_text` unless there are syntax errors, which are not those to be shown.
@@ -58,17 +64,16 @@ def sketched_text(text: str) -> Parsed:
 @lru_cache(maxsize=32)
 def parsed_text(text: str) -> Parsed:
     """Returns the tree of a text with its syntax errors; that of a text just seen is kept."""
-    sketched = sketched_text(text)
-    return parse(text) if sketched.faults else sketched
+    parsed = pieces_parsed(text)
+    return parse(text) if parsed.faults else parsed
 
 
 @lru_cache(maxsize=32)
 def names_in(text: str) -> Names:
     """Returns the names in a text; those of a text just seen are kept."""
-    return names_of(sketched_text(text).document)
+    return names_of(pieces_parsed(text).document)
 
 
-ElementT = TypeVar("ElementT", bound="EObject")
 _NOTATIONS = (Ros2Jaus(parse=parsed_text),)
 
 
@@ -77,7 +82,6 @@ class Workbench:
     """The open texts, and what was read of them.
 
     Attributes:
-        texts: The texts that are open in the editor, by real path.
         root: The folder outside of which nothing but the library is read, symbolic links followed;
             None for no limit.
     """
@@ -111,9 +115,6 @@ class Workbench:
 
         May run beside everything else. What was read answers later questions.
 
-        Args:
-            path: Real path of the text.
-
         Returns:
             What was found in this text.
         """
@@ -141,12 +142,7 @@ class Workbench:
             return self._library
 
     def elements(self, path: Path, kind: type[ElementT]) -> list[ElementT]:
-        """Returns the elements of a class that a text can name: its own, then the library's.
-
-        Args:
-            path: Real path of the text.
-            kind: The class.
-        """
+        """Returns the elements of a class that a text can name: its own, then the library's."""
         model = self._models.get(path)
         own = model.instances(kind, library=False) if model is not None else []
         return own + self.library().instances(kind)
@@ -161,7 +157,7 @@ class Workbench:
 
     def tree(self, path: Path) -> SyntaxTree:
         """Returns the syntax tree of a text."""
-        return sketched_text(self.text(path)).document
+        return pieces_parsed(self.text(path)).document
 
     def module_of(self, element: EObject) -> str:
         """Returns what a text imports for an element of the library; empty for another element."""
@@ -214,3 +210,46 @@ def _checked(result: ReadResult) -> Sequence[Diagnostic]:
     except RuleError:
         # A rule that fails on a text half written says nothing about it.
         return result.diagnostics
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """Something that is wrong with a text."""
+
+    span: Span
+    severity: Severity
+    rule: str
+    message: str
+
+
+def syntax_problems(text: str) -> list[Problem]:
+    """Returns the syntax errors of a text."""
+    return [
+        Problem(each.span, Severity.ERROR, "JML701", _with_hint(each.message, each.hint))
+        for each in parsed_text(text).faults
+    ]
+
+
+def all_problems(bench: Workbench, path: Path) -> list[Problem]:
+    """Reads an open text as a model and returns all that is wrong with it."""
+    lines = bench.text(path).split("\n")
+    return [
+        Problem(
+            _span(lines, each.location.line, each.location.column),
+            each.severity,
+            each.rule,
+            _with_hint(each.message, each.hint),
+        )
+        for each in bench.findings(path)
+    ]
+
+
+def _with_hint(message: str, hint: str) -> str:
+    return f"{message} ({hint})" if hint else message
+
+
+def _span(lines: list[str], line: int, column: int) -> Span:
+    """Returns the word at a place, for a finding tells only where it begins."""
+    text = lines[line - 1] if line <= len(lines) else ""
+    word = _WORD.match(text, column - 1)
+    return Span(line, column, line, word.end() + 1 if word is not None else column)

@@ -61,9 +61,6 @@ class Conflict:
     """A place where two sides of a merge do not go together.
 
     Attributes:
-        rule: Id of the rule.
-        element: The element of our side that it is about, or the nearest owner of one.
-        message: What each side did.
         feature: The feature, empty for the whole element.
         file: The file where another one is meant than that which is merged, else empty.
     """

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from jausml.authoring.differences.finding import is_ordered
-from jausml.authoring.differences.telling import NOTHING, feature_text, words
+from jausml.authoring.differences.wording import NOTHING, feature_text, words
 from jausml.authoring.merging.conflicts import CHANGED_TWICE, GONE_HERE, Conflict
 from jausml.language.metamodel import FeatureKind
 from jausml.language.metamodel.classes import bridge, jaus
@@ -28,9 +28,6 @@ class Addition:
     """An element of theirs that our side shall have.
 
     Attributes:
-        owner: Its owner on our side.
-        feature: The feature of the owner.
-        element: The element of theirs.
         before: The sibling on our side that it stands before, None at the end.
     """
 
@@ -64,11 +61,6 @@ class Plan:
 
     Attributes:
         replaced: Elements that make room for others, before anything else.
-        additions: What is added.
-        settings: What gets other values.
-        orders: What stands in another order.
-        removed: What goes.
-        conflicts: What does not go together.
     """
 
     replaced: list[EObject] = field(default_factory=list)
@@ -101,7 +93,7 @@ class _Planner:
         is_whole = isinstance(base, _WHOLE) and not isinstance(base, bridge.ListAssignment)
         if is_whole and not sides.is_same(base, ours, sides.ours):
             if not sides.is_alike(ours, theirs):
-                mine, other = self._told(base, ours), self._told(base, theirs)
+                mine, other = self._difference(base, ours), self._difference(base, theirs)
                 what = f"{self._label(ours)} was changed on both sides"
                 self._clash(ours, "", f"{what}: ours: {mine}; theirs: {other}")
             return
@@ -142,8 +134,8 @@ class _Planner:
             elif here is not None:
                 self._gone_there(each, here, is_one=not feature.many)
             elif there is not None and not self._sides.is_same(each, there, self._sides.theirs):
-                told = self._told(each, there)
-                what = f"{self._label(each)} was removed by us and changed by them: {told}"
+                difference = self._difference(each, there)
+                what = f"{self._label(each)} was removed by us and changed by them: {difference}"
                 self.plan.conflicts.append(Conflict(GONE_HERE, ours, what, feature.name))
         self._added(ours, theirs, feature)
         self._ordered(base, ours, theirs, feature)
@@ -152,8 +144,8 @@ class _Planner:
         if self._sides.is_same(base, ours, self._sides.ours):
             (self.plan.replaced if is_one else self.plan.removed).append(ours)
         else:
-            told = self._told(base, ours)
-            what = f"{self._label(ours)} was removed by them and changed by us: {told}"
+            difference = self._difference(base, ours)
+            what = f"{self._label(ours)} was removed by them and changed by us: {difference}"
             self.plan.conflicts.append(Conflict(GONE_HERE, ours, what))
 
     def _added(self, ours: EObject, theirs: EObject, feature: FeatureTable) -> None:
@@ -172,9 +164,11 @@ class _Planner:
                 new.remove(twin)
                 self._paired(twin, each)
                 if not self._sides.is_alike(twin, each):
-                    told = self._sides.told(twin, self._sides.ours, each, self._sides.theirs)
+                    difference = self._sides.difference(
+                        twin, self._sides.ours, each, self._sides.theirs
+                    )
                     what = f"{self._label(twin)} was added on both sides, and is not the same"
-                    self._clash(twin, "", f"{what}: from ours to theirs: {told}")
+                    self._clash(twin, "", f"{what}: from ours to theirs: {difference}")
 
     def _twin(self, theirs: EObject, new: Sequence[EObject]) -> EObject | None:
         """Returns what our side added that is the same element, or bears the same name."""
@@ -242,9 +236,9 @@ class _Planner:
     def _clash(self, element: EObject, feature: str, message: str) -> None:
         self.plan.conflicts.append(Conflict(CHANGED_TWICE, element, message, feature))
 
-    def _told(self, base: EObject, obj: EObject) -> str:
+    def _difference(self, base: EObject, obj: EObject) -> str:
         side = self._sides.ours if obj in self._ours.olds else self._sides.theirs
-        return self._sides.told(base, None, obj, side)
+        return self._sides.difference(base, None, obj, side)
 
     def _label(self, obj: EObject) -> str:
         return self._sides.label(obj)

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from jausml.authoring.differences.finding import changes
 from jausml.authoring.differences.matching import Matching
-from jausml.authoring.differences.telling import element_words
-from jausml.authoring.editing.forest import attribute_values
+from jausml.authoring.differences.wording import element_words
+from jausml.authoring.editing.working_copy import attribute_values
 from jausml.language.metamodel import FeatureKind
 from jausml.language.metamodel.filling import contents
 from jausml.language.model import refs
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from jausml.language.model.model import Model
     from jausml.language.model.refs import Ref
 
-_MOST_TOLD = 3
+_MOST_NAMED = 3
 """Changes of one element that a conflict tells."""
 
 Value: TypeAlias = "EObject | str | None"
@@ -32,12 +32,7 @@ base, else of the side that added it; or the ref of an element of another file."
 
 @dataclass(frozen=True)
 class Side:
-    """A state that was made of the base.
-
-    Attributes:
-        model: The state.
-        matching: Which elements are those of the base.
-    """
+    """A state that was made of the base."""
 
     model: Model
     matching: Matching
@@ -45,12 +40,6 @@ class Side:
 
 class Sides:
     """The states of one file: what both sides began with, our side, and theirs.
-
-    Args:
-        base: What both began with.
-        ours: Our side.
-        theirs: The other side.
-        root: The folder that files are relative to, symbolic links followed.
 
     Attributes:
         twins: Elements that our side added too, by those that theirs added.
@@ -77,7 +66,6 @@ class Sides:
         """Returns what an element is whatever the side.
 
         Args:
-            obj: An element.
             side: The side that has it, None for the base.
         """
         model = self.base if side is None else side.model
@@ -130,15 +118,8 @@ class Sides:
         what = element_words(self.table(obj))
         return f"{what} '{name}'" if name else what
 
-    def told(self, one: EObject, old: Side | None, other: EObject, new: Side) -> str:
-        """Returns in words what makes another element of one.
-
-        Args:
-            one: The element.
-            old: The side that has it, None for the base.
-            other: The other element, of the same class.
-            new: The side that has that.
-        """
+    def difference(self, one: EObject, old: Side | None, other: EObject, new: Side) -> str:
+        """Returns in words what makes another element of one."""
         before = self.base if old is None else old.model
         found = changes(before, new.model, [(one, other)])
         texts = [
@@ -147,8 +128,8 @@ class Sides:
         ]
         if not texts:
             return "documentation, ids or the order of parts"
-        more = [f"and {len(texts) - _MOST_TOLD} more"] if len(texts) > _MOST_TOLD else []
-        return ", ".join([*texts[:_MOST_TOLD], *more])
+        more = [f"and {len(texts) - _MOST_NAMED} more"] if len(texts) > _MOST_NAMED else []
+        return ", ".join([*texts[:_MOST_NAMED], *more])
 
 
 def _roots(base: Model, side: Model) -> list[tuple[EObject, EObject]]:

@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.projects.eclipse import MAPPINGS, as_xmi_beside
-from jausml.authoring.projects.errors import ProjectError
-from jausml.authoring.projects.places import Opened, opened
-from jausml.authoring.proposals.bridges import new_bridge, new_connections
+from jausml.authoring.projects.places import Opened, ProjectError, opened
 from jausml.authoring.proposals.bridging import bridges_of, offer_of
 from jausml.authoring.proposals.elements import AnswerError, Scope, library
 from jausml.authoring.proposals.fresh import participant_name
+from jausml.authoring.proposals.participants import new_bridge, new_connections
 from jausml.language.metamodel.classes import bridge, system
 from jausml.language.model.names import name_of
 from jausml.language.model.reading.reader import read_models
@@ -41,12 +40,6 @@ def add(
 ) -> tuple[str, ...]:
     """Adds elements to a model, all or none; returns the files that were written.
 
-    Args:
-        place: The model, which is made when it is missing.
-        label: What is added, for people.
-        commands: Returns what is wanted, for the model as it is.
-        is_of_services: Whether a model that is made is a service set instead of a system.
-
     Raises:
         ProjectError: It cannot be added; nothing was written.
         OSError: A file cannot be read or written.
@@ -74,18 +67,10 @@ def add_bridge(
     """Adds a bridge with a connection for each way that was chosen.
 
     Args:
-        place: The model, which is made when it is missing.
-        name: Name of the bridge.
-        chosen: The ways.
-        topics: All topics, which may feed the joins of maps.
         address: Its JAUS id; empty for one that is free.
 
     Returns:
         The files that were written, relative to the folder of the project.
-
-    Raises:
-        ProjectError: It cannot be added; nothing was written.
-        OSError: A file cannot be read or written.
     """
 
     def made(at: Opened, scope: Scope, ways: Sequence[Crossing]) -> Sequence[Command]:
@@ -107,17 +92,10 @@ def add_connections(
     """Adds a connection for each way that was chosen to a bridge, with the services of them.
 
     Args:
-        place: The model.
         name: Name of the bridge; empty for the only one.
-        chosen: The ways.
-        topics: All topics, which may feed the joins of maps.
 
     Returns:
         The files that were written, relative to the folder of the project.
-
-    Raises:
-        ProjectError: It cannot be added; nothing was written.
-        OSError: A file cannot be read or written.
     """
 
     def made(at: Opened, scope: Scope, ways: Sequence[Crossing]) -> Sequence[Command]:
@@ -171,11 +149,7 @@ def _carry(
 
 
 def check_name(name: str, whole: system.System) -> None:
-    """Sees to it that a component, bridge or node can have a name.
-
-    Raises:
-        ProjectError: It cannot.
-    """
+    """Sees to it that a component, bridge or node can have a name."""
     if not is_identifier(name):
         raise ProjectError(f"{name!a} is no name: letters, digits and single _ after a letter")
     if reason := taken(name.lower()):
@@ -202,11 +176,7 @@ def _identity(used: bridge.AttributeMap) -> tuple[str, str, str]:
 
 
 def _present(crossing: Crossing, scope: Scope) -> Crossing:
-    """Returns a way with its map as the models have it now; a copy stands for that of the library.
-
-    Raises:
-        ProjectError: It is not there.
-    """
+    """Returns a way with its map as the models have it now; a copy replaces that of the library."""
     models = scope.others
     if library().document_of(crossing.map) is None:
         models = (scope.model,)
@@ -240,11 +210,7 @@ def models_beside(at: Opened) -> list[Model]:
 
 
 def check_map_name(name: str, owner: bridge.Bridge) -> None:
-    """Sees to it that a bridge can have a map of a name.
-
-    Raises:
-        ProjectError: It cannot.
-    """
+    """Sees to it that a bridge can have a map of a name."""
     if not is_identifier(name):
         raise ProjectError(f"{name!a} is no name: letters, digits and single _ after a letter")
     if any(name_of(each) == name for each in owner.maps):
@@ -255,11 +221,7 @@ def bridge_in(at: Opened, name: str) -> bridge.Bridge:
     """Returns the bridge of a model that gets something, in whichever file it stands.
 
     Args:
-        at: The model.
         name: Its name; empty for the only one.
-
-    Raises:
-        ProjectError: There is none, or there are several.
     """
     roots = at.scope.model.documents[0].roots
     # Eclipse's Control... puts what a system owns into a file of its own.
@@ -275,16 +237,7 @@ def bridge_in(at: Opened, name: str) -> bridge.Bridge:
 
 
 def namespace_of(place: Place, name: str) -> str:
-    """Returns the ROS namespace of a bridge of a model, empty for the root.
-
-    Args:
-        place: The model.
-        name: Name of the bridge; empty for the only one.
-
-    Raises:
-        ProjectError: There is no such bridge.
-        OSError: The file cannot be read.
-    """
+    """Returns the ROS namespace of a bridge of a model, empty for the root."""
     if not place.path.exists():
         raise ProjectError(f"{place.path} does not exist, so it has no bridge")
     return str(bridge_in(opened(place), name).namespace or "")

@@ -1,22 +1,44 @@
-"""Maker of a new model project: a model, what Eclipse needs beside it, and what CI runs."""
+"""New projects: a model, what Eclipse needs beside it, what CI runs, and renewed copies."""
 
 from __future__ import annotations
 
+import hashlib
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import jinja2
 
 from jausml import __version__
-from jausml.authoring.projects.copies import SUMS, renewed, sums_of
-from jausml.authoring.projects.eclipse import METAMODELS, with_schema_location
-from jausml.authoring.projects.errors import ProjectError
-from jausml.authoring.projects.first_model import as_xmi, empty_text, empty_xmi, text_of
+from jausml.authoring.editing.commands import Add
+from jausml.authoring.projects.adding import add, add_bridge
+from jausml.authoring.projects.eclipse import METAMODELS, localized, with_schema_location
+from jausml.authoring.projects.places import (
+    ProjectError,
+    as_xmi,
+    empty_text,
+    empty_xmi,
+    place_of,
+    text_of,
+)
+from jausml.authoring.proposals.elements import Scope
+from jausml.authoring.proposals.fresh import free_address
 from jausml.language.model.inputs import read_input
+from jausml.language.model.reading.reader import read_models
 from jausml.language.model.uris import library_root
-from jausml.language.model.xmi.writer import replace_file
+from jausml.language.model.xmi.writer import replace_file, to_xmi
 from jausml.language.semantics.names import DEVICES
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from jausml.authoring.editing.commands import Command
+    from jausml.authoring.projects.places import Opened
+    from jausml.authoring.proposals.topics import Crossing, TopicEnd
+    from jausml.language.importers.jsidl import ImportResult
+    from jausml.language.metamodel.classes import jaus
+
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(?:_[a-z0-9]+)*")
 _LIBRARY = "library"
@@ -29,14 +51,15 @@ TEMPLATES = {
 }
 """Files that are rendered, by their paths."""
 
+SUMS = "SHA256SUMS"
+"""The file in a folder of copies that says what they were, as `sha256sum` writes it."""
+
 
 @dataclass(frozen=True)
 class Wish:
     """What is wanted.
 
     Attributes:
-        name: Name of the system and of the project.
-        is_text: Whether the model shall be ros2jaus text, not XMI.
         is_empty: Whether the system shall be empty, without an example.
     """
 
@@ -51,11 +74,7 @@ class Wish:
 
 
 def name_for(folder: Path) -> str:
-    """Returns the name of a project in a folder.
-
-    Raises:
-        ProjectError: No name can be made of the folder's.
-    """
+    """Returns the name of a project in a folder."""
     words = re.findall(r"[a-z0-9]+", folder.resolve().name.lower())
     name = "_".join(words)
     if not _NAME.fullmatch(name):
@@ -66,15 +85,10 @@ def name_for(folder: Path) -> str:
 def create(folder: Path, wish: Wish) -> list[str]:
     """Writes the files of a project; none when one is there already with other contents.
 
-    Args:
-        folder: The folder; it may be missing.
-        wish: What is wanted.
-
     Returns:
         The paths of what was written, relative to the folder.
 
     Raises:
-        ProjectError: The name is none, or a file is there already.
         OSError: A file cannot be written.
     """
     if not _NAME.fullmatch(wish.name):
@@ -96,14 +110,8 @@ def create(folder: Path, wish: Wish) -> list[str]:
 def renew_copies(folder: Path) -> tuple[list[str], list[str]]:
     """Writes the copies that Eclipse needs as they are now; those that somebody changed stay.
 
-    Args:
-        folder: The folder of a project; where it has no copies, they are made.
-
     Returns:
         The paths of what was written, and of what stays, relative to the folder.
-
-    Raises:
-        OSError: A file cannot be written.
     """
     written: list[str] = []
     kept: list[str] = []
@@ -162,3 +170,98 @@ def _differs(path: Path, data: bytes) -> bool:
         return read_input(path) != data
     except FileNotFoundError:
         return False
+
+
+def sums_of(contents: Mapping[str, bytes]) -> bytes:
+    """Returns what says of copies what they are."""
+    lines = (f"{_digest(data)}  {path}\n" for path, data in sorted(contents.items()))
+    return "".join(lines).encode()
+
+
+def renewed(folder: Path, contents: Mapping[str, bytes]) -> tuple[dict[str, bytes], list[str]]:
+    """Returns the copies that are to be written anew, and those that somebody has changed."""
+    stored = read_input(folder / SUMS) if (folder / SUMS).is_file() else b""
+    lines = stored.decode("utf-8", "replace").splitlines()
+    known = {path: digest for digest, _, path in (line.partition("  ") for line in lines)}
+    wanted: dict[str, bytes] = {}
+    kept = []
+    for path, data in contents.items():
+        found = read_input(folder / path) if (folder / path).is_file() else None
+        if found == data:
+            continue
+        if found is None or _digest(found) == known.get(path):
+            wanted[path] = data
+        else:
+            kept.append(path)
+    sums = sums_of(contents)
+    if stored != sums and not kept:
+        wanted[SUMS] = sums
+    return wanted, kept
+
+
+def _digest(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
+
+
+def start_from_topics(
+    folder: Path, wish: Wish, chosen: Sequence[Crossing], topics: Sequence[TopicEnd]
+) -> list[str]:
+    """Makes a project whose system has a bridge of topics.
+
+    Returns:
+        The paths of what was written, relative to the folder.
+
+    Raises:
+        OSError: A file cannot be written.
+    """
+    written = _begin(folder, wish)
+    place = place_of(folder / wish.model)
+    files = add_bridge(place, f"{wish.name}_bridge", chosen, topics)
+    return list(dict.fromkeys((*written, *files)))
+
+
+def start_from_services(folder: Path, wish: Wish, imported: ImportResult) -> list[str]:
+    """Makes a project whose system has a component that provides services that were imported.
+
+    Returns:
+        The paths of what was written, relative to the folder.
+
+    Raises:
+        OSError: A file cannot be written.
+    """
+    services = folder / "models" / f"{wish.name}_services.xmi"
+    if services.exists():
+        raise ProjectError(f"{services} is there already; nothing was written")
+    written = _begin(folder, wish)
+    place = place_of(folder / wish.model)
+    xmi = to_xmi(imported.sets, imported.model, services)
+    replace_file(services, localized(xmi, services.resolve(), place.root).encode())
+
+    def commands(at: Opened) -> Sequence[Command]:
+        model = read_models([services], project_root=place.root).model
+        scope = Scope(at.scope.model, place.root, (model,))
+        provided = tuple(map(scope.ref, _outermost(model.documents[0].roots)))  # type: ignore[arg-type]
+        values = {
+            "name": (f"{wish.name}_component",),
+            "address": (free_address(scope.model),),
+            "provides": provided,
+        }
+        return [Add(scope.ref(at.system), "components", "jaus.Component", values)]
+
+    files = add(place, "Add a component", commands)
+    found = services.relative_to(folder).as_posix()
+    return list(dict.fromkeys((*written, found, *files)))
+
+
+def _begin(folder: Path, wish: Wish) -> list[str]:
+    """Makes an empty project in which its model is new."""
+    if (folder / wish.model).exists():
+        raise ProjectError(f"{folder / wish.model} is there already; nothing was written")
+    return create(folder, replace(wish, is_empty=True))
+
+
+def _outermost(sets: Sequence[jaus.ServiceSet]) -> list[jaus.Service]:
+    """Returns the services that no other one of the sets inherits."""
+    services = [each for one in sets for each in one.services]
+    inherited = [each.inherits for each in services]
+    return [each for each in services if each not in inherited]

@@ -31,12 +31,7 @@ _READY_MAP = re.compile(
 
 
 def metamodels_for(path: Path, root: Path) -> str:
-    """Returns the folder of metamodels of a project, relative to a model; empty without one.
-
-    Args:
-        path: The model.
-        root: The folder of the project.
-    """
+    """Returns the folder of metamodels of a project, relative to a model; empty without one."""
     for each in path.parents:
         if not each.is_relative_to(root):
             break
@@ -49,7 +44,6 @@ def with_schema_location(xmi: str, metamodels: str) -> str:
     """Returns a model that tells Eclipse where the metamodels of its namespaces are, as EMF does.
 
     Args:
-        xmi: The model, which says nothing of it.
         metamodels: Folder of the metamodels, relative to the model; empty for none.
     """
     root = _ROOT.search(xmi)
@@ -65,13 +59,7 @@ def with_schema_location(xmi: str, metamodels: str) -> str:
 
 
 def as_xmi_beside(source: Path, target: Path, root: Path) -> str:
-    """Returns a text of the library as XMI that Eclipse opens.
-
-    Args:
-        source: The text.
-        target: The file that is to hold it.
-        root: The folder of the project.
-    """
+    """Returns a text of the library as XMI that Eclipse opens."""
     model = read_models([source], notations=NOTATIONS).model
     roots = model.documents[0].roots
     name_identifiers(roots, model)
@@ -79,13 +67,7 @@ def as_xmi_beside(source: Path, target: Path, root: Path) -> str:
 
 
 def localized(xmi: str, target: Path, root: Path) -> str:
-    """Returns a model that leads Eclipse to the copies that a project has for it.
-
-    Args:
-        xmi: The model, which names the library by its URI.
-        target: The file that is to hold it.
-        root: The folder of the project.
-    """
+    """Returns a model that leads Eclipse to the copies that a project has for it."""
     folder = target.parent
 
     def local(match: re.Match[str]) -> str:
@@ -101,8 +83,6 @@ def with_ready_maps(xmi: str, target: Path, root: Path) -> tuple[str, dict[Path,
     """Returns a model that refers to ready maps by copies beside it, which Eclipse can read.
 
     Args:
-        xmi: The model, which names the library by its URI.
-        target: The file that is to hold it.
         root: The folder of the project; without metamodels for Eclipse nothing changes.
 
     Returns:

@@ -1,4 +1,4 @@
-"""Where new elements go: a model file, and the folder of the project around it."""
+"""Where new elements go: a model file, which is made if need be, and the project around it."""
 
 from __future__ import annotations
 
@@ -6,27 +6,45 @@ import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, TypeVar
 
 from jausml.authoring.editing.project import Project
 from jausml.authoring.editing.reading import SUFFIXES, can_be_parsed, model_files
-from jausml.authoring.projects.eclipse import metamodels_for
-from jausml.authoring.projects.errors import ProjectError
-from jausml.authoring.projects.first_model import empty_services, empty_xmi, text_of
+from jausml.authoring.projects.eclipse import metamodels_for, with_schema_location
 from jausml.authoring.proposals.elements import Scope
 from jausml.language.metamodel.classes import jaus, system
 from jausml.language.model.inputs import read_input
+from jausml.language.model.reading.reader import read_models
+from jausml.language.model.uris import LIBRARY_URI, library_root
 from jausml.language.model.xmi.writer import replace_file
 from jausml.language.text.notation import SUFFIX
+from jausml.language.text.writing.unparsing import to_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
 
 RootT = TypeVar("RootT", system.System, jaus.ServiceSet)
 
 _MARKS = (".project", ".git")
 _SYSTEM = re.compile(rb"<\w+:System\b|^\s*system\s+[\w`]", re.MULTILINE)
 """What a file with a system begins it with, in either notation."""
+
+_EXAMPLE = "minimal"
+
+_EMPTY = """\
+<?xml version="1.0" encoding="UTF-8"?>
+<system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"\
+ xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"\
+ xmlns:system="http://www.jausml.org/system/1.0" xmi:id="minimal" name="minimal"/>
+"""
+
+_EMPTY_SET = """\
+<?xml version="1.0" encoding="UTF-8"?>
+<jaus:ServiceSet xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"\
+ xmlns:jaus="http://www.jausml.org/jaus/1.0" name="minimal" version="1.0"/>
+"""
 
 
 @dataclass(frozen=True)
@@ -35,7 +53,6 @@ class Place:
 
     Attributes:
         root: The folder of the project, links followed.
-        file: The file, relative to it with forward slashes.
     """
 
     root: Path
@@ -68,9 +85,6 @@ def place_of(path: Path) -> Place:
 def system_in(folder: Path) -> Place:
     """Returns the place of the one model of a project that has a system.
 
-    Args:
-        folder: A folder in the project.
-
     Raises:
         ProjectError: There is none, or more than one.
     """
@@ -89,13 +103,7 @@ def system_in(folder: Path) -> Place:
 
 @dataclass(frozen=True)
 class Opened:
-    """A model file that is being edited.
-
-    Attributes:
-        place: Where it is.
-        project: The files around it.
-        made: The files that were made for it.
-    """
+    """A model file that is being edited."""
 
     place: Place
     project: Project
@@ -108,20 +116,12 @@ class Opened:
 
     @property
     def home_of_services(self) -> system.System | jaus.ServiceSet:
-        """The system of the file, or its service set where it has no system.
-
-        Raises:
-            ProjectError: It has neither, or cannot be read.
-        """
+        """The system of the file, or its service set where it has no system."""
         return self._root(system.System) or self._root(jaus.ServiceSet) or self.system
 
     @property
     def system(self) -> system.System:
-        """The system of the file.
-
-        Raises:
-            ProjectError: It has none, or cannot be read.
-        """
+        """The system of the file."""
         found = self._root(system.System)
         if found is None:
             raise ProjectError(f"{self.place.file} has no system that could have new elements")
@@ -144,12 +144,7 @@ class Opened:
 def opened(place: Place, *, is_of_services: bool = False) -> Opened:
     """Opens a model file; one that is missing is made, with an empty root of its name.
 
-    Args:
-        place: Where it is.
-        is_of_services: Whether the root is a service set instead of a system.
-
     Raises:
-        ProjectError: The name is none of a system.
         OSError: The file cannot be read or written.
     """
     if place.path.exists():
@@ -182,3 +177,47 @@ def _project_around(path: Path) -> Path:
 
 def _marked(path: Path) -> Iterator[Path]:
     return (each for each in path.parents if any((each / mark).exists() for mark in _MARKS))
+
+
+class ProjectError(Exception):
+    """A project or an element of one cannot be made; the message says why."""
+
+
+def as_xmi(name: str, metamodels: str) -> str:
+    """Returns the example as XMI that Eclipse opens, below a folder beside the library."""
+    path = library_root().parent / _EXAMPLE / f"{_EXAMPLE}.xmi"
+    return with_schema_location(_named(path.read_text(encoding="utf-8"), name), metamodels)
+
+
+def empty_xmi(name: str, metamodels: str) -> str:
+    """Returns an empty system as XMI.
+
+    Args:
+        metamodels: Folder of the metamodels, relative to the model; empty where there is none.
+    """
+    return with_schema_location(_named(_EMPTY, name), metamodels)
+
+
+def empty_services(name: str, metamodels: str) -> str:
+    """Returns an empty service set as XMI."""
+    named = _EMPTY_SET.replace('name="minimal"', f'name="{name}"')
+    return with_schema_location(named, metamodels)
+
+
+def empty_text(name: str) -> str:
+    """Returns an empty system as ros2jaus text."""
+    return text_of(empty_xmi(name, ""), name)
+
+
+def text_of(xmi: str, name: str) -> str:
+    """Returns a model as ros2jaus text."""
+    with TemporaryDirectory(prefix="jausml-init-") as folder:
+        path = Path(folder) / f"{name}.xmi"
+        path.write_text(xmi.replace("../library/", LIBRARY_URI), encoding="utf-8")
+        model = read_models([path]).model
+        return to_text(model.documents[0].roots, model, path.with_suffix(".ros2jaus"))
+
+
+def _named(xmi: str, name: str) -> str:
+    own = f'xmi:id="{_EXAMPLE}" name="{_EXAMPLE}"'
+    return xmi.replace(own, f'xmi:id="{name}" name="{name}"', 1)

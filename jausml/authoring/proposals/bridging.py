@@ -1,20 +1,23 @@
-"""Connections of bridges as commands: the bridge, the map, the services and the connection."""
+"""Connections of bridges as commands, by ready maps or by new ones."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import NEW, Add, Child, Set
+from jausml.authoring.editing.describing import described
+from jausml.authoring.proposals.elements import library, literal, values_of
 from jausml.authoring.proposals.fresh import free_address, name_among, participant_name
-from jausml.authoring.proposals.literals import literal, values_of
 from jausml.language.metamodel.classes import bridge, jaus, system
 from jausml.language.model.names import name_of
 from jausml.language.model.words import snake_case
 from jausml.language.semantics.connections.exchanges import EVENT, MESSAGE, TO_JAUS, TO_ROS
 from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
+from jausml.language.semantics.jaus.layouts import signature
 from jausml.language.semantics.jaus.services import (
+    code,
     find_same,
     lineage,
     provides_access_control,
@@ -31,6 +34,7 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes import ros
     from jausml.language.metamodel.classes.ecore import EObject
 
+
 _QUERY = "Query"
 
 
@@ -39,10 +43,6 @@ class Offer:
     """A message that a component sends or takes, and how.
 
     Attributes:
-        message: The message.
-        service: The service of the component that it stands in.
-        direction: Whether it goes to ROS or comes from there.
-        exchange: How it is exchanged with a bridge.
         is_provided: Whether the component provides the service; else it uses it, and the bridge
             has to provide it.
     """
@@ -74,7 +74,6 @@ def offers(component: jaus.Component, direction: str) -> Iterator[Offer]:
     Queries are asked by the bridge itself and not translated.
 
     Args:
-        component: The component.
         direction: `jausToRos` or `rosToJaus`.
     """
     for is_provided, services in ((True, component.provides), (False, component.uses)):
@@ -88,12 +87,7 @@ def offers(component: jaus.Component, direction: str) -> Iterator[Offer]:
 
 
 def offer_of(message: jaus.MessageDef, *, to_ros: bool) -> Offer | None:
-    """Returns how a bridge exchanges a message with a component; None for one without a service.
-
-    Args:
-        message: The message.
-        to_ros: The direction.
-    """
+    """Returns how a bridge exchanges a message with a component; None for one without a service."""
     service = message.eContainer()
     if not isinstance(service, jaus.Service):
         return None
@@ -119,13 +113,7 @@ class Draft:
     """A connection of a bridge that is to be.
 
     Attributes:
-        offer: What crosses, and how.
         peer: The component at the JAUS side, None for whoever it is.
-        type: The ROS type.
-        map: The map, None for a new one.
-        topic: The topic at the ROS side.
-        name: Its name.
-        qos: The quality of service that the topic needs.
         joins: Topics of the joins of the map by the names of these, which else name them.
         hold: Why the last command may stand when its source is lost, as a person says it.
     """
@@ -141,12 +129,7 @@ class Draft:
     hold: str = ""
 
     def commands(self, scope: Scope, owner: EObject) -> list[Command]:
-        """Returns what makes it.
-
-        Args:
-            scope: The model.
-            owner: The bridge that shall have it, or the system, which gets a new one.
-        """
+        """Returns what makes it."""
         made: list[Command] = []
         if isinstance(owner, bridge.Bridge):
             place = scope.ref(owner)
@@ -177,10 +160,7 @@ class Draft:
         """Returns what makes the connection alone.
 
         Args:
-            scope: The model.
             place: Ref of the bridge that shall have it; empty for one that is made with it.
-            used: Ref of its map.
-            siblings: The connections that the bridge has already.
         """
         values: dict[str, tuple[str, ...]] = {
             "name": (name_among(self.name, siblings),),
@@ -236,17 +216,10 @@ class Draft:
         return "\n".join(lines)
 
 
-def carrying(
+def map_commands(
     scope: Scope, owner: EObject, used: bridge.AttributeMap, *, to_ros: bool
 ) -> list[Command]:
-    """Returns what lets a bridge carry a map, whose other end is found when it runs.
-
-    Args:
-        scope: The model.
-        owner: The bridge, or the system, which gets a new one.
-        used: The map.
-        to_ros: The direction.
-    """
+    """Returns what lets a bridge carry a map, whose other end is found when it runs."""
     offer = offer_of(used.message, to_ros=to_ros)
     if offer is None:
         return []
@@ -281,12 +254,7 @@ def system_of(scope: Scope) -> system.System | None:
 
 
 def lacks_stop(offer: Offer, used: bridge.AttributeMap) -> bool:
-    """Tells whether a command that moves something has no stop in a map, for a lost source.
-
-    Args:
-        offer: The message and its direction.
-        used: The map that carries it.
-    """
+    """Tells whether a command that moves something has no stop in a map, for a lost source."""
     message = offer.message
     moves = offer.exchange == MESSAGE and is_command(message) and message.moves
     return moves and (used.stopRos if offer.to_ros else used.stopJaus) is None
@@ -329,3 +297,63 @@ def _new_bridge(scope: Scope, owner: EObject, offer: Offer) -> Add:
         feature: (scope.ref(offer.service),),
     }
     return Add(scope.ref(owner), "bridges", "bridge.Bridge", values)
+
+
+def maps_of(scope: Scope) -> list[bridge.AttributeMap]:
+    """Returns the maps of the project, then those of the library."""
+    own = scope.model.instances(bridge.AttributeMap, library=False)
+    return [*own, *library().instances(bridge.AttributeMap)]
+
+
+def between(
+    scope: Scope, message: jaus.MessageDef, kind: ros.MessageType
+) -> list[bridge.AttributeMap]:
+    """Returns the maps between a message and a type, whatever their directions.
+
+    One of the library gives way to one of its name in the project, which is mostly a copy.
+    """
+    ways = (fitting(scope, message, kind, to_ros=way) for way in (True, False))
+    found = dict.fromkeys(each for way in ways for each in way)
+    by_name: dict[str, bridge.AttributeMap] = {}
+    for each in maps_of(scope):
+        if each in found:
+            by_name.setdefault(name_of(each), each)
+    return list(by_name.values())
+
+
+def copied(
+    scope: Scope, owner: bridge.Bridge, used: bridge.AttributeMap, name: str
+) -> list[Command]:
+    """Returns what makes a copy of a map, with its tables, quantities and vectors."""
+    described_map = described([(used, scope.model_of(used))], lambda each, _: scope.ref(each))
+    place = scope.ref(owner)
+    return [
+        replace(each, owner=place, feature="maps", values={**each.values, "name": (name,)})
+        if isinstance(each, Add) and not each.owner
+        else each
+        for each in described_map
+    ]
+
+
+def fitting(
+    scope: Scope,
+    message: jaus.MessageDef,
+    kind: ros.MessageType | None,
+    *,
+    to_ros: bool,
+) -> list[bridge.AttributeMap]:
+    """Returns the maps between a message and a type that have assignments for a direction.
+
+    Args:
+        kind: The ROS type, None for any.
+    """
+    return [
+        each
+        for each in maps_of(scope)
+        if each.message is not None
+        and each.type is not None
+        and (each.toRos if to_ros else each.toJaus)
+        and code(each.message) == code(message)
+        and signature(each.message) == signature(message)
+        and (kind is None or ros_name(each.type) == ros_name(kind))
+    ]

@@ -1,23 +1,31 @@
-"""Elements by the texts that name them: `<file>#<fragment>`, valid while nothing changes."""
+"""Elements by the texts and names that mean them, and what can be done with them."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache, cached_property
 from threading import Lock
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model import library_root, read_models, refs
 from jausml.language.model.names import name_of
+from jausml.language.model.values import suggest
 from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.text.notation import NOTATIONS
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
     from pathlib import Path
 
+    from jausml.authoring.editing.commands import Command
+    from jausml.language.metamodel import FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model import Document, Model
+
+_READING = Lock()
+
+FoundT = TypeVar("FoundT", bound="EObject")
 
 
 class AnswerError(Exception):
@@ -26,13 +34,7 @@ class AnswerError(Exception):
 
 @dataclass(frozen=True)
 class Scope:
-    """A model as answers see it.
-
-    Attributes:
-        model: The model of one file and of all that it refers to.
-        root: The folder that was opened.
-        others: Models of further files, whose elements are to be referred to.
-    """
+    """A model as answers see it."""
 
     model: Model
     root: Path
@@ -46,11 +48,7 @@ class Scope:
         return refs.ref_of(element, library(), self._top)
 
     def find(self, ref: str) -> EObject:
-        """Returns the element of a text, which may be one of the library that nobody uses yet.
-
-        Raises:
-            AnswerError: There is none.
-        """
+        """Returns the element of a text, which may be one of the library that nobody uses yet."""
         found = refs.find(ref, self.model, self._top)
         if found is None and ref.startswith(refs.LIBRARY):
             found = refs.find(ref, library(), self._top)
@@ -63,11 +61,7 @@ class Scope:
         return self.model if self.model.document_of(element) is not None else library()
 
     def find_in(self, document: Document, fragment: str) -> EObject:
-        """Returns the element of a fragment in a document.
-
-        Raises:
-            AnswerError: There is none.
-        """
+        """Returns the element of a fragment in a document."""
         return self.find(f"{refs.file_of(document, self._top)}#{fragment}")
 
     @cached_property
@@ -83,9 +77,6 @@ class Scope:
     def is_text(self) -> bool:
         """Whether the file that was asked for is text and no XMI."""
         return self.model.documents[0].notation is not None
-
-
-_READING = Lock()
 
 
 def library() -> Model:
@@ -128,3 +119,105 @@ def _by_what_it_says(element: EObject) -> str:
     if isinstance(target, str):
         return f"{source} -> {target}" if isinstance(source, str) else target
     return element.eClass.name
+
+
+def service_of(scope: Scope, word: str) -> jaus.Service:
+    """Returns the service of a name or URN, of several versions the newest.
+
+    Raises:
+        AnswerError: There is none, or services of several URNs have the name.
+    """
+    found = [each for each in _all(scope, jaus.Service) if word in (name_of(each), each.urn)]
+    urns = sorted({str(each.urn) for each in found})
+    if len(urns) > 1:
+        raise AnswerError(f"several services are named {word}: say which ({', '.join(urns)})")
+    if not found:
+        raise _missing("service", word, map(name_of, _all(scope, jaus.Service)))
+    return max(found, key=_version)
+
+
+def message_of(scope: Scope, word: str) -> jaus.MessageDef:
+    """Returns the message of a name, or of a name behind that of its service and a dot."""
+    service, _, name = word.rpartition(".")
+    services = [service_of(scope, service)] if service else _all(scope, jaus.Service)
+    by_urn: dict[str, jaus.MessageDef] = {}
+    for each in sorted(services, key=_version):
+        for message in (*each.inputs, *each.outputs):
+            if name_of(message) == name:
+                by_urn[str(each.urn)] = message
+    if len(by_urn) > 1:
+        owners = ", ".join(sorted(f"{each.rpartition(':')[2]}.{name}" for each in by_urn))
+        raise AnswerError(f"several services have a {name}: say which ({owners})")
+    if not by_urn:
+        names = (name_of(m) for each in services for m in (*each.inputs, *each.outputs))
+        raise _missing("message", name, names)
+    return next(iter(by_urn.values()))
+
+
+def type_of(scope: Scope, word: str) -> ros.MessageType:
+    """Returns the message type of a name such as `geometry_msgs/Twist`."""
+    types = [
+        each
+        for each in _all(scope, ros.MessageType)
+        if isinstance(each.eContainer(), ros.InterfacePackage)
+    ]
+    name = word.replace("/msg/", "/", 1)
+    found = next((each for each in types if ros_name(each) == name), None)
+    if found is None:
+        raise _missing("ROS type", name, map(ros_name, types), "jausml import ros makes others")
+    return found
+
+
+def _all(scope: Scope, kind: Callable[..., FoundT]) -> list[FoundT]:
+    own: list[FoundT] = [
+        each
+        for model in (scope.model, *scope.others)
+        for each in model.instances(kind, library=False)  # type: ignore[arg-type]
+    ]
+    return [*own, *library().instances(kind)]  # type: ignore[arg-type]
+
+
+def _version(service: jaus.Service) -> tuple[int, ...]:
+    return tuple(int(each) for each in str(service.version).split(".") if each.isdecimal())
+
+
+def _missing(what: str, word: str, known: Iterable[str], otherwise: str = "") -> AnswerError:
+    hint = suggest(word, set(known)) or otherwise
+    return AnswerError(f"there is no {what} {word!a}{f'; {hint}' if hint else ''}")
+
+
+def values_of(element: EObject, feature: FeatureTable) -> list[Any]:
+    """Returns the values that an element has in a feature; none while the default holds."""
+    value = getattr(element, feature.name)
+    if feature.many:
+        return list(value)
+    is_unset = value is None or (
+        not feature.is_reference and value == feature.default and not feature.can_be_missing
+    )
+    return [] if is_unset else [value]
+
+
+def literal(value: Any) -> str:
+    """Returns a value of a data type as models write it."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return str(getattr(value, "literal", None) or getattr(value, "name", value))
+
+
+@dataclass(frozen=True, slots=True)
+class Option:
+    """A way to do what was asked."""
+
+    label: str
+    why: str
+    preview: str
+    commands: Sequence[Command]
+    is_best: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """All ways to do what was asked, the best first, or why there is none."""
+
+    options: tuple[Option, ...] = ()
+    refusal: str = ""

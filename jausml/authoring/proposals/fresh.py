@@ -27,12 +27,7 @@ _FIRST = (100, 1)
 
 
 def free_name(wanted: str, taken: Iterable[str]) -> str:
-    """Returns a name in snake case that none of some elements has, whatever the case.
-
-    Args:
-        wanted: What it should be like.
-        taken: The names of the others.
-    """
+    """Returns a name in snake case that none of some elements has, whatever the case."""
     used = {package_key(each) for each in taken if each}
     name = snake_case(wanted) or "element"
     if package_key(name) not in used:
@@ -57,12 +52,7 @@ def participant_name(wanted: str, whole: EObject) -> str:
 
 
 def free_address(model: Model, taken: Iterable[str] = ()) -> str:
-    """Returns a JAUS id in the subsystem of most components, which none of them has.
-
-    Args:
-        model: The model.
-        taken: Ids besides those of the model.
-    """
+    """Returns a JAUS id in the subsystem of most components, which none of them has."""
     components = model.instances(jaus.Component, library=False)
     known = [_parts(str(each)) for each in (*(one.address for one in components), *taken)]
     used = {each for each in known if each is not None}
@@ -79,11 +69,7 @@ def stated_or_free_address(model: Model, address: str) -> str:
     """Returns a JAUS id that somebody states, or a free one.
 
     Args:
-        model: The model.
         address: The id that is stated; empty for none.
-
-    Raises:
-        AnswerError: A component of the model has it.
     """
     if not address:
         return free_address(model)

@@ -44,10 +44,7 @@ class MessageWish:
     """A message that is to be.
 
     Attributes:
-        name: Its name.
-        kind: One of `KINDS`.
         code: Its code, None for one that is free.
-        fields: Its fields.
         documentation: What it is for, empty where nobody says it.
     """
 
@@ -86,11 +83,7 @@ class MessageWish:
 
 
 def message_of_words(text: str) -> MessageWish:
-    """Returns the message that words describe.
-
-    Raises:
-        AnswerError: They describe none.
-    """
+    """Returns the message that words describe."""
     head, _, fields = text.partition(":")
     words = head.split()
     kind = words.pop(0).lower() if words and words[0].lower() in KINDS and words[1:] else ""
@@ -115,15 +108,7 @@ def message_of_words(text: str) -> MessageWish:
 
 @dataclass
 class _Words:
-    """What the words of a field say.
-
-    Attributes:
-        type: The wire type, empty where they name none.
-        range: The limits, None without a range.
-        listed: Names of values.
-        units: The unit, empty without one.
-        is_scaled: Whether they ask for scaling.
-    """
+    """What the words of a field say."""
 
     type: str = ""
     range: tuple[float, float] | None = None

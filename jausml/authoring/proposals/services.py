@@ -7,8 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child
-from jausml.authoring.proposals.elements import AnswerError, label_of, library
-from jausml.authoring.proposals.finding import service_of
+from jausml.authoring.proposals.elements import AnswerError, label_of, library, service_of
 from jausml.authoring.proposals.fresh import free_name
 from jausml.authoring.proposals.message_words import (
     COMMAND,
@@ -55,9 +54,6 @@ def new_service(
     """Returns what makes a service: in a service set, or in a system with a set of its own.
 
     Args:
-        scope: The model.
-        whole: The set or system that shall have it.
-        name: Its name.
         messages: Its messages in words; without any it has a report and the query for it, as an
             example.
         urn: Its URN; empty for one of its name.
@@ -105,8 +101,8 @@ def new_service(
 def _example(name: str) -> MessageWish:
     """Returns the report that a service without messages begins with."""
     made = message_of_words(f"{_REPORT}{name}: Value percent 0..100")
-    told = "An example: replace its field by what the service tells, with unit and range."
-    return replace(made, documentation=told)
+    documentation = "An example: replace its field by what the service tells, with unit and range."
+    return replace(made, documentation=documentation)
 
 
 def _with_queries(wishes: Sequence[MessageWish]) -> Iterator[MessageWish]:

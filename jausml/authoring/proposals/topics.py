@@ -37,11 +37,9 @@ class TopicEnd:
     """A topic of ROS that a bridge shall carry.
 
     Attributes:
-        name: Its name.
         type: Its type, such as `geometry_msgs/Twist`.
         to_ros: Whether nodes subscribe to it; False where they publish it, None where both or
             nobody knows.
-        maps: The names of the maps that shall carry it, where that is settled.
         heard: Quality of service by which all of its publishers are heard, literals by feature;
             None for what is usual.
         published: Quality of service by which all that subscribe get it; None for what is usual.
@@ -60,9 +58,6 @@ class Crossing:
     """A way in which a bridge can carry a topic.
 
     Attributes:
-        topic: The topic.
-        map: The ready map.
-        offer: The message, its service, the direction and the exchange.
         hold_reason: Why the last command may stand when its source is lost, as a person says it.
             Nothing else may fill it in: what is safe depends on what receives the command.
     """
@@ -107,11 +102,6 @@ def crossings(topic: TopicEnd, maps: Sequence[bridge.AttributeMap], side: str) -
 
     What the name of the topic says decides; where it says nothing, reports come before commands,
     which move something.
-
-    Args:
-        topic: The topic.
-        maps: The ready maps.
-        side: One of `SIDES`.
     """
     found = list(_possible(topic, maps, is_vehicle=side == VEHICLE))
     named = [_LONG.get(each, each) for each in (word.lower() for word in words(topic.name))]
@@ -161,8 +151,6 @@ def joins_of(crossing: Crossing, topics: Sequence[TopicEnd], taken: set[str]) ->
     """Returns which topics the joins of a map are fed by, by the names of the joins.
 
     Args:
-        crossing: The way that is taken.
-        topics: The topics that there are.
         taken: The names of topics that joins have already; those that are found are added.
     """
     found: dict[str, str] = {}
@@ -182,9 +170,6 @@ def joins_of(crossing: Crossing, topics: Sequence[TopicEnd], taken: set[str]) ->
 def unanswered_queries(chosen: Sequence[Crossing]) -> dict[str, list[str]]:
     """Returns the queries of the services of a bridge that none of its ways answers.
 
-    Args:
-        chosen: All ways of the bridge.
-
     Returns:
         The names of queries by the names of the services that the bridge provides.
     """
@@ -194,8 +179,8 @@ def unanswered_queries(chosen: Sequence[Crossing]) -> dict[str, list[str]]:
     )
     commands = [each.offer.message for each in chosen if each.offer.to_ros]
     codes = list(map(code, commands))
-    told = (told_by_command(each, services) for each in commands if codes.count(code(each)) == 1)
-    sent.update(code(each.report) for each in told if each is not None)
+    answers = (told_by_command(each, services) for each in commands if codes.count(code(each)) == 1)
+    sent.update(code(each.report) for each in answers if each is not None)
     found = {name_of(each): unanswered(each, sent) for each in services}
     return {
         service: [name_of(each) for each in queries]

@@ -35,12 +35,7 @@ class Verdict:
     """What was found about a file and all that it refers to.
 
     Attributes:
-        file: The file.
-        revision: Of the project, from which on it is true.
-        elapsed_ms: Milliseconds that reading and checking took.
-        result: What was read.
         freshness: What that is worth: rules were run if it is current.
-        report: What was found.
         fault: Why no rules were run, empty when they were.
     """
 
@@ -54,11 +49,7 @@ class Verdict:
 
 
 class Verdicts:
-    """The latest verdict on each file.
-
-    Args:
-        project: What is judged.
-    """
+    """The latest verdict on each file."""
 
     def __init__(self, project: Project) -> None:
         self._project = project
@@ -72,11 +63,7 @@ class Verdicts:
         return self._project.revision
 
     def of(self, file: str) -> Verdict:
-        """Returns the verdict on a file as it is now; who asks meanwhile gets the same.
-
-        Raises:
-            EditError: The project has no such file.
-        """
+        """Returns the verdict on a file as it is now; who asks meanwhile gets the same."""
         with self._lock:
             judging = self._judging.setdefault(file, threading.Lock())
         with judging:
@@ -106,24 +93,18 @@ def _checked(result: ReadResult, freshness: Freshness) -> tuple[Report, str]:
 
 
 class Checking(threading.Thread):
-    """Judges files beside everything else, and tells each verdict that still holds.
-
-    Args:
-        verdicts: The verdicts.
-        files: Returns the files that someone looks at.
-        told: Takes each verdict.
-    """
+    """Judges files beside everything else, and tells each verdict that still holds."""
 
     def __init__(
         self,
         verdicts: Verdicts,
         files: Callable[[], Iterable[str]],
-        told: Callable[[Verdict], None],
+        notify: Callable[[Verdict], None],
     ) -> None:
         super().__init__(name="checking", daemon=True)
         self._verdicts = verdicts
         self._files = files
-        self._told = told
+        self._notify = notify
         self._wanted = threading.Event()
         self._is_closed = False
 
@@ -178,7 +159,7 @@ class Checking(threading.Thread):
         try:
             verdict = self._verdicts.of(file)
             if verdict.revision == self._verdicts.revision:
-                self._told(verdict)
+                self._notify(verdict)
         except EditError:
             return  # it has gone meanwhile
         except Exception:

@@ -43,16 +43,7 @@ class Drawings:
         self._engine = Graphviz()
 
     def draw(self, file: str, graph: Graph, moved: Mapping[str, tuple[int, int]]) -> dict[str, Any]:
-        """Returns a graph with sizes and places.
-
-        Args:
-            file: The file that it is of.
-            graph: The graph; one of too many edges gets frames around its bridges.
-            moved: Corners that users gave to boxes, by key.
-
-        Raises:
-            LayoutError: There is no layout.
-        """
+        """Returns a graph with sizes and places."""
         view = self._view(file, graph.view)
         with view.lock:
             try:
@@ -75,12 +66,7 @@ class Drawings:
         return values.render(graph, self._engine, moved, view.standing)
 
     def forget(self, file: str, name: str) -> None:
-        """Forgets where the boxes of a view stand.
-
-        Args:
-            file: The file.
-            name: Name of the view.
-        """
+        """Forgets where the boxes of a view stand."""
         view = self._view(file, name)
         with view.lock:
             view.standing = values.Standing()

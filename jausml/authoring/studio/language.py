@@ -5,18 +5,15 @@ from __future__ import annotations
 import asyncio
 import json
 import os
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pygls.exceptions import JsonRpcException
 from pygls.uris import to_fs_path
-from starlette.websockets import WebSocketDisconnect
 
 from jausml.authoring.editor.server import make_server
 from jausml.authoring.studio import rpc
-from jausml.authoring.studio.outgoing import Outgoing
-from jausml.authoring.studio.page_socket import greeted
+from jausml.authoring.studio.page_socket import Outgoing, greeted, received
 from jausml.authoring.studio.rpc import RpcError
 
 if TYPE_CHECKING:
@@ -48,12 +45,7 @@ METHODS = frozenset(
 
 
 class LanguageSocket:
-    """One conversation with a language server of its own; messages are JSON without headers.
-
-    Args:
-        socket: The socket, accepted.
-        root: The folder that was opened: texts elsewhere are not read.
-    """
+    """One conversation with a language server of its own; messages are JSON without headers."""
 
     def __init__(self, socket: WebSocket, root: Path) -> None:
         self._socket = socket
@@ -63,15 +55,11 @@ class LanguageSocket:
         self._outgoing = Outgoing(socket)
 
     async def run(self, token: Token) -> None:
-        """Serves an editor until it goes.
-
-        Args:
-            token: What its first message has to name, as on the socket of the page.
-        """
+        """Serves an editor until it goes."""
         hello = await greeted(self._socket, token)
         if hello is None:
             return
-        self._outgoing.tell(rpc.answer(hello.id, {}))
+        self._outgoing.send(rpc.answer(hello.id, {}))
         ways = (self._receive_all(), self._outgoing.send_all())
         tasks = [asyncio.create_task(each) for each in ways]
         await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
@@ -80,12 +68,8 @@ class LanguageSocket:
         await asyncio.gather(*tasks, return_exceptions=True)
 
     async def _receive_all(self) -> None:
-        with suppress(WebSocketDisconnect):
-            while True:
-                message = await self._socket.receive()
-                if message["type"] == "websocket.disconnect":
-                    return
-                self._take(message.get("text") or "")
+        async for text in received(self._socket):
+            self._take(text or "")
 
     def _take(self, text: str) -> None:
         if _is_answer(text):
@@ -94,7 +78,7 @@ class LanguageSocket:
             request = rpc.parsed(text)
             self._check(request)
         except RpcError as error:
-            self._outgoing.tell(rpc.refusal(error))
+            self._outgoing.send(rpc.refusal(error))
             return
         protocol = self._server.protocol
         try:
@@ -103,14 +87,10 @@ class LanguageSocket:
             return  # the server has answered
         except (AttributeError, KeyError, TypeError, ValueError):
             fault = RpcError(rpc.INVALID_PARAMS, f"{request.method} has other parameters")
-            self._outgoing.tell(rpc.refusal(fault, request.id))
+            self._outgoing.send(rpc.refusal(fault, request.id))
 
     def _check(self, request: Request) -> None:
-        """Sees to it that only texts below the root are spoken of.
-
-        Raises:
-            RpcError: What is asked is not for pages.
-        """
+        """Sees to it that only texts below the root are spoken of."""
         if request.method not in METHODS:
             message = f"there is no method {request.method[:80]!a}"
             raise RpcError(rpc.METHOD_NOT_FOUND, message, id_=request.id)
@@ -134,7 +114,7 @@ class LanguageSocket:
         message: dict[str, Any] = json.loads(data)
         if isinstance(message.get("error"), dict):
             message["error"].pop("data", None)
-        self._outgoing.tell(json.dumps(message))
+        self._outgoing.send(json.dumps(message))
 
     def close(self) -> None:
         """Ends nothing: the socket ends when the page closes it."""

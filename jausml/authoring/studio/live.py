@@ -49,14 +49,7 @@ class NotWatchedError(Exception):
 
 @dataclass(frozen=True)
 class Watched:
-    """What is watched.
-
-    Attributes:
-        file: The model's file, as the page names it.
-        path: The same on this computer.
-        root: The folder that its references may not leave.
-        model: What was read of it; it may have errors.
-    """
+    """What is watched."""
 
     file: str
     path: Path
@@ -68,27 +61,25 @@ class LiveSystem:
     """One running system, from `start` to `stop`. Its methods may be called by any thread."""
 
     def __init__(
-        self, watched: Watched, network: Network, tell: Callable[[dict[str, Any]], None]
+        self, watched: Watched, network: Network, notify: Callable[[dict[str, Any]], None]
     ) -> None:
         """Watches nothing before `start`.
 
         Args:
-            watched: What is watched.
-            network: Where the JAUS components are, and who we are there.
-            tell: Takes the state as values for the page, on another thread: when it has changed, at
+            notify: Takes the state as values for the page, on another thread: if it has changed, at
                 most once in `PERIOD`, else once in `LONGEST`.
         """
         self.file = watched.file
         self._watched = watched
         self._network = network
-        self._tell = tell
+        self._notify = notify
         self._monitor = Monitor(
             expected(declarations_of(watched.model), components_of(watched.model), time.monotonic())
         )
         self._places = places_of(watched.model)
         self._changed: Model | None = None
         self._is_wanted = False
-        self._told = 0.0
+        self._sent = 0.0
         self._inspection: Inspection | None = None
         self._glanced: float | None = None
         self._lock = Lock()
@@ -105,11 +96,7 @@ class LiveSystem:
         self._thread.join()
 
     def follow(self, model: Model) -> None:
-        """Goes on with the model as it is now, from the next look at the state on.
-
-        Args:
-            model: The model of the same file; it may have errors.
-        """
+        """Goes on with the model as it is now, from the next look at the state on."""
         with self._lock:
             self._changed = model
 
@@ -122,12 +109,6 @@ class LiveSystem:
         """Returns the last message of a connection on both sides, and all that its bridge tells.
 
         The first question begins to look, so what comes is there at a later one.
-
-        Args:
-            row: Id of the row of the connection in the system view.
-
-        Raises:
-            NotWatchedError: There is no such connection.
         """
         connection, age = self._connection(row)
         with self._lock:
@@ -208,9 +189,9 @@ class LiveSystem:
             is_wanted, self._is_wanted = self._is_wanted, False
             self._look_away()
         present = (places, *_facts(state))
-        if is_wanted or present != before or state.now - self._told >= LONGEST:
-            self._told = state.now
-            self._tell({"file": self.file, "state": live_values(state, places)})
+        if is_wanted or present != before or state.now - self._sent >= LONGEST:
+            self._sent = state.now
+            self._notify({"file": self.file, "state": live_values(state, places)})
         return present
 
     def _take_model(self) -> None:

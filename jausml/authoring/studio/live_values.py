@@ -29,8 +29,6 @@ class Places:
 
     Attributes:
         rows: The row of a connection, by bridge and name.
-        edges: Edges of the system view that end at a row.
-        boxes: Ids of boxes by JAUS id.
         controls: Edges of control, and the JAUS ids of who controls and who is controlled.
     """
 
@@ -41,11 +39,7 @@ class Places:
 
 
 def places_of(model: Model) -> Places:
-    """Returns where the system view of a model shows what.
-
-    Args:
-        model: The model; it may have errors.
-    """
+    """Returns where the system view of a model shows what."""
     if SYSTEM not in view_names(model, library=False):
         return Places()
     context = Context(model, SYSTEM, ())
@@ -80,10 +74,6 @@ def live_values(state: SystemState, places: Places) -> dict[str, Any]:
 
     Connections have the id of their `row`, components that of their `box`; empty for none. What was
     told with each status in full is left to who asks about one connection.
-
-    Args:
-        state: The state.
-        places: Where the page shows what.
     """
     values = state_as_json(state)
     for each, connection in zip(values["connections"], state.connections.values(), strict=True):

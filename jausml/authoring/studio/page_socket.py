@@ -1,4 +1,4 @@
-"""The socket of a page: requests are answered beside each other, what happens is told."""
+"""The socket of a page: requests are answered beside each other, and events are sent."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from typing import TYPE_CHECKING
 from starlette.websockets import WebSocketDisconnect
 
 from jausml.authoring.studio import rpc
-from jausml.authoring.studio.outgoing import Outgoing
+from jausml.authoring.studio.json_values import TypedError, typed
 from jausml.authoring.studio.rpc import Request, RpcError
-from jausml.authoring.studio.typed import TypedError, typed
 
 if TYPE_CHECKING:
-    from collections.abc import Coroutine
+    from collections.abc import AsyncIterator, Coroutine
 
     from starlette.websockets import WebSocket
 
     from jausml.authoring.studio.security import Token
     from jausml.authoring.studio.session import Session
+
 
 LARGEST_MESSAGE = 8 * 1024 * 1024
 """Bytes of a message that a page sends; a text of a file is the longest."""
@@ -33,6 +33,10 @@ _MOST_AT_ONCE = 64
 _POLICY_VIOLATION = 1008
 _LOG = logging.getLogger(__name__)
 
+_MOST_UNSENT = 1024
+
+_TRY_AGAIN_LATER = 1013
+
 
 @dataclass(frozen=True)
 class Hello:
@@ -42,12 +46,7 @@ class Hello:
 
 
 async def greeted(socket: WebSocket, token: Token) -> Request | None:
-    """Returns the first request of a socket; None, and the socket is closed, without the token.
-
-    Args:
-        socket: The socket, accepted.
-        token: What it has to name.
-    """
+    """Returns the first request of a socket; None, and the socket is closed, without the token."""
     try:
         text = await asyncio.wait_for(socket.receive_text(), _SECONDS_TO_GREET)
         request = rpc.parsed(text)
@@ -57,21 +56,23 @@ async def greeted(socket: WebSocket, token: Token) -> Request | None:
     if request is not None and hello is not None:
         if request.method == "hello" and token.fits(hello.token):
             return request
-        told = RpcError(rpc.UNAUTHORIZED, "the token is that of another session")
+        refused = RpcError(rpc.UNAUTHORIZED, "the token is that of another session")
         with suppress(WebSocketDisconnect, RuntimeError):
-            await socket.send_text(rpc.refusal(told, request.id))
+            await socket.send_text(rpc.refusal(refused, request.id))
     with suppress(WebSocketDisconnect, RuntimeError):
         await socket.close(_POLICY_VIOLATION)
     return None
 
 
-class PageSocket:
-    """One page and what it asks.
+async def received(socket: WebSocket) -> AsyncIterator[str | None]:
+    """Yields the messages of a socket until it is closed; None for one that is no text."""
+    with suppress(WebSocketDisconnect):
+        while (message := await socket.receive())["type"] != "websocket.disconnect":
+            yield message.get("text")
 
-    Args:
-        socket: Its socket, accepted.
-        session: What answers.
-    """
+
+class PageSocket:
+    """One page and what it asks."""
 
     def __init__(self, socket: WebSocket, session: Session) -> None:
         self._socket = socket
@@ -86,7 +87,7 @@ class PageSocket:
         if hello is None:
             return
         sending = asyncio.create_task(self._outgoing.send_all())
-        with self._session.told(self._tell_soon):
+        with self._session.subscribed(self._notify_soon):
             self._start(self._answer(Request("hello", {}, hello.id)))
             receiving = asyncio.create_task(self._receive_all())
             await asyncio.wait((sending, receiving), return_when=asyncio.FIRST_COMPLETED)
@@ -95,12 +96,8 @@ class PageSocket:
         await asyncio.gather(sending, receiving, *self._answering, return_exceptions=True)
 
     async def _receive_all(self) -> None:
-        with suppress(WebSocketDisconnect):
-            while True:
-                message = await self._socket.receive()
-                if message["type"] == "websocket.disconnect":
-                    return
-                self._take(message.get("text"))
+        async for text in received(self._socket):
+            self._take(text)
 
     def _take(self, text: str | None) -> None:
         try:
@@ -110,7 +107,7 @@ class PageSocket:
             if len(self._answering) >= _MOST_AT_ONCE:
                 raise RpcError(rpc.BUSY, "too many requests wait", id_=request.id)
         except RpcError as error:
-            self._outgoing.tell(rpc.refusal(error))
+            self._outgoing.send(rpc.refusal(error))
         else:
             self._start(self._answer(request))
 
@@ -125,21 +122,41 @@ class PageSocket:
             result = await self._session.answer(request)
             # Where something changed meanwhile nobody knows of which revision its refs are.
             revision = before if self._session.revision == before else None
-            told = rpc.answer(request.id, result, revision)
+            message = rpc.answer(request.id, result, revision)
         except RpcError as error:
-            told = rpc.refusal(error, request.id)
+            message = rpc.refusal(error, request.id)
         except Exception as error:
             _LOG.exception("%s failed", request.method)
             reason = f"{type(error).__name__}: {error}"
             text = f"this is a fault of jausml ({reason}); the history has it under Faults"
             fault = RpcError(rpc.INTERNAL_ERROR, text)
-            told = rpc.refusal(fault, request.id)
+            message = rpc.refusal(fault, request.id)
         if not request.is_notification:
-            self._outgoing.tell(told)
+            self._outgoing.send(message)
 
     # What is told
 
-    def _tell_soon(self, message: str) -> None:
+    def _notify_soon(self, message: str) -> None:
         """Tells a message from any thread."""
         with suppress(RuntimeError):  # the loop has ended meanwhile
-            self._loop.call_soon_threadsafe(self._outgoing.tell, message)
+            self._loop.call_soon_threadsafe(self._outgoing.send, message)
+
+
+class Outgoing:
+    """What a socket is told."""
+
+    def __init__(self, socket: WebSocket) -> None:
+        self._socket = socket
+        self._unsent: asyncio.Queue[str] = asyncio.Queue(_MOST_UNSENT)
+
+    def send(self, text: str) -> None:
+        """Has a message sent, on the thread of the event loop."""
+        with suppress(asyncio.QueueFull):
+            self._unsent.put_nowait(text)
+
+    async def send_all(self) -> None:
+        """Sends what there is to tell until the page goes, or takes nothing any more."""
+        with suppress(WebSocketDisconnect, RuntimeError):
+            while not self._unsent.full():
+                await self._socket.send_text(await self._unsent.get())
+            await self._socket.close(_TRY_AGAIN_LATER)

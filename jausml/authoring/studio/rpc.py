@@ -1,15 +1,20 @@
-"""JSON-RPC 2.0: requests from text, answers and notifications to text."""
+"""JSON-RPC 2.0: requests and answers as text, and the methods that answer requests."""
 
 from __future__ import annotations
 
+import asyncio
 import json
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, Generic, NoReturn, TypeVar
 
-from jausml.authoring.studio.encoding import as_json
+from jausml.authoring.editing.commands import EditError
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.studio.json_values import TypedError, as_json, typed
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
+
 
 PARSE_ERROR = -32700
 INVALID_REQUEST = -32600
@@ -26,16 +31,15 @@ Id = str | int | float | None
 _LARGEST = 2**53
 """Beyond it the numbers of JSON are not exact."""
 
+ParamsT = TypeVar("ParamsT")
+
+ResultT = TypeVar("ResultT")
+
+_THREADS = 8
+
 
 class RpcError(Exception):
-    """A request that gets no result.
-
-    Args:
-        code: The code of JSON-RPC, or one of this module.
-        message: What is wrong, for people.
-        data: More of it, for the page.
-        id_: Of which request, where that is known.
-    """
+    """A request that gets no result."""
 
     def __init__(
         self, code: int, message: str, data: Mapping[str, Any] | None = None, id_: Id = None
@@ -49,14 +53,7 @@ class RpcError(Exception):
 
 @dataclass(frozen=True)
 class Request:
-    """What is asked for.
-
-    Attributes:
-        method: The method.
-        params: Its parameters by name.
-        id: Names the answer.
-        is_notification: Whether no answer is wanted.
-    """
+    """What is asked for."""
 
     method: str
     params: Mapping[str, Any]
@@ -65,11 +62,7 @@ class Request:
 
 
 def parsed(text: str) -> Request:
-    """Returns the request that a message holds.
-
-    Raises:
-        RpcError: It holds none.
-    """
+    """Returns the request that a message holds."""
     try:
         message = json.loads(text, parse_constant=_no_number)
     except (ValueError, RecursionError) as error:
@@ -97,8 +90,6 @@ def answer(id_: Id, result: object, revision: int | None = None) -> str:
     """Returns the message that answers a request.
 
     Args:
-        id_: Names it.
-        result: The answer.
         revision: The revision of the project of which its refs are, where it has any.
     """
     more = {} if revision is None else {"revision": revision}
@@ -107,10 +98,10 @@ def answer(id_: Id, result: object, revision: int | None = None) -> str:
 
 def refusal(error: RpcError, id_: Id = None) -> str:
     """Returns the message that says why a request gets no result."""
-    told: dict[str, Any] = {"code": error.code, "message": error.message}
+    body: dict[str, Any] = {"code": error.code, "message": error.message}
     if error.data is not None:
-        told["data"] = as_json(error.data)
-    return _text({"id": error.id if id_ is None else id_, "error": told})
+        body["data"] = as_json(error.data)
+    return _text({"id": error.id if id_ is None else id_, "error": body})
 
 
 def notification(method: str, params: object) -> str:
@@ -120,3 +111,63 @@ def notification(method: str, params: object) -> str:
 
 def _text(message: Mapping[str, Any]) -> str:
     return json.dumps({"jsonrpc": "2.0", **message}, allow_nan=False, separators=(",", ":"))
+
+
+@dataclass(frozen=True)
+class Method(Generic[ParamsT]):
+    """A method.
+
+    Attributes:
+        answer: Returns the result; any thread may call it.
+        in_turn: Whether it waits until those that were asked for before are done, as all do that
+            change something.
+    """
+
+    params: type[ParamsT]
+    answer: Callable[[ParamsT], object]
+    in_turn: bool = False
+
+
+@dataclass(frozen=True)
+class Nothing:
+    """No parameters."""
+
+
+class Answering:
+    """Answers requests on threads, so that none waits for a slow one."""
+
+    def __init__(self, methods: Mapping[str, Method[Any]]) -> None:
+        self._methods = methods
+        self._threads = ThreadPoolExecutor(_THREADS, "answer")
+        self._changes = ThreadPoolExecutor(1, "change")
+
+    async def answer(self, request: Request) -> object:
+        """Returns the result of a request."""
+        method = self._methods.get(request.method)
+        if method is None:
+            raise RpcError(METHOD_NOT_FOUND, f"there is no method {request.method[:80]!a}")
+        try:
+            params = typed(method.params, dict(request.params))
+        except TypedError as fault:
+            raise RpcError(INVALID_PARAMS, str(fault)) from fault
+        try:
+            if method.in_turn:
+                return await self.in_turn(method.answer, params)
+            loop = asyncio.get_running_loop()
+            return await loop.run_in_executor(self._threads, method.answer, params)
+        except EditError as error:
+            refused = RpcError(REFUSED, str(error), {"conflict": error.conflict})
+            raise refused from error
+        except TypedError as error:
+            raise RpcError(INVALID_PARAMS, str(error)) from error
+        except AnswerError as error:
+            raise RpcError(REFUSED, str(error)) from error
+
+    async def in_turn(self, work: Callable[[ParamsT], ResultT], params: ParamsT) -> ResultT:
+        """Does something when all that was asked for before and changes something is done."""
+        return await asyncio.get_running_loop().run_in_executor(self._changes, work, params)
+
+    def close(self) -> None:
+        """Begins nothing more; what was begun is done."""
+        self._threads.shutdown(wait=False, cancel_futures=True)
+        self._changes.shutdown(wait=False, cancel_futures=True)

@@ -50,13 +50,7 @@ class Token:
 
 @dataclass(frozen=True)
 class Served:
-    """Where the application is served.
-
-    Attributes:
-        host: The address or name that was asked for.
-        port: The port.
-        bound: The address that it is bound to.
-    """
+    """Where the application is served."""
 
     host: str
     port: int
@@ -75,9 +69,6 @@ class Served:
 
         A name that someone else's name server may lead here (DNS rebinding) does not. Where it
         is bound to all addresses, every address does, for none is asked of a name server.
-
-        Args:
-            authority: The header.
         """
         name, _, port = authority.rpartition(":")
         if not name or not port.isascii() or not port.isdigit() or int(port[:6]) != self.port:
@@ -103,12 +94,7 @@ def _is_address(name: str) -> bool:
 
 
 class Guard:
-    """Lets pass what was asked of this server, and by its own page where it is a socket.
-
-    Args:
-        app: What is guarded.
-        served: Where it is served.
-    """
+    """Lets pass what was asked of this server, and by its own page where it is a socket."""
 
     def __init__(self, app: ASGIApp, served: Served) -> None:
         self._app = app

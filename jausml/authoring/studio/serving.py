@@ -1,29 +1,45 @@
-"""Serving: a port is taken, the address is told, and signals end it."""
+"""The application and its server: a port is taken, its address is told, signals end it."""
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import signal
 import socket
-from contextlib import contextmanager
+from contextlib import asynccontextmanager, contextmanager
+from dataclasses import dataclass, field
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import uvicorn
+from starlette.applications import Starlette
+from starlette.responses import FileResponse, Response
+from starlette.routing import Mount, Route, WebSocketRoute
+from starlette.staticfiles import StaticFiles
 
-from jausml.authoring.studio.app import Studio
-from jausml.authoring.studio.page_socket import LARGEST_MESSAGE
-from jausml.authoring.studio.security import Served
+from jausml.authoring.studio.page_socket import LARGEST_MESSAGE, PageSocket
+from jausml.authoring.studio.security import Guard, Served, Token
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import AsyncIterator, Callable, Iterator
+
+    from starlette.requests import Request
+    from starlette.types import ASGIApp
+    from starlette.websockets import WebSocket
 
     from jausml.authoring.studio.session import Session
+
 
 PAGE = Path(__file__).resolve().parent / "page"
 """Where the built page lies; `make studio` builds it."""
 
 _SECONDS_TO_END = 2
+
+MOST_SOCKETS = 32
+"""Sockets that are served at once."""
+
+_TRY_AGAIN_LATER = 1013
 
 
 class PageMissingError(Exception):
@@ -31,11 +47,7 @@ class PageMissingError(Exception):
 
 
 def require_page() -> None:
-    """Looks whether the page is there.
-
-    Raises:
-        PageMissingError: It is not.
-    """
+    """Looks whether the page is there."""
     if not (PAGE / "index.html").is_file():
         raise PageMissingError(
             "the page of the studio is missing: run `make studio` in the checkout of jausml,"
@@ -47,14 +59,10 @@ def serve(session: Session, host: str, port: int, opened: Callable[[str], None])
     """Serves a session until SIGINT or SIGTERM comes; the main thread calls it.
 
     Args:
-        session: What answers.
-        host: The address to bind to.
-        port: The port; 0 takes a free one.
         opened: Is called with the address as soon as it can be opened.
 
     Raises:
         OSError: The port cannot be had.
-        ValueError: The host is none.
     """
     if not host:
         raise ValueError("an empty host would be all addresses")
@@ -102,3 +110,65 @@ def _ended_by_signals(server: uvicorn.Server) -> Iterator[None]:
     finally:
         for each, handler in zip(signals, before, strict=True):
             signal.signal(each, handler)
+
+
+@dataclass
+class Studio:
+    """What is served."""
+
+    session: Session
+    served: Served
+    page: Path
+    token: Token = field(default_factory=Token)
+    _sockets: int = 0
+
+    @property
+    def address(self) -> str:
+        """The address to open; the token stands where browsers send it to nobody."""
+        return f"http://{self.served.authority}/#token={self.token.text}"
+
+    def app(self) -> ASGIApp:
+        """Returns the application."""
+        routes = [
+            Route("/", self._index),
+            WebSocketRoute("/socket", self._page_socket),
+            WebSocketRoute("/language", self._language_socket),
+            Mount("/", StaticFiles(directory=self.page)),
+        ]
+        return Guard(Starlette(routes=routes, lifespan=self._lifespan), self.served)
+
+    @asynccontextmanager
+    async def _lifespan(self, _: Starlette) -> AsyncIterator[None]:
+        async with self.session.running():
+            yield
+
+    async def _index(self, _: Request) -> Response:
+        return FileResponse(self.page / "index.html", headers={"Cache-Control": "no-cache"})
+
+    async def _page_socket(self, socket: WebSocket) -> None:
+        async with self._accepted(socket) as is_accepted:
+            if is_accepted:
+                await PageSocket(socket, self.session).run(self.token)
+
+    async def _language_socket(self, socket: WebSocket) -> None:
+        # It takes longer to load than all else, and who draws only never needs it.
+        await asyncio.to_thread(import_module, "jausml.authoring.studio.language")
+        from jausml.authoring.studio.language import LanguageSocket  # noqa: PLC0415
+
+        async with self._accepted(socket) as is_accepted:
+            if is_accepted:
+                await LanguageSocket(socket, self.session.root).run(self.token)
+
+    @asynccontextmanager
+    async def _accepted(self, socket: WebSocket) -> AsyncIterator[bool]:
+        """Accepts a socket unless there are too many; yields whether it did."""
+        await socket.accept()
+        if self._sockets >= MOST_SOCKETS:
+            await socket.close(_TRY_AGAIN_LATER)
+            yield False
+            return
+        self._sockets += 1
+        try:
+            yield True
+        finally:
+            self._sockets -= 1

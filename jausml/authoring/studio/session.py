@@ -1,19 +1,30 @@
-"""A session: a project, the pages that look at it, and what happens meanwhile."""
+"""A session: a project, the pages that look at it, and changes of files by others."""
 
 from __future__ import annotations
 
 import asyncio
 import logging
+import os
 import threading
 from contextlib import asynccontextmanager
+from pathlib import PurePath
 from typing import TYPE_CHECKING
 
-from jausml.authoring.studio import watching
-from jausml.authoring.studio.answers.palette import library_entries
-from jausml.authoring.studio.asking import answering, editing, generating, mapping, reading, showing
-from jausml.authoring.studio.asking.living import Living
+from watchfiles import awatch
+
+from jausml.authoring.editing.reading import SUFFIXES
 from jausml.authoring.studio.checking import Checking
-from jausml.authoring.studio.methods import Answering
+from jausml.authoring.studio.handlers import (
+    editing,
+    generating,
+    mapping,
+    modelling,
+    showing,
+    texts,
+)
+from jausml.authoring.studio.handlers.live_system import LiveRequests
+from jausml.authoring.studio.rpc import Answering
+from jausml.authoring.studio.views.palette import library_entries
 from jausml.language.metamodel import load_metamodels
 
 if TYPE_CHECKING:
@@ -21,51 +32,55 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
     from pathlib import Path
 
+    from watchfiles import Change
+
     from jausml.authoring.studio.checking import Verdict
-    from jausml.authoring.studio.desk import Desk
+    from jausml.authoring.studio.context import StudioContext
     from jausml.authoring.studio.rpc import Request
 
-_MODULES = (showing, editing, answering, reading, mapping, generating)
+
+_MODULES = (showing, editing, modelling, texts, mapping, generating)
 _LOG = logging.getLogger(__name__)
+
+DEBOUNCE_MS, STEP_MS = 50, 10
+"""Milliseconds: what changes within them is told at once; how long it must have been quiet."""
+
+LAYOUT_SUFFIX = ".layout.json"
 
 
 class Session:
-    """Answers pages, and tells them what happens.
+    """Answers pages, and tells them what happens."""
 
-    Args:
-        desk: What it works with.
-    """
-
-    def __init__(self, desk: Desk) -> None:
+    def __init__(self, context: StudioContext) -> None:
         load_metamodels()  # now, for threads that ask at once would load them twice
-        self._desk = desk
-        self._living = Living(desk)
-        desk.audience.left = self._living.leave
-        methods = {name: each for module in _MODULES for name, each in module.methods(desk).items()}
-        self._answering = Answering({**methods, **self._living.methods()})
-        self._checking = Checking(desk.verdicts, lambda: desk.looked_at.files, self._judged)
-        desk.followers.extend((self._checking.begin, self._living.changed))
+        self._context = context
+        self._live_requests = LiveRequests(context)
+        context.subscribers.left = self._live_requests.leave
+        methods = {
+            name: each for module in _MODULES for name, each in module.methods(context).items()
+        }
+        self._answering = Answering({**methods, **self._live_requests.methods()})
+        self._checking = Checking(
+            context.verdicts, lambda: context.viewed_files.files, self._judged
+        )
+        context.followers.extend((self._checking.begin, self._live_requests.changed))
 
     @property
     def root(self) -> Path:
         """The folder that was opened, symbolic links followed."""
-        return self._desk.project.root
+        return self._context.project.root
 
     @property
     def revision(self) -> int:
         """The revision of the project now."""
-        return self._desk.project.revision
+        return self._context.project.revision
 
-    def told(self, listener: Callable[[str], None]) -> AbstractContextManager[None]:
-        """Tells a listener what happens as long as the context lasts; see `Audience`."""
-        return self._desk.audience.told(listener)
+    def subscribed(self, listener: Callable[[str], None]) -> AbstractContextManager[None]:
+        """Tells a listener what happens as long as the context lasts; see `Subscribers`."""
+        return self._context.subscribers.subscribed(listener)
 
     async def answer(self, request: Request) -> object:
-        """Returns the result of a request.
-
-        Raises:
-            RpcError: There is none, and why.
-        """
+        """Returns the result of a request."""
         return await self._answering.answer(request)
 
     @asynccontextmanager
@@ -77,22 +92,42 @@ class Session:
         # Reading the library takes seconds on a busy computer: better before somebody asks for it.
         threading.Thread(target=library_entries, name="library", daemon=True).start()
         try:
-            with self._desk.faults.kept():
+            with self._context.faults.kept():
                 yield
         finally:
             end.set()
             self._checking.close()
             await watched  # it may wait for its turn among the changes
             self._answering.close()
-            await asyncio.to_thread(self._living.stop)
-            await asyncio.to_thread(self._desk.trials.close)
+            await asyncio.to_thread(self._live_requests.stop)
+            await asyncio.to_thread(self._context.trials.close)
 
     async def _watch(self, end: asyncio.Event) -> None:
         try:
-            async for files in watching.changes(self._desk.project.root, end):
-                await self._answering.in_turn(self._desk.refresh, files)
+            async for files in changes(self._context.project.root, end):
+                await self._answering.in_turn(self._context.refresh, files)
         except OSError:
             _LOG.exception("changes by other programs are not seen any more")
 
     def _judged(self, verdict: Verdict) -> None:
-        self._desk.audience.tell("problems", showing.problems(self._desk, verdict))
+        self._context.subscribers.notify("problems", showing.problems(self._context, verdict))
+
+
+async def changes(root: Path, end: asyncio.Event) -> AsyncIterator[list[str]]:
+    """Yields model files that have changed, relative to a folder with forward slashes."""
+
+    def is_model(_: Change, path: str) -> bool:
+        parts = PurePath(os.path.relpath(path, root)).parts
+        is_hidden = any(part.startswith(".") for part in parts)
+        return not is_hidden and path.endswith((*SUFFIXES, LAYOUT_SUFFIX))
+
+    watching = awatch(
+        root,
+        watch_filter=is_model,
+        debounce=DEBOUNCE_MS,
+        step=STEP_MS,
+        stop_event=end,
+        ignore_permission_denied=True,
+    )
+    async for found in watching:
+        yield sorted({os.path.relpath(each, root).replace(os.sep, "/") for _, each in found})

@@ -79,7 +79,7 @@ def command(
     internal error.
     """
     from jausml.authoring.projects.creating import Wish, create, name_for
-    from jausml.authoring.projects.errors import ProjectError
+    from jausml.authoring.projects.places import ProjectError
 
     if copies:
         _renew(folder)
@@ -133,7 +133,7 @@ def _from_topics(
     yes: bool,
     holds: Sequence[str],
 ) -> tuple[list[str], Sequence[Crossing]]:
-    from jausml.authoring.projects.starting import start_from_topics
+    from jausml.authoring.projects.creating import start_from_topics
     from jausml.authoring.proposals.elements import library
     from jausml.language.metamodel.classes import bridge
 
@@ -147,7 +147,7 @@ def _from_topics(
 
 
 def _from_jsidl(folder: Path, wish: Wish, sources: Sequence[str]) -> list[str]:
-    from jausml.authoring.projects.starting import start_from_services
+    from jausml.authoring.projects.creating import start_from_services
 
     return start_from_services(folder, wish, _imported(sources))
 

@@ -90,7 +90,7 @@ def map_(
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
     from jausml.authoring.projects.adding import add, bridge_in, check_map_name
-    from jausml.authoring.proposals.finding import message_of, type_of
+    from jausml.authoring.proposals.elements import message_of, type_of
     from jausml.authoring.proposals.mapping.beginning import Wish
 
     if ready is not None and (fills or to_ros or to_jaus or zeros_stop):
@@ -119,7 +119,7 @@ def _copy(
     scope: Scope, owner: bridge.Bridge, wish: Wish, wanted: str | None, *, yes: bool
 ) -> Sequence[Command]:
     """Returns what copies a ready map, nothing where none is wanted or there is none."""
-    from jausml.authoring.proposals.ready import between, copied
+    from jausml.authoring.proposals.bridging import between, copied
     from jausml.language.model.names import name_of
 
     found = between(scope, wish.message, wish.type)
@@ -184,7 +184,7 @@ def _zeros_stop() -> bool:
 
 def _answered(wish: Wish, doubt: Doubt) -> Wish:
     """Returns a wish with what somebody says to a doubt, which may be nothing."""
-    from jausml.authoring.proposals.mapping.words import shown
+    from jausml.authoring.proposals.mapping.beginning import shown
 
     chosen = choose(f"What fills {doubt.target}?", [shown(each) for each in doubt.choices])
     return wish.with_answer(doubt, doubt.choices[chosen[0]]) if chosen else wish

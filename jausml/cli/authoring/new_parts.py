@@ -113,7 +113,7 @@ def component(
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
     from jausml.authoring.projects.adding import add, check_name
-    from jausml.authoring.proposals.parts import new_component
+    from jausml.authoring.proposals.participants import new_component
 
     def commands(at: Opened) -> list[Command]:
         check_name(name, at.system)
@@ -147,7 +147,7 @@ def node(
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
     from jausml.authoring.projects.adding import add, check_name
-    from jausml.authoring.proposals.parts import new_node
+    from jausml.authoring.proposals.participants import new_node
 
     published = pairs(publishes, ":", _EXAMPLE)
     heard = pairs(subscribes, ":", _EXAMPLE)

@@ -67,7 +67,7 @@ def command(
     if missing:
         raise EnvironmentFault(f"the studio needs {missing[0]}: pip install 'jausml[studio]'")
     from jausml.authoring.editing.project import Project
-    from jausml.authoring.studio.desk import Desk
+    from jausml.authoring.studio.context import StudioContext
     from jausml.authoring.studio.serving import PageMissingError, require_page, serve
     from jausml.authoring.studio.session import Session
     from jausml.cli.live.network import network_from
@@ -76,7 +76,7 @@ def command(
     logging.getLogger("jausml").addHandler(logging.StreamHandler())
     watched = network_from(None, **network)
     try:
-        session = Session(Desk(Project(path), out, watched))
+        session = Session(StudioContext(Project(path), out, watched))
     except OSError as error:
         reason = error.strerror or str(error)
         raise EnvironmentFault(f"{click.format_filename(path)}: {reason}") from error

@@ -231,7 +231,7 @@ def show_chosen(chosen: Sequence[Crossing], topics: Sequence[TopicEnd]) -> None:
 
 def show_undecided(chosen: Sequence[Crossing]) -> None:
     """Says last of all what a person has to decide before anything is generated."""
-    from jausml.authoring.proposals.mapping.stopping import STOPS, stops_by_zeros
+    from jausml.authoring.proposals.mapping.opens import STOPS, stops_by_zeros
     from jausml.language.model.names import name_of
 
     names = [each for each in chosen if each.has_no_stop and not each.hold_reason]

@@ -20,7 +20,7 @@ from jausml.cli.shared.options import format_option
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from jausml.authoring.differences.change import Change
+    from jausml.authoring.differences.changes import Change
     from jausml.authoring.differences.matching import Matching
     from jausml.language.model.diagnostics import Location
     from jausml.language.model.model import Model
@@ -91,8 +91,7 @@ def command(
     error.
     """
     from jausml.authoring.differences.finding import changes
-    from jausml.authoring.differences.matching import Matching
-    from jausml.authoring.differences.pairing import paired_roots
+    from jausml.authoring.differences.matching import Matching, paired_roots
 
     if file is not None and os.devnull in (old, new):
         click.echo(f"+ {file}: added" if old == os.devnull else f"- {file}: removed")
@@ -218,7 +217,7 @@ def _drawn(
 
 
 def _line(change: Change) -> str:
-    from jausml.authoring.differences.breaking import marked
+    from jausml.authoring.differences.changes import marked
 
     mark = marked(change.breaks)
     kind = change.kind.value

@@ -78,12 +78,12 @@ def link(obj: Any, table: FeatureTable, target: Any) -> None:
 
 
 def point(obj: Any, table: FeatureTable, target: Any) -> None:
-    """Has a sketch of an element refer to an element that is not to know of it."""
+    """Has a detached element refer to an element that is not to know of it."""
     _store(obj, table, target)
 
 
 def hang(obj: Any, owner: Any, table: FeatureTable) -> None:
-    """Gives a sketch of an element an owner that is not to know of it."""
+    """Gives a detached element an owner that is not to know of it."""
     obj._container = owner
     obj._containment_feature = table.feature
 

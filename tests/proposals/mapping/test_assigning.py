@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import pytest
-from answers_support import CAR, SHIPPED, scope_of
+from scope_support import CAR, SHIPPED, scope_of
 
 from jausml.authoring.editing.commands import Add, Remove
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.mapping.assigning import assign, partners
+from jausml.authoring.proposals.mapping.assignments import clock, constant, ignore
 from jausml.authoring.proposals.mapping.members import member
-from jausml.authoring.proposals.mapping.sourceless import clock, constant, ignore
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.conversions import CONVERSIONS
 

@@ -7,8 +7,7 @@ from collections import Counter
 import pytest
 
 from jausml.authoring.editing.project import Project
-from jausml.authoring.proposals.elements import Scope, library
-from jausml.authoring.proposals.finding import message_of, type_of
+from jausml.authoring.proposals.elements import Scope, library, message_of, type_of
 from jausml.authoring.proposals.mapping.beginning import Wish, begin_map
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.names import name_of

@@ -7,7 +7,7 @@ import threading
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.project import Project
-from jausml.authoring.studio.desk import Desk
+from jausml.authoring.studio.context import StudioContext
 from jausml.authoring.studio.session import Session
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def test_what_another_program_wrote_is_taken_over_before_the_end(folder: Path) -> None:
     project = Project(folder)
-    asyncio.run(asyncio.wait_for(closed_while_busy(Session(Desk(project)), folder), 120))
+    asyncio.run(asyncio.wait_for(closed_while_busy(Session(StudioContext(project)), folder), 120))
     assert project.log
     assert all(each.is_outside for each in project.log)
 

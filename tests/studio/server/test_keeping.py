@@ -12,8 +12,8 @@ import pytest
 from studio_client import RefusedError, serving
 
 from jausml.authoring.editing.project import Project
-from jausml.authoring.studio.asking import showing
-from jausml.authoring.studio.desk import Desk
+from jausml.authoring.studio.context import StudioContext
+from jausml.authoring.studio.handlers import showing
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -175,23 +175,23 @@ def test_a_view_that_fails_is_shown_as_it_was_and_its_fault_can_be_read(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (folder / FILE).write_text(TEXT, encoding="utf-8")
-    desk = Desk(Project(folder))
+    context = StudioContext(Project(folder))
     asked = showing.OfView(FILE, "system")
-    first = showing.view(desk, asked)
+    first = showing.view(context, asked)
 
     def fail(*_: object) -> None:
         raise ZeroDivisionError("a fault of the view")
 
-    with monkeypatch.context() as patched, desk.faults.kept():
+    with monkeypatch.context() as patched, context.faults.kept():
         patched.setattr(showing, "graph_of", fail)
-        seen = showing.view(desk, asked)
+        seen = showing.view(context, asked)
     assert seen["graph"] == first["graph"]
     assert seen["freshness"]["state"] == "stale"
     assert seen["freshness"]["since"] == first["revision"]
-    (fault,) = desk.faults.all
+    (fault,) = context.faults.all
     assert "cannot be drawn" in fault["text"]
     assert "ZeroDivisionError: a fault of the view" in fault["details"]
-    assert showing.view(desk, asked)["freshness"]["state"] == "current"
+    assert showing.view(context, asked)["freshness"]["state"] == "current"
 
 
 def test_a_host_is_drawn_and_used_before_anything_runs_there(page: Page, folder: Path) -> None:

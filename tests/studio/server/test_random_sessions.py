@@ -21,9 +21,9 @@ from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.project import Project
 from jausml.authoring.editing.reading import can_be_parsed
 from jausml.authoring.proposals.elements import AnswerError
-from jausml.authoring.studio.asking import editing, generating, showing
-from jausml.authoring.studio.desk import Desk
-from jausml.authoring.studio.typed import typed
+from jausml.authoring.studio.context import StudioContext
+from jausml.authoring.studio.handlers import editing, generating, showing
+from jausml.authoring.studio.json_values import typed
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
@@ -61,12 +61,12 @@ class Studio:
 
     def open(self) -> None:
         """Begins anew, as after a kill: what only the process knew is gone."""
-        self.desk = Desk(Project(self.root))
+        self.context = StudioContext(Project(self.root))
         self.late.clear()
         self.methods = {
             name: method
             for module in (showing, editing, generating)
-            for name, method in module.methods(self.desk).items()
+            for name, method in module.methods(self.context).items()
         }
         self.first = (self.root / FILE).read_bytes()
         self.look()
@@ -77,7 +77,7 @@ class Studio:
 
     def look(self) -> None:
         """Brings the page to what the project knows now."""
-        project = self.desk.project
+        project = self.context.project
         model = project.model(FILE).model
         found = model.instances(jaus.Component, library=False)
         self.refs = {str(each.address): project.ref(each, model) for each in found}
@@ -225,7 +225,7 @@ class Walk:
         base: int | None = None,
     ) -> None:
         base = studio.base if base is None else base
-        before, data, kept = self.components(), self.data, len(studio.desk.kept.all)
+        before, data, kept = self.components(), self.data, len(studio.context.kept.all)
         refused: EditError | None = None
         try:
             studio.ask("edit", commands=[command], label="Edit", base=base)
@@ -235,7 +235,7 @@ class Walk:
         if refused is not None:
             # Nothing was done, and what was wanted is there to be done again.
             assert self.data == data, refused
-            assert len(studio.desk.kept.all) == kept + refused.conflict, refused
+            assert len(studio.context.kept.all) == kept + refused.conflict, refused
         elif command["kind"] != "place":
             # It did what it says, and nothing that stood there went.
             assert before is not None
@@ -250,9 +250,9 @@ class Walk:
             studio.ask("kept.again", number=edits[0]["number"])
         except EditError:
             assert self.data == data
-            assert len(studio.desk.kept.all) == len(edits)
+            assert len(studio.context.kept.all) == len(edits)
         else:
-            assert len(studio.desk.kept.all) == len(edits) - 1
+            assert len(studio.context.kept.all) == len(edits) - 1
 
     def discard(self, studio: Studio) -> None:
         for each in studio.ask("kept")["edits"]:
@@ -274,21 +274,21 @@ class Walk:
     def on_a_full_disk(self, studio: Studio) -> None:
         """Nothing can be stored: nothing is done then, and nothing that was kept is lost."""
         doing = self.chance.choice([Walk.describe, Walk.rename, Walk.add, Walk.again, Walk.undo])
-        data, kept = self.data, {each.number for each in studio.desk.kept.all}
+        data, kept = self.data, {each.number for each in studio.context.kept.all}
         with full_disk():
             doing(self, studio)
         assert self.data == data
-        assert kept <= {each.number for each in studio.desk.kept.all}
+        assert kept <= {each.number for each in studio.context.kept.all}
 
     def told(self, studio: Studio) -> None:
-        studio.desk.refresh()
+        studio.context.refresh()
         studio.look()
         studio.looked = len(self.done)
 
     def judge(self, studio: Studio) -> None:
         """Asks for all that may be of the past: it says so, or it is not."""
-        studio.desk.refresh()
-        is_readable, is_kept = self.components() is not None, bool(studio.desk.kept.all)
+        studio.context.refresh()
+        is_readable, is_kept = self.components() is not None, bool(studio.context.kept.all)
         wanted = "unreadable" if not is_readable else "conflict" if is_kept else "current"
         picture = studio.ask("view", file=FILE, view="system")
         verdict = studio.ask("problems", file=FILE)
@@ -403,7 +403,7 @@ def test_a_random_walk_loses_nothing_and_pretends_nothing(tmp_path: Path, seed: 
             raise AssertionError(f"{error}\nafter: {', '.join(walk.done)}") from error
     assert walk.outcomes.total() > 5
     for studio in walk.studios:
-        studio.desk.refresh()
+        studio.context.refresh()
         while studio.ask("undo")["entry"] is not None:
             pass
         assert walk.data == studio.first, f"after: {', '.join(walk.done)}"

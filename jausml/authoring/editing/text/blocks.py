@@ -23,12 +23,7 @@ _DENSE = (Direction, Table, Vector)
 
 
 class Blocks:
-    """Changes of the lists of a text.
-
-    Args:
-        outline: Where items stand.
-        edits: Where changes go.
-    """
+    """Changes of the lists of a text."""
 
     def __init__(self, outline: Outline, edits: Edits) -> None:
         self._outline = outline
@@ -41,9 +36,7 @@ class Blocks:
         """Puts a new item into a list.
 
         Args:
-            body: The list.
             before: The item behind which it goes, None for the first place.
-            item: The new item, with its documentation.
         """
         indent = self.indent(body)
         self.insert_raw(body, before, item, self.lines(item, indent))
@@ -61,9 +54,6 @@ class Blocks:
         """Puts lines into a list that has lines of its own.
 
         Args:
-            body: The list.
-            before: The item behind which they go, None for the first place.
-            lines: The lines with their indent.
             is_spaced: Whether an empty line parts them from what is before.
         """
         block = "\n".join(lines)
@@ -78,27 +68,14 @@ class Blocks:
             self._fill(body, block)
 
     def insert_raw(self, body: Body, before: Item | None, item: Item, lines: Sequence[str]) -> None:
-        """Puts an item of the text into a list once more, as it is written.
-
-        Args:
-            body: The list.
-            before: The item behind which it goes, None for the first place.
-            item: The item.
-            lines: Its lines with the indent that they have there.
-        """
+        """Puts an item of the text into a list once more, as it is written."""
         if self._is_inline(body):
             self._insert_inline(body, before, item, lines)
         else:
             self.insert_lines(body, before, lines, is_spaced=self._is_spaced(body, before, item))
 
     def append_block(self, end: int, item: Item, *, indent: str) -> None:
-        """Gives an item that has no block one with a new item in it.
-
-        Args:
-            end: Where the item ends.
-            item: The new item.
-            indent: What the line of the item is indented by.
-        """
+        """Gives an item that has no block one with a new item in it."""
         lines = self.lines(item, indent + self._source.unit)
         line = lines[0].strip()
         width = end - self._source.line_start(end) + len(line) + len(" {  }")

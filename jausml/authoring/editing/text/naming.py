@@ -1,11 +1,10 @@
-"""Names by which a text refers to elements once it is changed, and the imports that they need."""
+"""Names by which a text refers to elements once it is changed; references follow new ones."""
 
 from __future__ import annotations
 
 import copy
 from typing import TYPE_CHECKING
 
-from jausml.authoring.editing.commands import EditError
 from jausml.language.model.notation import BY_NAME
 from jausml.language.model.xmi.writer import external_href
 from jausml.language.text.tree import Href, Name
@@ -24,14 +23,7 @@ if TYPE_CHECKING:
 
 
 class Naming(DocumentNames):
-    """Names elements for a text; where a name alone does not do, an import is noted.
-
-    Args:
-        context: The text and its model.
-
-    Attributes:
-        imports: What the text must import besides.
-    """
+    """Names elements for a text; where a name alone does not do, an import is noted."""
 
     def __init__(self, context: Context) -> None:
         # Imports are noted in a copy: the document stays as it is.
@@ -43,19 +35,12 @@ class Naming(DocumentNames):
         self._apart: dict[EObject, Model] = {}
         self.imports: list[Name | Text] = []
 
-    def find(self, ref: str, feature: FeatureTable) -> EObject:
-        """Returns the element of a ref, of the library too.
-
-        Raises:
-            EditError: There is none, or the feature cannot refer to it.
-        """
+    def find(self, ref: str) -> EObject:
+        """Returns the element of a ref, of the library too."""
         found = self._context.find(ref)
         if found is None:
             found, model = self._context.locate(ref)
             self._apart[found] = model
-        target = feature.target
-        if target is None or self._model.metamodels.class_of(found) not in target.subtypes:
-            raise EditError(f"{feature.name} cannot refer to {ref}, which is a {found.eClass.name}")
         return found
 
     def name(self, owner: EObject, target: EObject, feature: FeatureTable) -> Name | Href:

@@ -27,9 +27,7 @@ class Body:
 
     Attributes:
         owner: What has the list, None for the text.
-        items: The items.
         start: Offset behind the opening bracket.
-        end: Offset of the closing bracket.
     """
 
     owner: Item | None
@@ -39,12 +37,7 @@ class Body:
 
 
 class Outline:
-    """Where the items of a tree stand.
-
-    Args:
-        tree: The tree.
-        source: The text.
-    """
+    """Where the items of a tree stand."""
 
     def __init__(self, tree: SyntaxTree, source: TextSource) -> None:
         self._source = source

@@ -2,49 +2,47 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any, cast
 
-from jausml.authoring.editing.commands import Add, EditError, Move, Remove, Rename, Set
-from jausml.authoring.editing.sketches import assign, converted, copied, drawn, feature_of, owning
+from jausml.authoring.editing.applying import converted
+from jausml.authoring.editing.commands import Add, EditError, Move, Rename, Set
 from jausml.authoring.editing.text.adding import Adding
-from jausml.authoring.editing.text.desk import Desk
-from jausml.authoring.editing.text.following import Following
-from jausml.authoring.editing.text.heads import DOCUMENTATION, NAME, Heads
-from jausml.authoring.editing.text.mapping import ENDS, Mapping
-from jausml.authoring.editing.text.moving import Moving
-from jausml.authoring.editing.text.places import Places
-from jausml.authoring.editing.text.removing import Removing
-from jausml.authoring.editing.text.values import Values
-from jausml.language.metamodel import FeatureKind
-from jausml.language.metamodel.classes import bridge
-from jausml.language.metamodel.filling import contents, hang, set_value
+from jausml.authoring.editing.text.edited import EditedText, FeatureChange, InsertionPoints
+from jausml.authoring.editing.text.mapping import ENDS, MapChanges
+from jausml.authoring.editing.text.moving import Moving, Removing
+from jausml.authoring.editing.text.naming import named_references
+from jausml.authoring.editing.text.values import DOCUMENTATION, NAME, Heads, Values
 from jausml.language.model.names import name_of
-from jausml.language.model.xmi.writer import UnwritableError
-from jausml.language.semantics.connections.exchanges import FEATURES, infer
-from jausml.language.text.tree import Assignment, Element, Entry, Ignored, Table, Vector
+from jausml.language.model.notation import BY_NAME
+from jausml.language.text.tree import Assignment, Element, Entry, Ignored, Name, Table, Vector
+from jausml.language.text.writing.layout import simple
 from jausml.language.text.writing.maps import MAP
 from jausml.language.text.writing.spelling import is_comment, is_name
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.authoring.editing.commands import Child, Command
+    from jausml.authoring.editing.commands import ElementCommand
     from jausml.authoring.editing.planning import Context
     from jausml.authoring.editing.splices import Splice
-    from jausml.authoring.editing.text.outline import Part
-    from jausml.language.metamodel import DataTypeTable, FeatureTable, Metamodels
+    from jausml.language.metamodel import FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.refs import Ref
+    from jausml.language.model.xmi.parsing import Node
+
+_PARTING = re.compile("([./])")
+
+_ROLES = ("request", "response", "goal", "result", "feedback")
+"""Steps that say which part of a service or an action is meant."""
+
+_FOLDERS = ("msg", "srv", "action")
+"""Steps that a ROS name may have, and that name nothing."""
 
 
-class TextPlanner:
-    """Plans changes of ros2jaus texts, as `jausml.authoring.editing.planning.Planner` says."""
-
-    def plan(self, commands: Sequence[Command], context: Context) -> list[Splice]:
-        """Returns what is to change in one file so that commands hold."""
-        try:
-            return _Plan(context).run(commands)
-        except UnwritableError as error:
-            raise EditError(str(error)) from error
+def plan_text(commands: Sequence[ElementCommand], context: Context) -> list[Splice]:
+    """Returns what is to change in a text, as `planning.Planner` says."""
+    return _Plan(context).run(commands)
 
 
 class _Plan:
@@ -52,130 +50,104 @@ class _Plan:
 
     def __init__(self, context: Context) -> None:
         self._context = context
-        self._metamodels = context.model.metamodels
-        self._desk = Desk(context)
-        places = Places(self._desk)
-        self._values = Values(self._desk, places)
-        self._heads = Heads(self._desk, self._values)
-        self._mapping = Mapping(self._desk, self._values)
-        self._adding = Adding(self._desk, places, self._mapping)
-        self._removing = Removing(self._desk)
-        self._moving = Moving(self._desk, places, self._adding, self._removing)
+        self._edited = EditedText(context)
+        points = InsertionPoints(self._edited)
+        self._values = Values(self._edited, points)
+        self._heads = Heads(self._edited, self._values)
+        self._mapping = MapChanges(self._edited, self._values)
+        self._adding = Adding(self._edited, points, self._mapping)
+        self._removing = Removing(self._edited)
+        self._moving = Moving(self._edited, points, self._adding, self._removing)
 
-    def run(self, commands: Sequence[Command]) -> list[Splice]:
+    def run(self, commands: Sequence[ElementCommand]) -> list[Splice]:
         """Returns the splices of commands."""
-        gone = [each for command in commands for each in self._own(command, Remove)]
+        gone = []
         for command in commands:
+            obj = self._own(command.owner if isinstance(command, Add) else command.element)
+            if obj is None:
+                continue
             if isinstance(command, Set):
-                for obj in self._own(command, Set):
-                    self._set(obj, command)
+                self._set(obj, command)
             elif isinstance(command, Rename):
-                for obj in self._own(command, Rename):
-                    self._rename(obj, command.name)
+                self._put(obj, self._edited.table(obj).features[NAME], [command.name])
             elif isinstance(command, Add):
-                self._add(command)
+                self._add(obj, command)
             elif isinstance(command, Move):
-                for obj in self._own(command, Move):
-                    self._move(obj, command)
+                self._move(obj, command)
+            else:
+                gone.append(obj)
         if gone:
             self._removing.remove(gone)
         self._follow(commands)
-        self._desk.add_imports()
-        return self._desk.edits.splices()
+        self._edited.add_imports()
+        return self._edited.edits.splices()
 
-    def _own(self, command: Command, kind: type[Set | Rename | Move | Remove]) -> list[EObject]:
-        """Returns the element of a command of a kind, if it stands in this text."""
-        if not isinstance(command, kind):
-            return []
-        obj = self._context.find(command.element)
-        return [obj] if obj is not None and self._context.is_own(obj) else []
+    def _own(self, ref: Ref) -> EObject | None:
+        """Returns an element that stands in this text, None where it stands elsewhere."""
+        obj = self._context.find(ref)
+        return obj if obj is not None and self._context.is_own(obj) else None
 
     def _set(self, obj: EObject, command: Set) -> None:
-        feature = feature_of(self._desk.table(obj), command.feature)
-        if feature.kind is FeatureKind.CONTAINMENT:
-            raise EditError(f"{feature.name} owns elements: add, move and remove them")
+        feature = self._edited.table(obj).features[command.feature]
         if feature.is_reference:
-            if len(command.values) > 1 and not feature.many:
-                raise EditError(f"{feature.name} takes one value")
-            values = [self._desk.names.find(each, feature) for each in command.values]
+            values: list[Any] = [self._edited.names.find(each) for each in command.values]
         else:
             values = converted(command.values, feature)
         self._put(obj, feature, values)
 
     def _put(self, obj: EObject, feature: FeatureTable, values: Sequence[Any]) -> None:
         """Gives an element other values of a feature."""
-        part = self._desk.part(obj)
-        sketch, _ = copied(obj, self._metamodels, (obj, feature.name))
-        assign(sketch, feature, values)
-        value = values[0] if values else None
+        part = self._edited.part(obj)
+        made = self._edited.detached(self._edited.copy(obj))
+        change = FeatureChange(obj, part, made, feature, values)
         if feature.name == NAME and not feature.many:
-            self._put_name(obj, part, feature, value)
+            self._put_name(change)
         elif feature.name == DOCUMENTATION:
-            self._document(obj, part, sketch, feature, value)
-        elif self._is_said_by_end(obj, part, sketch, feature):
+            self._document(change)
+        elif self._is_said_by_end(change):
             return
         elif isinstance(part, Element):
-            self._values.set(obj, part, sketch, feature, values)
+            self._values.set(change)
         else:
-            self._mapping.set(obj, part, sketch, feature, values)
+            self._mapping.set(change)
 
-    def _put_name(self, obj: EObject, part: Part, feature: FeatureTable, name: str | None) -> None:
-        if isinstance(part, Table | Vector) and (name is None or not is_name(name)):
-            self._mapping.rewrite(obj, feature, [] if name is None else [name])
+    def _put_name(self, change: FeatureChange) -> None:
+        is_sayable = change.value is not None and is_name(change.value)
+        if isinstance(change.part, Table | Vector) and not is_sayable:
+            self._mapping.rewrite(change)
         else:
-            self._heads.set_name(obj, part, name)
+            self._heads.set_name(change.obj, change.part, change.value)
 
-    def _document(
-        self, obj: EObject, part: Part, sketch: EObject, feature: FeatureTable, text: str | None
-    ) -> None:
-        is_sayable = text is None or is_comment(text)
-        if isinstance(part, Assignment | Ignored) and not is_sayable:
-            self._heads.set_documentation(obj, part, None)
-            self._mapping.say_as_block(obj, sketch)
-        elif isinstance(part, Table | Vector | Entry) and not is_sayable:
-            self._mapping.rewrite(obj, feature, [text])
+    def _document(self, change: FeatureChange) -> None:
+        is_sayable = change.value is None or is_comment(change.value)
+        if isinstance(change.part, Assignment | Ignored) and not is_sayable:
+            self._heads.set_documentation(change.obj, change.part, None)
+            self._mapping.say_as_block(change.obj, change.made)
+        elif isinstance(change.part, Table | Vector | Entry) and not is_sayable:
+            self._mapping.rewrite(change)
         else:
-            self._heads.set_documentation(obj, part, text)
+            self._heads.set_documentation(change.obj, change.part, change.value)
 
-    def _is_said_by_end(
-        self, obj: EObject, part: Part, sketch: EObject, feature: FeatureTable
-    ) -> bool:
+    def _is_said_by_end(self, change: FeatureChange) -> bool:
         """Sets a message or a type of a map where an end says it."""
-        is_end = self._desk.table(obj).qualified_name == MAP and feature.name in ENDS
-        if not is_end or not isinstance(part, Element) or self._values.items(part, feature.name):
+        part, name = change.part, change.feature.name
+        is_end = self._edited.table(change.obj).qualified_name == MAP and name in ENDS
+        if not is_end or not isinstance(part, Element) or self._values.items(part, name):
             return False
-        return self._mapping.set_end(obj, part, sketch, feature)
+        return self._mapping.set_end(change, part)
 
-    def _rename(self, obj: EObject, name: str) -> None:
-        self._put(obj, feature_of(self._desk.table(obj), NAME), [name])
-
-    def _add(self, command: Add) -> None:
-        owner = self._context.find(command.owner)
-        if owner is None or not self._context.is_own(owner):
-            return
-        table = self._desk.table(owner)
-        feature = owning(table, command.feature, command.kind, self._metamodels)
-        sketch = drawn(command, self._metamodels, self._desk.names.find)
-        hang(sketch, owner, feature)
-        _settle(sketch, command, self._metamodels)
-        self._adding.add(owner, feature, sketch, command.position)
+    def _add(self, owner: EObject, command: Add) -> None:
+        [made] = [e for e in self._edited.copy(owner).owned[command.feature] if e.obj is None]
+        self._adding.add(made)
 
     def _move(self, obj: EObject, command: Move) -> None:
-        owner = self._context.find(command.owner)
-        if owner is None or not self._context.is_own(owner):
+        if self._own(command.owner) is None:
             what = name_of(obj) or obj.eClass.name
-            told = f"{what} is named in {self._context.file} by where it stands in that text"
-            raise EditError(f"{told}: copy it into the other file, and remove it here")
-        around: EObject | None = owner
-        while around is not None:
-            if around is obj:
-                raise EditError("an element cannot move into itself")
-            around = around.eContainer()
-        kind = self._desk.table(obj).qualified_name
-        feature = owning(self._desk.table(owner), command.feature, kind, self._metamodels)
-        self._moving.move(obj, owner, feature, command.position)
+            reason = f"{what} is named in {self._context.file} by where it stands in that text"
+            raise EditError(f"{reason}: copy it into the other file, and remove it here")
+        self._moving.move(self._edited.copy(obj))
 
-    def _follow(self, commands: Sequence[Command]) -> None:
+    def _follow(self, commands: Sequence[ElementCommand]) -> None:
         named = {}
         for command in commands:
             if isinstance(command, Rename):
@@ -183,21 +155,75 @@ class _Plan:
                 if obj is not None:
                     named[obj] = command.name
         if named:
-            Following(self._desk).rename(named)
+            Following(self._edited).rename(named)
 
 
-def _settle(sketch: EObject, command: Add | Child, metamodels: Metamodels) -> None:
-    """Gives new connections the way that follows from all else, where a command leaves it open.
+class Following:
+    """Writes references by name anew."""
 
-    So the text leaves it open too.
-    """
-    table = metamodels.class_of(sketch)
-    if isinstance(sketch, bridge.Connection):
-        given = [next(iter(command.values.get(name, ())), None) for name in FEATURES]
-        inferred = infer(sketch, *given)
-        for name in FEATURES:
-            literals = cast("DataTypeTable", table.features[name].data_type).literals
-            set_value(sketch, table.features[name], literals[getattr(inferred, name)])
-    owned = {name: iter(contents(sketch, each)) for name, each in table.features.items()}
-    for child in command.children:
-        _settle(next(owned[child.feature]), child, metamodels)
+    def __init__(self, edited: EditedText) -> None:
+        self._edited = edited
+
+    def rename(self, named: dict[EObject, str]) -> None:
+        """Has references follow."""
+        old = {step for each in named for step in _steps(name_of(each))}
+        for node, child in named_references(self._edited.context.document):
+            text = child.get(BY_NAME)
+            if text is None or not old.intersection(_steps(text)):
+                continue
+            target = self._target(node, child)
+            if target is not None:
+                self._rename(child, text, target, named)
+
+    def _rename(
+        self,
+        child: Node,
+        text: str,
+        target: EObject,
+        named: dict[EObject, str],
+    ) -> None:
+        span = self._edited.written.value_span(child)
+        new = renamed(text, target, named)
+        if span is None or new == text:
+            return
+        written = simple(Name(new) if is_name(new) else self._edited.names.href(target))
+        start, end = self._edited.source.range_of(span)
+        self._edited.edits.replace(start, end, written)
+
+    def _target(self, node: Node, child: Node) -> EObject | None:
+        """Returns the element that a reference was resolved to."""
+        feature = self._edited.table(node.obj).features[child.tag]
+        value: Any = getattr(node.obj, feature.name)
+        if not feature.many:
+            return cast("EObject | None", value)
+        alike = [each for each in node.children if each.tag == child.tag]
+        targets = list(value)
+        if len(targets) == len(alike):
+            return cast("EObject", targets[next(i for i, e in enumerate(alike) if e is child)])
+        return self._edited.names.meant(child.get(BY_NAME) or "", node.obj, feature)
+
+
+def renamed(text: str, target: EObject, named: dict[EObject, str]) -> str:
+    """Returns the name of an element once elements have other names."""
+    parts = _PARTING.split(text)  # steps, with what parts them between
+    end = len(parts)
+    each: EObject | None = target
+    while each is not None and end > 0:
+        name = _PARTING.split(name_of(each))
+        start = end - len(name)
+        if name != [""] and parts[max(start, 0) : end] == name:
+            if each in named:
+                parts[start:end] = [named[each], *[""] * (len(name) - 1)]
+            end = start - 1
+            if end > 0 and parts[end - 1] in _FOLDERS and parts[end] == "/":
+                end -= 2
+        elif name != [""] and each is target and parts[-1] in _ROLES:
+            end -= 2
+        elif name != [""]:
+            return text
+        each = each.eContainer()
+    return "".join(parts)
+
+
+def _steps(name: str) -> list[str]:
+    return _PARTING.split(name)[::2]

@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 from jausml.authoring.editing.commands import EditError
-from jausml.authoring.editing.splices import Splice
+from jausml.authoring.editing.splices import FileText, Splice
 from jausml.language.text.comments import comments_in
 from jausml.language.text.reading.scanning import with_line_feeds
 
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from jausml.language.text.tree import Span
 
 _BLANKS = " \t"
-_LINE_END = re.compile(r"\r\n|\n|\r")
 
 
 class Comment(NamedTuple):
@@ -35,30 +34,17 @@ class Comment(NamedTuple):
         return "\n" not in self.text
 
 
-class TextSource:
+class TextSource(FileText):
     """The text of a document. All places are offsets in characters.
 
-    Args:
-        document: A document in ros2jaus.
-        file: The file, as splices name it.
-
     Attributes:
-        file: The file, as splices name it.
         text: The text with line feeds where lone carriage returns end lines.
     """
 
     def __init__(self, document: Document, file: str) -> None:
-        self.file = file
-        self._data = document.data
-        self._stored = document.data.decode("utf-8-sig")
-        self._mark = len(codecs.BOM_UTF8) if document.data.startswith(codecs.BOM_UTF8) else 0
-        self.text = with_line_feeds(self._stored)
-
-    @cached_property
-    def newline(self) -> str:
-        """The line end of the file: that of its first line."""
-        found = _LINE_END.search(self._stored)
-        return found.group() if found else "\n"
+        mark = len(codecs.BOM_UTF8) if document.data.startswith(codecs.BOM_UTF8) else 0
+        super().__init__(file, document.data, "utf-8", mark)
+        self.text = with_line_feeds(self.stored)
 
     @cached_property
     def unit(self) -> str:
@@ -126,23 +112,6 @@ class TextSource:
             at -= 1
         return at
 
-    def splice(self, start: int, end: int, new: str) -> Splice:
-        """Returns the splice that puts a text in place of a stretch.
-
-        Args:
-            start: Offset of the first character.
-            end: Offset behind the last one.
-            new: The new text with line feeds as line ends.
-        """
-        first, last = self._byte(start), self._byte(end)
-        data = new.replace("\n", self.newline).encode()
-        return Splice(self.file, first, self._data[first:last], data)
-
-    def _byte(self, at: int) -> int:
-        if self._stored.isascii():
-            return self._mark + at
-        return self._mark + len(self._stored[:at].encode())
-
     @cached_property
     def _lines(self) -> list[int]:
         return [0, *(each.end() for each in re.finditer("\n", self.text))]
@@ -154,11 +123,7 @@ class TextSource:
 
 @dataclass
 class Edits:
-    """Changes of a text that are planned together.
-
-    Attributes:
-        source: The text.
-    """
+    """Changes of a text that are planned together."""
 
     source: TextSource
     _deleted: list[tuple[int, int]] = field(default_factory=list)
@@ -179,11 +144,7 @@ class Edits:
             self._deleted.append((start, end))
 
     def splices(self) -> list[Splice]:
-        """Returns the splices, in order and none over another.
-
-        Raises:
-            EditError: Two changes contradict each other.
-        """
+        """Returns the splices, in order and none over another."""
         deleted = _united(self._deleted)
         changes = [(start, end, "") for start, end in deleted]
         for start, end, new in self._replaced:

@@ -1,4 +1,4 @@
-"""Edits of the text of one XMI file, gathered until all of them are known."""
+"""Edits of one XMI file, gathered until all are known, and the lines of new elements."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from jausml.authoring.editing.splices import Splice
     from jausml.authoring.editing.xmi.source import Attribute, Element, Source
     from jausml.language.model.xmi.parsing import Node
+
 
 Line = tuple["int | None", str]
 """A line of an element that is put in: how deep it stands, and its text; None as it is."""
@@ -35,12 +36,7 @@ class Edit:
 
 
 class Edits:
-    """The edits of one file.
-
-    Args:
-        source: The text.
-        root: The outermost XML element.
-    """
+    """The edits of one file."""
 
     def __init__(self, source: Source, root: Node) -> None:
         self.source = source
@@ -79,9 +75,6 @@ class Edits:
         """Gives an element an attribute which it has not.
 
         Args:
-            element: The element.
-            name: The name of the attribute.
-            text: Its value.
             later: The names of the attributes that it stands before.
         """
         before = [each for each in element.attributes if each.name not in later]
@@ -126,9 +119,7 @@ class Edits:
         """Adds child elements.
 
         Args:
-            owner: The element that gets them.
             after: The child behind which they go, None without one that stays.
-            before: The child before which they go when there is none before them.
             lines: Their lines; the children themselves stand 0 deep.
         """
         self._filled.add(owner)

@@ -1,14 +1,16 @@
-"""How an XMI file names elements: fragments and hrefs, and the prefixes of its namespaces."""
+"""How an XMI file names elements: fragments, hrefs, prefixes, and the references it has."""
 
 from __future__ import annotations
 
 import posixpath
 import re
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
-from jausml.authoring.editing.forest import Thing
 from jausml.authoring.editing.reading import is_library
+from jausml.authoring.editing.working_copy import ElementCopy
+from jausml.language.metamodel import FeatureKind
 from jausml.language.model import refs
 from jausml.language.model.reading.classes import XSI, is_xmi
 from jausml.language.model.uris import (
@@ -19,69 +21,71 @@ from jausml.language.model.uris import (
     library_root,
 )
 from jausml.language.model.xmi.fragments import FragmentFinder
+from jausml.language.model.xmi.writer import attribute_text, element_text
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from jausml.authoring.editing.planning import Context
-    from jausml.authoring.editing.xmi.edits import Edits
-    from jausml.authoring.editing.xmi.source import Element
+    from jausml.authoring.editing.xmi.edits import Edits, Line
+    from jausml.authoring.editing.xmi.source import Attribute, Element, Source
     from jausml.language.metamodel import ClassTable, FeatureTable
     from jausml.language.model.documents import Document
     from jausml.language.model.refs import Ref
     from jausml.language.model.xmi.parsing import Node
+
 
 XMI = "http://www.omg.org/XMI"
 _XSI = "xsi"
 _PLACE = re.compile(r"([^\s\"']+)\s+([^\s\"']+)")
 """A namespace and the place of its metamodel, of which `xsi:schemaLocation` lists several."""
 
+_WORD = re.compile(r"\S+")
+
+_PATH = re.compile(r"/(?:[0-9]+)?(?:/@[^/.@\[\]?]+(?:\.[0-9]+)?)*")
+
 
 class Names:
-    """The names that one file uses.
-
-    Args:
-        context: The file, and the elements as they will be.
-        edits: Where namespaces are declared.
-        root: The outermost XML element of the file.
-    """
+    """The names that one file uses."""
 
     def __init__(self, context: Context, edits: Edits, root: Node) -> None:
         self._context = context
         self._edits = edits
         self._root = root
         self._declared: dict[str, str] = {}
-        self._fragments: dict[Thing, str] | None = None
+        self._fragments: dict[ElementCopy, str] | None = None
         self._uris: dict[str, str] = {}
         self._resolver = UriResolver(context.root, allow_outside=False, projects={})
         self._finder = FragmentFinder(context.model.metamodels, lambda *_: None)
 
-    def target(self, uri: str, fragment: str) -> Thing | Ref | None:
+    def target(self, uri: str, fragment: str) -> ElementCopy | Ref | None:
         """Returns what an href or a fragment of the file meant; None when it leads nowhere."""
         document = self._document(uri)
         found = self._finder.find(document, fragment) if document is not None else None
         obj = found.node.obj if found is not None else None
         if obj is None:
             return None
-        known = self._context.forest.things.get(obj)
+        known = self._context.working_copy.copies.get(obj)
         return known or refs.ref_of(obj, self._context.model, self._context.root)
 
-    def fragment(self, target: Thing | Ref) -> str:
+    def fragment(self, target: ElementCopy | Ref) -> str:
         """Returns the fragment of an element, as it will be."""
-        if not isinstance(target, Thing):
+        if not isinstance(target, ElementCopy):
             return refs.split(target)[1]
         if self._fragments is None:
-            self._fragments = self._context.forest.fragments()
+            self._fragments = self._context.working_copy.fragments()
         return self._fragments[target]
 
-    def is_local(self, target: Thing | Ref) -> bool:
+    def is_local(self, target: ElementCopy | Ref) -> bool:
         """Tells whether an element will stand in the file."""
         return file_of(target) == self._context.file
 
-    def href(self, target: Thing | Ref) -> str:
+    def href(self, target: ElementCopy | Ref) -> str:
         """Returns the href of an element, as it will be."""
         uri = "" if self.is_local(target) else self._uri(file_of(target))
         return f"{uri}#{self.fragment(target)}"
 
-    def type_attribute(self, target: Thing | Ref, feature: FeatureTable) -> str:
+    def type_attribute(self, target: ElementCopy | Ref, feature: FeatureTable) -> str:
         """Returns ` xsi:type="..."` where the class of an element is not that of the feature."""
         table = self._class(target)
         if table is feature.target:
@@ -101,12 +105,7 @@ class Names:
         return self.prefix(XSI, _XSI)
 
     def prefix(self, uri: str, usual: str) -> str:
-        """Returns the prefix of a namespace, which is declared if need be.
-
-        Args:
-            uri: The namespace.
-            usual: The prefix that is taken if it is free.
-        """
+        """Returns the prefix of a namespace, which is declared if need be."""
         known = {**self._root.prefixes, **self._declared}
         for prefix, each in known.items():
             if each == uri and prefix:
@@ -146,8 +145,8 @@ class Names:
             else:
                 self._edits.put(later, later, f"{place} ")
 
-    def _class(self, target: Thing | Ref) -> ClassTable:
-        return target.table if isinstance(target, Thing) else self._context.find_class(target)
+    def _class(self, target: ElementCopy | Ref) -> ClassTable:
+        return target.table if isinstance(target, ElementCopy) else self._context.find_class(target)
 
     def _document(self, uri: str) -> Document | None:
         context = self._context
@@ -198,9 +197,9 @@ class Names:
         return f"{LIBRARY_URI}{quote(place)}"
 
 
-def file_of(target: Thing | Ref) -> str:
+def file_of(target: ElementCopy | Ref) -> str:
     """Returns the file in which an element will stand."""
-    return target.root.file if isinstance(target, Thing) else refs.split(target)[0]
+    return target.root.file if isinstance(target, ElementCopy) else refs.split(target)[0]
 
 
 def _is_places(name: str) -> bool:
@@ -214,3 +213,150 @@ def _rank(name: str) -> tuple[int, str]:
     if not name.startswith("xmlns"):
         return (4, "")
     return {"xmlns:xmi": (1, ""), "xmlns:xsi": (2, "")}.get(name, (3, name))
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """One reference as it is written.
+
+    Attributes:
+        target: What it means, None when it leads nowhere.
+        start: Offset of the fragment in characters.
+        text: All of it, for words of an attribute: class and file included.
+        node: The child element, None for a word of an attribute.
+    """
+
+    target: ElementCopy | Ref | None
+    fragment: str
+    start: int
+    end: int
+    text: str = ""
+    node: Node | None = None
+
+    @property
+    def is_path(self) -> bool:
+        """Whether it is a path by features, as EMF writes it."""
+        return _PATH.fullmatch(self.fragment) is not None
+
+    @property
+    def is_odd(self) -> bool:
+        """Whether it is neither such a path nor an id."""
+        return "/" in self.fragment and not self.is_path
+
+
+def items(node: Node, feature: str, source: Source, names: Names) -> list[Item]:
+    """Returns the references of a feature, in order."""
+    found: list[Item] = []
+    if node.get(feature) is not None:
+        attribute = source.element(node).attribute(feature)
+        if attribute is not None:
+            found += _words(attribute, source, names)
+    for child in node.children:
+        if child.tag == feature:
+            found += _of_element(child, source, names)
+    return found
+
+
+def is_odd(node: Node, feature: str) -> bool:
+    """Tells whether a reference may be written otherwise than by a path or an id."""
+    if "[" in (node.get(feature) or "") or "//" in (node.get(feature) or "").replace("//@", ""):
+        return True
+    hrefs = (each.get("href") for each in node.children if each.tag == feature)
+    return any(each is not None and _is_odd_href(each) for each in hrefs)
+
+
+def _is_odd_href(href: str) -> bool:
+    fragment = href.partition("#")[2]
+    return fragment.startswith("/") and _PATH.fullmatch(fragment) is None
+
+
+def _words(attribute: Attribute, source: Source, names: Names) -> Iterator[Item]:
+    written = source.text[attribute.value : attribute.end]
+    kind = None
+    for match in _WORD.finditer(written):
+        word = match.group()
+        uri, hash_sign, fragment = word.partition("#")
+        if not hash_sign and ":" in word and "/" not in word:
+            kind = match  # the class of the reference that follows
+            continue
+        if not hash_sign:
+            uri, fragment = "", word
+        end = attribute.value + match.end()
+        text = written[kind.start() if kind is not None else match.start() : match.end()]
+        yield Item(names.target(uri, fragment), fragment, end - len(fragment), end, text)
+        kind = None
+
+
+def _of_element(child: Node, source: Source, names: Names) -> Iterator[Item]:
+    for attribute in source.element(child).attributes:
+        prefix, _, local = attribute.name.rpartition(":")
+        written = source.text[attribute.value : attribute.end]
+        stripped = written.strip()
+        if attribute.name == "href":
+            uri, _, fragment = stripped.partition("#")
+        elif local == "idref" and is_xmi(child.prefixes.get(prefix, "")):
+            uri, fragment = "", stripped
+        else:
+            continue
+        end = attribute.value + len(written.rstrip())
+        yield Item(names.target(uri, fragment), fragment, end - len(fragment), end, node=child)
+        return
+
+
+def element_lines(copy: ElementCopy, feature: FeatureTable, names: Names) -> list[Line]:
+    """Returns the lines of an element with all that it owns."""
+    return list(_lines(copy, feature, names, 0))
+
+
+def value_line(text: str | None, feature: FeatureTable, names: Names) -> str:
+    """Returns a value of an attribute as an element."""
+    if text is None:
+        return f'<{feature.name} {names.xsi()}:nil="true"/>'
+    return f"<{feature.name}>{element_text(text)}</{feature.name}>"
+
+
+def reference_line(target: ElementCopy | Ref, feature: FeatureTable, names: Names) -> str:
+    """Returns a reference as an element."""
+    kind = names.type_attribute(target, feature)
+    return f'<{feature.name}{kind} href="{attribute_text(names.href(target))}"/>'
+
+
+def _lines(copy: ElementCopy, feature: FeatureTable, names: Names, depth: int) -> Iterator[Line]:
+    head = f"<{feature.name}{names.type_attribute(copy, feature)}"
+    if copy.identifier:
+        head += f' {names.xmi()}:id="{attribute_text(copy.identifier)}"'
+    inner: list[Line] = []
+    for each in copy.table.features.values():
+        text = _as_attribute(copy, each, names)
+        if text is not None:
+            head += f' {each.name}="{attribute_text(text)}"'
+        else:
+            inner += _children(copy, each, names, depth + 1)
+    if not inner:
+        yield (depth, f"{head}/>")
+        return
+    yield (depth, f"{head}>")
+    yield from inner
+    yield (depth, f"</{feature.name}>")
+
+
+def _as_attribute(copy: ElementCopy, feature: FeatureTable, names: Names) -> str | None:
+    """Returns what a feature has as the value of an XML attribute, None for elements."""
+    if feature.kind is FeatureKind.ATTRIBUTE:
+        values = copy.values.get(feature.name, ())
+        return values[0] if values and not feature.many else None
+    targets = copy.references.get(feature.name, [])
+    if feature.kind is not FeatureKind.CROSS_REFERENCE or not targets:
+        return None
+    if not all(map(names.is_local, targets)):
+        return None
+    return " ".join(map(names.fragment, targets))
+
+
+def _children(copy: ElementCopy, feature: FeatureTable, names: Names, depth: int) -> Iterator[Line]:
+    for text in copy.values.get(feature.name, ()):
+        yield (depth, value_line(text, feature, names))
+    for target in copy.references.get(feature.name, ()):
+        yield (depth, reference_line(target, feature, names))
+    for each in copy.owned.get(feature.name, ()):
+        yield from _lines(each, feature, names, depth)

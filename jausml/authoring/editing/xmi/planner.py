@@ -5,25 +5,32 @@ from __future__ import annotations
 from functools import cached_property
 from typing import TYPE_CHECKING, cast
 
-from jausml.authoring.editing.commands import Add, EditError, Move, Remove, Rename, Set
-from jausml.authoring.editing.forest import Thing
-from jausml.authoring.editing.xmi import lines
+from jausml.authoring.editing.commands import Add, Move, Remove, Rename, Set
+from jausml.authoring.editing.splices import common_ends
+from jausml.authoring.editing.working_copy import ElementCopy
 from jausml.authoring.editing.xmi.edits import Edits
-from jausml.authoring.editing.xmi.names import Names, file_of
-from jausml.authoring.editing.xmi.references import is_odd, items
+from jausml.authoring.editing.xmi.names import (
+    Names,
+    element_lines,
+    file_of,
+    is_odd,
+    items,
+    reference_line,
+    value_line,
+)
 from jausml.authoring.editing.xmi.source import Source
 from jausml.language.metamodel import FeatureKind
 from jausml.language.model.values import convert
-from jausml.language.model.xmi.writer import UnwritableError, attribute_text, lexical
+from jausml.language.model.xmi.writer import attribute_text, lexical
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.authoring.editing.commands import Command
+    from jausml.authoring.editing.commands import ElementCommand
     from jausml.authoring.editing.planning import Context
     from jausml.authoring.editing.splices import Splice
     from jausml.authoring.editing.xmi.edits import Line
-    from jausml.authoring.editing.xmi.references import Item
+    from jausml.authoring.editing.xmi.names import Item
     from jausml.language.metamodel import DataTypeTable, FeatureTable
     from jausml.language.model.refs import Ref
     from jausml.language.model.xmi.parsing import Node
@@ -31,17 +38,9 @@ if TYPE_CHECKING:
 _NAME = "name"
 
 
-class XmiPlanner:
-    """Plans changes of XMI files, as `jausml.authoring.editing.planning.Planner` says."""
-
-    def plan(self, commands: Sequence[Command], context: Context) -> list[Splice]:
-        """Returns what is to change in one file so that commands hold."""
-        if not context.document.root_nodes:
-            return []
-        try:
-            return _Plan(context).run(commands)
-        except UnwritableError as error:
-            raise EditError(str(error)) from error
+def plan_xmi(commands: Sequence[ElementCommand], context: Context) -> list[Splice]:
+    """Returns what is to change in an XMI file, as `planning.Planner` says."""
+    return _Plan(context).run(commands) if context.document.root_nodes else []
 
 
 class _Plan:
@@ -49,16 +48,16 @@ class _Plan:
 
     def __init__(self, context: Context) -> None:
         self._context = context
-        self._forest = context.forest
+        self._working_copy = context.working_copy
         self._metamodels = context.model.metamodels
         self._source = Source(context.document, context.file)
         root = context.document.root_nodes[0]
         self._root = root.parent or root
         self._edits = Edits(self._source, self._root)
         self._names = Names(context, self._edits, self._root)
-        self._set: set[tuple[Thing, str]] = set()
+        self._set: set[tuple[ElementCopy, str]] = set()
 
-    def run(self, commands: Sequence[Command]) -> list[Splice]:
+    def run(self, commands: Sequence[ElementCommand]) -> list[Splice]:
         for each in commands:
             if isinstance(each, Remove):
                 self._remove(each)
@@ -77,55 +76,55 @@ class _Plan:
         return self._edits.splices()
 
     def _remove(self, command: Remove) -> None:
-        thing = self._thing(command.element)
-        if thing is not None and self._is_own(thing):
-            self._edits.remove(self._node(thing))
+        copy = self._copy(command.element)
+        if copy is not None and self._is_own(copy):
+            self._edits.remove(self._node(copy))
 
-    def _thing(self, ref: Ref) -> Thing | None:
-        return self._forest.find(ref)
+    def _copy(self, ref: Ref) -> ElementCopy | None:
+        return self._working_copy.find(ref)
 
-    def _is_own(self, thing: Thing) -> bool:
-        """Tells whether a thing stands in the file as it is."""
-        return thing.obj is not None and thing.file == self._context.file
+    def _is_own(self, copy: ElementCopy) -> bool:
+        """Tells whether a copy stands in the file as it is."""
+        return copy.obj is not None and copy.file == self._context.file
 
-    def _node(self, thing: Thing) -> Node:
-        return cast("Node", self._context.model.node_of(thing.obj))  # type: ignore[arg-type]
+    def _node(self, copy: ElementCopy) -> Node:
+        return cast("Node", self._context.model.node_of(copy.obj))  # type: ignore[arg-type]
 
     def _change(self, ref: Ref, name: str) -> None:
-        thing = self._thing(ref)
-        if thing is None or not self._is_own(thing):
+        copy = self._copy(ref)
+        if copy is None or not self._is_own(copy):
             return
-        feature = thing.table.features[name]
-        self._set.add((thing, name))
+        feature = copy.table.features[name]
+        self._set.add((copy, name))
         if feature.kind is not FeatureKind.ATTRIBUTE:
-            self._set_references(thing, feature)
+            self._set_references(copy, feature)
         elif feature.many:
-            self._set_values(thing, feature)
+            self._set_values(copy, feature)
         else:
-            self._set_value(thing, feature)
+            self._set_value(copy, feature)
 
-    def _set_value(self, thing: Thing, feature: FeatureTable) -> None:
-        node = self._node(thing)
+    def _set_value(self, copy: ElementCopy, feature: FeatureTable) -> None:
+        node = self._node(copy)
         element = self._source.element(node)
         written = element.attribute(feature.name)
-        values = thing.values.get(feature.name, ())
+        values = copy.values.get(feature.name, ())
         text = values[0] if values else None
         if written is not None and _means(node.get(feature.name), feature) == values:
             return
         children = [each for each in node.children if each.tag == feature.name]
         if children:
-            self._replace_children(thing, feature, children, self._value_lines(thing, feature))
+            self._replace_children(copy, feature, children, self._value_lines(copy, feature))
         elif text is None:
             if written is not None:
                 self._edits.remove_attribute(written)
         elif written is not None:
             self._edits.set_value(written, text)
         else:
-            self._edits.add_attribute(element, feature.name, text, _later(thing, feature))
+            self._edits.add_attribute(element, feature.name, text, _later(copy, feature))
 
-    def _set_values(self, thing: Thing, feature: FeatureTable) -> None:
-        node = self._node(thing)
-        values = thing.values.get(feature.name, ())
+    def _set_values(self, copy: ElementCopy, feature: FeatureTable) -> None:
+        node = self._node(copy)
+        values = copy.values.get(feature.name, ())
         written = self._source.element(node).attribute(feature.name)
         if written is not None:
             words = tuple((node.get(feature.name) or "").split())
@@ -136,15 +135,15 @@ class _Plan:
                 return
             self._edits.remove_attribute(written)
         children = [each for each in node.children if each.tag == feature.name]
-        self._replace_children(thing, feature, children, self._value_lines(thing, feature))
+        self._replace_children(copy, feature, children, self._value_lines(copy, feature))
 
-    def _value_lines(self, thing: Thing, feature: FeatureTable) -> list[str]:
-        values = thing.values.get(feature.name, ())
-        return [lines.value_line(each, feature, self._names) for each in values]
+    def _value_lines(self, copy: ElementCopy, feature: FeatureTable) -> list[str]:
+        values = copy.values.get(feature.name, ())
+        return [value_line(each, feature, self._names) for each in values]
 
-    def _set_references(self, thing: Thing, feature: FeatureTable) -> None:
-        node = self._node(thing)
-        targets = thing.references.get(feature.name, [])
+    def _set_references(self, copy: ElementCopy, feature: FeatureTable) -> None:
+        node = self._node(copy)
+        targets = copy.references.get(feature.name, [])
         found = items(node, feature.name, self._source, self._names)
         if targets == [each.target for each in found] and all(map(self._is_right, found)):
             return
@@ -161,37 +160,34 @@ class _Plan:
                 self._edits.set_value(written, text)
             else:
                 element = self._source.element(node)
-                self._edits.add_attribute(element, feature.name, text, _later(thing, feature))
+                self._edits.add_attribute(element, feature.name, text, _later(copy, feature))
             return
         if written is not None:
             self._edits.remove_attribute(written)
         kept = {each.target: each for each in found if each.node is not None and each.target}
         new = [self._element_text(each, kept.get(each), feature) for each in targets]
-        self._replace_children(thing, feature, children, new)
+        self._replace_children(copy, feature, children, new)
 
-    def _word(self, target: Thing | Ref, words: list[Item]) -> str:
+    def _word(self, target: ElementCopy | Ref, words: list[Item]) -> str:
         known = next((each.text for each in words if each.target == target), "")
         is_kept = known and self._is_right(next(e for e in words if e.target == target))
         return known if is_kept else self._names.fragment(target)
 
-    def _element_text(self, target: Thing | Ref, item: Item | None, feature: FeatureTable) -> str:
+    def _element_text(
+        self, target: ElementCopy | Ref, item: Item | None, feature: FeatureTable
+    ) -> str:
         """Returns a reference as an element: as it is written now, if that will be right."""
         if item is not None and item.node is not None and self._is_right(item):
             element = self._source.element(item.node)
             return self._source.text[element.start : element.end]
-        return lines.reference_line(target, feature, self._names)
+        return reference_line(target, feature, self._names)
 
     def _replace_children(
-        self, thing: Thing, feature: FeatureTable, old: Sequence[Node], new: Sequence[str]
+        self, copy: ElementCopy, feature: FeatureTable, old: Sequence[Node], new: Sequence[str]
     ) -> None:
         """Makes child elements of others, and leaves those that are among both."""
         texts = [self._text(each) for each in old]
-        front = 0
-        while front < min(len(old), len(new)) and texts[front] == new[front]:
-            front += 1
-        back = 0
-        while back < min(len(old), len(new)) - front and texts[-1 - back] == new[-1 - back]:
-            back += 1
+        front, back = common_ends(texts, new)
         ours = list(old[front : len(old) - back])
         theirs = list(new[front : len(new) - back])
         paired = min(len(ours), len(theirs))
@@ -204,67 +200,66 @@ class _Plan:
             after = old[at - 1] if at else None
             before = old[at] if after is None and at < len(old) else None
             added: list[Line] = [(0, each) for each in theirs[paired:]]
-            self._insert(thing, feature, after, before, added)
+            self._insert(copy, feature, after, before, added)
 
     def _text(self, node: Node) -> str:
         element = self._source.element(node)
         return self._source.text[element.start : element.end]
 
     def _add(self, command: Add) -> None:
-        owner = self._thing(command.owner)
+        owner = self._copy(command.owner)
         if owner is not None and self._is_own(owner):
             made = [each for each in owner.owned[command.feature] if each.obj is None]
             for each in made:
-                self._insert_thing(each, self._new_lines(each))
+                self._insert_copy(each, self._new_lines(each))
 
     def _move(self, command: Move) -> None:
-        thing = self._thing(command.element)
-        if thing is None:
+        copy = self._copy(command.element)
+        if copy is None:
             return
-        owner = cast("Thing", thing.owner)
+        owner = cast("ElementCopy", copy.owner)
         is_here = owner.root.file == self._context.file
-        if self._is_own(thing):
-            node = self._node(thing)
-            is_same = is_here and self._is_same_feature(thing, node)
-            added = self._edits.moved(node) if is_same else self._new_lines(thing)
+        if self._is_own(copy):
+            node = self._node(copy)
+            is_same = is_here and self._is_same_feature(copy, node)
+            added = self._edits.moved(node) if is_same else self._new_lines(copy)
             self._edits.remove(node)
         else:
-            added = self._new_lines(thing)
+            added = self._new_lines(copy)
         if is_here:
-            self._insert_thing(thing, added)
+            self._insert_copy(copy, added)
 
-    def _is_same_feature(self, thing: Thing, node: Node) -> bool:
+    def _is_same_feature(self, copy: ElementCopy, node: Node) -> bool:
         """Tells whether a moved element is written in the new place as in the old one."""
         before = node.parent.obj if node.parent is not None else None
         feature = self._metamodels.class_of(before).features[node.tag] if before else None
-        owner = cast("Thing", thing.owner)
-        after = owner.table.features[thing.feature]
+        owner = cast("ElementCopy", copy.owner)
+        after = owner.table.features[copy.feature]
         return feature is not None and feature.name == after.name and feature.target is after.target
 
-    def _new_lines(self, thing: Thing) -> list[Line]:
-        owner = cast("Thing", thing.owner)
-        return lines.element_lines(thing, owner.table.features[thing.feature], self._names)
+    def _new_lines(self, copy: ElementCopy) -> list[Line]:
+        owner = cast("ElementCopy", copy.owner)
+        return element_lines(copy, owner.table.features[copy.feature], self._names)
 
-    def _insert_thing(self, thing: Thing, added: list[Line]) -> None:
+    def _insert_copy(self, copy: ElementCopy, added: list[Line]) -> None:
         """Puts an element in its place among its siblings."""
-        owner = cast("Thing", thing.owner)
-        siblings = owner.owned[thing.feature]
-        at = siblings.index(thing)
-        after = next(filter(None, map(self._staying, reversed(siblings[:at]))), None)
-        before = next(filter(None, map(self._staying, siblings[at + 1 :])), None)
-        feature = owner.table.features[thing.feature]
+        owner = cast("ElementCopy", copy.owner)
+        earlier, later = copy.siblings
+        after = next(filter(None, map(self._staying, reversed(earlier))), None)
+        before = next(filter(None, map(self._staying, later)), None)
+        feature = owner.table.features[copy.feature]
         self._insert(owner, feature, after, before if after is None else None, added)
 
-    def _staying(self, thing: Thing) -> Node | None:
-        """Returns the element of a thing that stays where it is."""
-        if not self._is_own(thing):
+    def _staying(self, copy: ElementCopy) -> Node | None:
+        """Returns the element of a copy that stays where it is."""
+        if not self._is_own(copy):
             return None
-        node = self._node(thing)
+        node = self._node(copy)
         return None if self._edits.is_removed(node) else node
 
     def _insert(
         self,
-        owner: Thing,
+        owner: ElementCopy,
         feature: FeatureTable,
         after: Node | None,
         before: Node | None,
@@ -284,24 +279,24 @@ class _Plan:
         before, after = self._context.paths, self._paths
         shifted = {each for each, path in before.items() if after.get(each) != path}
         shifted |= {each for each in after if each.root.file != each.file}
-        for roots in self._forest.roots.values():
-            for thing in (each for root in roots for each in root.everything()):
-                if self._is_own(thing):
-                    self._follow_references(thing, shifted)
+        for roots in self._working_copy.roots.values():
+            for copy in (each for root in roots for each in root.everything()):
+                if self._is_own(copy):
+                    self._follow_references(copy, shifted)
 
     @cached_property
-    def _paths(self) -> dict[Thing, str]:
-        return self._forest.paths()
+    def _paths(self) -> dict[ElementCopy, str]:
+        return self._working_copy.paths()
 
-    def _follow_references(self, thing: Thing, shifted: set[Thing]) -> None:
-        node = self._node(thing)
-        for name, targets in thing.references.items():
-            if (thing, name) in self._set:
+    def _follow_references(self, copy: ElementCopy, shifted: set[ElementCopy]) -> None:
+        node = self._node(copy)
+        for name, targets in copy.references.items():
+            if (copy, name) in self._set:
                 continue
             if not any(each in shifted for each in targets) and not is_odd(node, name):
                 continue
-            if any(file_of(each) != each.file for each in targets if isinstance(each, Thing)):
-                self._set_references(thing, thing.table.features[name])
+            if any(file_of(each) != each.file for each in targets if isinstance(each, ElementCopy)):
+                self._set_references(copy, copy.table.features[name])
                 continue
             for item in items(node, name, self._source, self._names):
                 if item.target is not None and not self._is_right(item):
@@ -311,7 +306,7 @@ class _Plan:
     def _is_right(self, item: Item) -> bool:
         """Tells whether a reference will still mean what it means."""
         target = item.target
-        if not isinstance(target, Thing):
+        if not isinstance(target, ElementCopy):
             return True
         if target.root.file != target.file:
             return False
@@ -320,9 +315,9 @@ class _Plan:
         return not item.is_odd
 
 
-def _later(thing: Thing, feature: FeatureTable) -> set[str]:
+def _later(copy: ElementCopy, feature: FeatureTable) -> set[str]:
     """Returns the features of an element that the metamodel has behind one."""
-    order = list(thing.table.features)
+    order = list(copy.table.features)
     return set(order[order.index(feature.name) + 1 :])
 
 

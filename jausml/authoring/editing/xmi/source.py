@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import re
-from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import accumulate
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import EditError
-from jausml.authoring.editing.splices import Splice
+from jausml.authoring.editing.splices import FileText
 from jausml.language.model.xmi.parsing import element_ends
 
 if TYPE_CHECKING:
@@ -27,10 +25,6 @@ class Attribute:
     """An attribute as it is written; all places are offsets in characters.
 
     Attributes:
-        name: Its name with the prefix.
-        before: The whitespace before it.
-        start: Where that whitespace starts.
-        value: Where its value starts, behind the quotation mark.
         end: Where the value ends; the attribute ends one behind it.
     """
 
@@ -46,12 +40,7 @@ class Element:
     """An element as it is written; all places are offsets in characters.
 
     Attributes:
-        name: Its name with the prefix.
-        start: Where its start tag starts.
-        attributes: Its attributes and namespace declarations in order.
-        tag_end: Where the start tag ends, behind `>`.
         inner_end: Where its end tag starts; `tag_end` when it has none.
-        end: Where it ends.
     """
 
     name: str
@@ -78,36 +67,26 @@ class Element:
         return next((each for each in self.attributes if each.name == name), None)
 
 
-class Source:
+class Source(FileText):
     """The text of a document.
-
-    Args:
-        document: A document in XMI that was parsed.
-        file: The file, as splices name it.
 
     Raises:
         EditError: Its encoding cannot be written again as it was.
     """
 
+    errors = "xmlcharrefreplace"
+
     def __init__(self, document: Document, file: str) -> None:
-        self.file = file
-        self._data = document.data
-        self._encoding = document.encoding
         try:
-            self.text = self._data.decode(self._encoding)
-            is_same = self.text.encode(self._encoding) == self._data
+            super().__init__(file, document.data, document.encoding)
+            is_same = self.stored.encode(document.encoding) == document.data
         except (LookupError, ValueError):
             is_same = False
         if not is_same:
-            message = f"the encoding {self._encoding} of {file} cannot be kept: save it as UTF-8"
+            message = f"the encoding {document.encoding} of {file} cannot be kept: save it as UTF-8"
             raise EditError(message)
+        self.text = self.stored
         self._elements: dict[int, Element] = {}
-
-    @cached_property
-    def newline(self) -> str:
-        """The line end of the file: that of its first line."""
-        found = re.search(r"\r\n|\n|\r", self.text)
-        return found.group() if found else "\n"
 
     def element(self, node: Node) -> Element:
         """Returns where an element and its attributes stand."""
@@ -115,21 +94,6 @@ class Source:
         if found is None:
             found = self._elements[node.offset] = self._scanned(node.offset)
         return found
-
-    def splice(self, start: int, end: int, text: str) -> Splice:
-        """Returns the splice that puts a text in place of characters.
-
-        Args:
-            start: Offset of the first character.
-            end: Offset behind the last one.
-            text: The new text, markup included, with line feeds as line ends.
-        """
-        if self.newline != "\n":
-            text = text.replace("\n", self.newline)
-        first = self._offset(start)
-        # What the encoding lacks becomes a character reference.
-        new = text.encode(self._encoding, "xmlcharrefreplace")
-        return Splice(self.file, first, self._data[first : self._offset(end)], new)
 
     def _scanned(self, offset: int) -> Element:
         text = self.text
@@ -155,35 +119,3 @@ class Source:
     @cached_property
     def _ends(self) -> dict[int, int]:
         return element_ends(self._data)
-
-    @cached_property
-    def _width(self) -> int:
-        """Bytes of each character, 0 when they differ."""
-        for width in (1, 2):
-            if len(self.text) * width == len(self._data):
-                return width
-        return 0
-
-    @cached_property
-    def _lines(self) -> tuple[list[int], list[int]]:
-        """Where lines start, in bytes and in characters."""
-        lines = self.text.splitlines(keepends=True)
-        sizes = (len(each.encode(self._encoding)) for each in lines)
-        return [0, *accumulate(sizes)], [0, *accumulate(map(len, lines))]
-
-    def _character(self, offset: int) -> int:
-        """Returns the offset in characters for one in bytes."""
-        if self._width:
-            return offset // self._width
-        in_bytes, in_characters = self._lines
-        line = bisect_right(in_bytes, offset) - 1
-        return in_characters[line] + len(self._data[in_bytes[line] : offset].decode(self._encoding))
-
-    def _offset(self, character: int) -> int:
-        """Returns the offset in bytes for one in characters."""
-        if self._width:
-            return character * self._width
-        in_bytes, in_characters = self._lines
-        line = bisect_right(in_characters, character) - 1
-        text = self.text[in_characters[line] : character]
-        return in_bytes[line] + len(text.encode(self._encoding))

@@ -12,19 +12,18 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Child
-from jausml.authoring.proposals.elements import AnswerError
-from jausml.authoring.proposals.mapping.assignments import filling
-from jausml.authoring.proposals.mapping.members import Member, leaves, member
-from jausml.authoring.proposals.mapping.statements import (
+from jausml.authoring.proposals.elements import AnswerError, Option, Options
+from jausml.authoring.proposals.mapping.assignments import (
     OF_AUTHORS,
     UNKNOWN,
+    filling,
     innermost,
     statement,
     steps,
 )
+from jausml.authoring.proposals.mapping.members import Member, leaves, member
 from jausml.authoring.proposals.mapping.tabling import tabled
 from jausml.authoring.proposals.mapping.trial import Judged, judge
-from jausml.authoring.proposals.options import Option, Options
 from jausml.language.semantics.assignments.frames import axis_of
 from jausml.language.semantics.assignments.units import attribute_measure
 from jausml.language.semantics.conversions import (
@@ -62,14 +61,7 @@ _TO_ROS, _TO_JAUS = "toRos", "toJaus"
 
 @dataclass(frozen=True)
 class _Draft:
-    """An assignment that is to be.
-
-    Attributes:
-        sources: Paths of its sources.
-        targets: Paths of its targets.
-        conversions: Names of its conversions.
-        policy: What becomes of what is absent or out of range.
-    """
+    """An assignment that is to be."""
 
     sources: tuple[str, ...]
     targets: tuple[str, ...]
@@ -88,19 +80,12 @@ class _Draft:
 
 
 def assign(scope: Scope, used: bridge.AttributeMap, source: Member, target: Member) -> Options:
-    """Returns the ways to assign a member to one of the other side, the best first.
-
-    Args:
-        scope: The model.
-        used: The map.
-        source: Where the value comes from.
-        target: Where it goes.
-    """
-    found = ways(scope, used, source, target)
-    if not found.ways:
+    """Returns the ways to assign a member to one of the other side, the best first."""
+    found = candidates(scope, used, source, target)
+    if not found.candidates:
         return Options(refusal=found.refusal)
     options = []
-    for index, each in enumerate(found.ways):
+    for index, each in enumerate(found.candidates):
         table = tabled(used, [each.assignment])
         [made] = table.assignments
         ends = found.source, found.target
@@ -116,36 +101,27 @@ def assign(scope: Scope, used: bridge.AttributeMap, source: Member, target: Memb
 
 
 @dataclass(frozen=True)
-class Ways:
+class Candidates:
     """The ways to assign a member to one of the other side, or why there is none.
 
     Attributes:
-        source: Where the value comes from: the member, or each element of it.
-        target: Where it goes.
-        plain: The assignment without any conversion.
-        ways: What can be done, the best first.
-        refusal: Why nothing can.
+        candidates: What can be done, the best first.
     """
 
     source: Member
     target: Member
     plain: Judged | None = None
-    ways: tuple[Judged, ...] = ()
+    candidates: tuple[Judged, ...] = ()
     refusal: str = ""
 
 
-def ways(scope: Scope, used: bridge.AttributeMap, source: Member, target: Member) -> Ways:
-    """Returns the ways to assign a member to one of the other side, before any table.
-
-    Args:
-        scope: The model.
-        used: The map.
-        source: Where the value comes from.
-        target: Where it goes.
-    """
+def candidates(
+    scope: Scope, used: bridge.AttributeMap, source: Member, target: Member
+) -> Candidates:
+    """Returns the ways to assign a member to one of the other side, before any table."""
     if source.is_jaus is target.is_jaus:
         refusal = "both are of one side; draw to a member of the other side"
-        return Ways(source, target, refusal=refusal)
+        return Candidates(source, target, refusal=refusal)
     source, target = _in_elements(used, source, target), _in_elements(used, target, source)
     if bool(source.outer) is not bool(target.outer):
         inside, outside = (source, target) if source.outer else (target, source)
@@ -153,10 +129,10 @@ def ways(scope: Scope, used: bridge.AttributeMap, source: Member, target: Member
             f"'{inside.path}' is of each element of '{inside.outer}', '{outside.path}' is"
             " there once; draw between members of elements, or name one element by its index"
         )
-        return Ways(source, target, refusal=refusal)
+        return Candidates(source, target, refusal=refusal)
     found = _found(scope, used, source, target)
     refusal = found.plain.said or "no conversion leads from one to the other"
-    return Ways(source, target, found.plain, tuple(_distinct(found.good)[:_MOST]), refusal)
+    return Candidates(source, target, found.plain, tuple(_distinct(found.good)[:_MOST]), refusal)
 
 
 @dataclass(frozen=True)
@@ -164,7 +140,6 @@ class _Found:
     """What was found.
 
     Attributes:
-        plain: The assignment without any conversion.
         good: What the rules accept; where they accept nothing without a word, what is possible.
     """
 
@@ -327,15 +302,7 @@ def _label(made: Child) -> str:
 
 
 def _why(found: Judged, made: Child, plain: Judged | None, source: Member, target: Member) -> str:
-    """Returns why an assignment is as it is.
-
-    Args:
-        found: What was found, before any table.
-        made: What becomes of it.
-        plain: The assignment without any conversion.
-        source: Where the value comes from.
-        target: Where it goes.
-    """
+    """Returns why an assignment is as it is."""
     names = steps(made)
     is_other = plain is not None and plain.said and found is not plain
     reasons = [plain.said.partition("; ")[0]] if plain is not None and is_other else []
@@ -370,13 +337,7 @@ def _conversion(name: str) -> Child:
 
 
 def partners(scope: Scope, used: bridge.AttributeMap, source: Member) -> list[tuple[Member, str]]:
-    """Returns the members of the other side to which a member may be assigned, with how.
-
-    Args:
-        scope: The model.
-        used: The map.
-        source: Where the value comes from.
-    """
+    """Returns the members of the other side to which a member may be assigned, with how."""
     others = [
         each
         for each in leaves(used, is_jaus=not source.is_jaus)

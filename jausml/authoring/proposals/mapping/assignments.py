@@ -1,22 +1,43 @@
-"""Assignments as commands: each stands in the place of what fills the same member."""
+"""Assignments as commands and as text: each replaces what fills the same member."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.authoring.editing.commands import Remove
-from jausml.authoring.proposals.mapping.statements import innermost
+from jausml.authoring.editing.commands import Child, Remove
+from jausml.authoring.proposals.elements import Option, Options
 from jausml.authoring.proposals.mapping.tabling import additions
+from jausml.authoring.proposals.mapping.trial import judge
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
+from jausml.language.semantics.conversions import CONVERSIONS, Effect, UnitEffect
 from jausml.language.semantics.paths.scopes import parse_path, source_paths, target_paths
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
-    from jausml.authoring.editing.commands import Child, Command
+    from jausml.authoring.editing.commands import Command
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.proposals.mapping.members import Member
+
+_WITH_FACTOR = [
+    each
+    for each in CONVERSIONS.values()
+    if each.effect is Effect.LINEAR and len(each.arguments) == 1
+]
+
+_POLICIES = ("whenAbsent", "defaultValue", "outOfRange")
+
+UNKNOWN = "1"
+"""The number that stands for one that the author knows."""
+
+OF_AUTHORS = tuple(
+    each.name for each in sorted(_WITH_FACTOR, key=lambda each: each.units is UnitEffect.ANY)
+)
+"""Conversions whose argument the author knows, with 1 in its place: proposed behind all others.
+
+Those that say something of units come first.
+"""
 
 
 def filling(
@@ -31,13 +52,7 @@ def filling(
     """Returns what adds an assignment, in the place of what fills the same.
 
     Args:
-        scope: The model.
-        used: The map.
-        child: The assignment.
-        source: What fills, None without a source.
-        target: What is filled.
         feature: The direction: `toRos` or `toJaus`.
-        tables: The tables that the map shall have besides.
     """
     owner: bridge.AttributeMap | bridge.ListAssignment = used
     if source is not None and source.outer:
@@ -66,3 +81,88 @@ def _list_of(
             if ends == ([source.outer], [target.outer]):
                 return each
     return None
+
+
+def innermost(child: Child) -> Child:
+    """Returns the assignment itself: of one of lists, that of their elements."""
+    nested = [each for each in child.children if each.feature == "assignments"]
+    return nested[0] if nested else child
+
+
+def steps(child: Child) -> tuple[str, ...]:
+    """Returns the names of the conversions of an assignment."""
+    inner = innermost(child)
+    return tuple(each.values["kind"][0] for each in inner.children if "kind" in each.values)
+
+
+def statement(child: Child) -> str:
+    """Returns an assignment in the text notation."""
+    values = {name: texts[0] for name, texts in child.values.items() if texts}
+    target = values.get("target", "")
+    if child.kind == "bridge.Ignore":
+        return f"ignore {target}"
+    if child.kind == "bridge.ClockAssignment":
+        return f"clock -> {target}"
+    if child.kind == "bridge.ConstantAssignment":
+        return f"{_literal(values['value'])} -> {target}"
+    head = f"{values['source']} -> {target}"
+    if child.kind == "bridge.ListAssignment":
+        inner = (each for each in child.children if each.feature == "assignments")
+        return f"{head} {{ {'  '.join(map(statement, inner))} }}"
+    more = [f"{name}: {values[name]}" for name in _POLICIES if name in values]
+    calls = [_call(each) for each in child.children if "kind" in each.values]
+    head += f" : {', '.join(calls)}" if calls else ""
+    return f"{head} {{ {'  '.join(more)} }}" if more else head
+
+
+def _call(conversion: Child) -> str:
+    values = conversion.values
+    name, arguments = values["kind"][0], values.get("table", values.get("arguments", ()))
+    return f"{name}({', '.join(arguments)})" if arguments else name
+
+
+def _literal(value: str) -> str:
+    try:
+        float(value)
+    except ValueError:
+        return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
+    return value
+
+
+def constant(scope: Scope, used: bridge.AttributeMap, target: Member, value: str) -> Options:
+    """Returns how a member becomes a constant, or why it cannot have the value."""
+    values = {"target": (target.inner,), "value": (value,)}
+    return _sourceless(scope, used, target, "bridge.ConstantAssignment", values, "constant")
+
+
+def clock(scope: Scope, used: bridge.AttributeMap, target: Member) -> Options:
+    """Returns how a member becomes the present time, or why it cannot."""
+    return _sourceless(
+        scope, used, target, "bridge.ClockAssignment", {"target": (target.inner,)}, "present time"
+    )
+
+
+def ignore(scope: Scope, used: bridge.AttributeMap, target: Member) -> Options:
+    """Returns how a member is left out on purpose."""
+    return _sourceless(
+        scope, used, target, "bridge.Ignore", {"target": (target.inner,)}, "leave out"
+    )
+
+
+def _sourceless(
+    scope: Scope,
+    used: bridge.AttributeMap,
+    target: Member,
+    kind: str,
+    values: Mapping[str, tuple[str, ...]],
+    label: str,
+) -> Options:
+    feature = "toJaus" if target.is_jaus else "toRos"
+    if target.outer:
+        return Options(refusal=f"'{target.path}' is of each element of '{target.outer}'")
+    child = Child(feature, kind, values)
+    [found] = judge(scope.model.metamodels, used, [child])
+    if not found.is_possible:
+        return Options(refusal=found.said)
+    commands = filling(scope, used, child, None, target, feature)
+    return Options((Option(label, found.said or label, statement(child), commands, is_best=True),))

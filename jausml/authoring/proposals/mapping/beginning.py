@@ -1,30 +1,41 @@
 """New maps: what corresponds, what the author says besides, and what is open then.
 
 Where a choice is the author's, it is a doubt: whoever asks answers it in the words of
-`jausml.authoring.proposals.mapping.words`, and begins the map once more.
+`jausml.authoring.proposals.mapping.beginning`, and begins the map once more.
 """
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import NEW, Add, Child
-from jausml.authoring.proposals.mapping.completing import bare, completed
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.proposals.mapping.assigning import candidates
+from jausml.authoring.proposals.mapping.assignments import innermost, statement
 from jausml.authoring.proposals.mapping.filling import FEATURES, found
-from jausml.authoring.proposals.mapping.opens import opens
-from jausml.authoring.proposals.mapping.statements import statement
-from jausml.authoring.proposals.mapping.stopping import stops_by_zeros, zeros
+from jausml.authoring.proposals.mapping.members import member
+from jausml.authoring.proposals.mapping.opens import (
+    completed,
+    opens,
+    stops_by_zeros,
+    unfilled,
+    zeros,
+)
 from jausml.authoring.proposals.mapping.tabling import additions, table_of, tabled
-from jausml.authoring.proposals.mapping.trial import findings, fresh_map, with_assignments
-from jausml.authoring.proposals.mapping.words import assignments_of, shown, words_of
+from jausml.authoring.proposals.mapping.trial import findings, fresh_map, judge, with_assignments
+from jausml.language.model.values import suggest
+from jausml.language.semantics.conversions import CONVERSIONS
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping
 
     from jausml.authoring.proposals.elements import Scope
+    from jausml.authoring.proposals.mapping.assigning import Candidates
     from jausml.authoring.proposals.mapping.members import Member
     from jausml.language.metamodel.classes import bridge, jaus, ros
+
 
 _MOST = 6
 """How many choices a line names."""
@@ -32,20 +43,22 @@ _MOST = 6
 Words = tuple[tuple[str, str], ...]
 """Targets, each with what fills it."""
 
+_FIELD = "bridge.FieldAssignment"
+
+_SOURCELESS = {"clock": "bridge.ClockAssignment", "ignore": "bridge.Ignore"}
+
+_CONSTANT = re.compile(r'"(?P<text>.*)"|(?P<plain>[-+]?\.?\d[^\s,:]*|true|false)', re.DOTALL)
+
+_CALL = re.compile(r"(?P<name>\w+)\s*(?:\((?P<arguments>[^()]*)\))?\s*")
+
 
 @dataclass(frozen=True)
 class Wish:
     """What a new map shall be.
 
     Attributes:
-        name: Its name.
-        message: Its JAUS message.
-        type: Its ROS type.
-        to_ros: What the author says of the ROS type.
-        to_jaus: What the author says of the message.
         ways: The directions: True to ROS. One of which nothing is known stays empty.
         taken: What was taken for the author without being asked for, in words.
-        zeros_stop: Whether the author says that zeros stop what it commands.
     """
 
     name: str
@@ -70,8 +83,8 @@ class Wish:
     def with_first(self, doubt: Doubt) -> Wish:
         """Returns the wish with the first choice of a doubt, of which the map then tells."""
         first, count = doubt.choices[0], len(doubt.choices)
-        told = f"{doubt.target} takes {shown(first)}, the first of {count} that fit"
-        return replace(self.with_answer(doubt, first), taken=(*self.taken, told))
+        choice = f"{doubt.target} takes {shown(first)}, the first of {count} that fit"
+        return replace(self.with_answer(doubt, first), taken=(*self.taken, choice))
 
 
 @dataclass(frozen=True)
@@ -79,8 +92,6 @@ class Doubt:
     """A target for which more than one thing fits.
 
     Attributes:
-        to_ros: The direction.
-        target: Its path.
         choices: What fits, in words, the likeliest first.
     """
 
@@ -94,12 +105,8 @@ class Begun:
     """A new map.
 
     Attributes:
-        add: What adds it to its owner.
-        tables: What adds its tables then, and the assignments by them.
         statements: Its assignments in the text notation, by direction: True to ROS.
-        opens: What is left to the author, in words.
         doubts: Where more than one thing fits; nothing fills these targets yet, or the first.
-        findings: What the rules say of it, with their ids.
         stops_by_zeros: The directions in which zeros may be what stops it: True to ROS.
     """
 
@@ -114,11 +121,6 @@ class Begun:
 
 def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
     """Returns a new map with all that follows from its ends and from what the author says.
-
-    Args:
-        scope: The model.
-        owner: The bridge that shall have it.
-        wish: What is wanted.
 
     Raises:
         AnswerError: What the author says is forbidden by a rule, or names nothing.
@@ -148,7 +150,7 @@ def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
     by_zeros = stops_by_zeros(made, found_of)
     for way in by_zeros if wish.zeros_stop else ():
         take([zeros([each for each in children if each.feature == FEATURES[way]], to_ros=way)])
-    told = (*opens(made, children, begun), *wish.taken, *map(_told, doubts))
+    left = (*opens(made, children, begun), *wish.taken, *map(_as_open, doubts))
     by_tables = [each for each in children if any(map(table_of, each.children))]
     plain = [each for each in children if each not in by_tables]
     values = {
@@ -156,8 +158,8 @@ def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
         "message": (scope.ref(wish.message),),
         "type": (scope.ref(wish.type),),
     }
-    if told:
-        values["documentation"] = ("\n\n".join(f"Open: {each}." for each in told),)
+    if left:
+        values["documentation"] = ("\n\n".join(f"Open: {each}." for each in left),)
     return Begun(
         Add(scope.ref(owner), "maps", "bridge.AttributeMap", values, tuple(plain)),
         tuple(additions(f"{NEW}0", tables, by_tables, (), 1)),
@@ -166,14 +168,14 @@ def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
             for way in begun
             if any(each.feature == FEATURES[way] for each in children)
         },
-        told,
+        left,
         tuple(doubts),
         tuple(f"{rule.id} {each.message}" for rule, each in findings(metamodels, made)),
         tuple(by_zeros),
     )
 
 
-def _told(doubt: Doubt) -> str:
+def _as_open(doubt: Doubt) -> str:
     return f"{doubt.target} may come from {' or '.join(map(shown, doubt.choices[:_MOST]))}"
 
 
@@ -199,9 +201,92 @@ def _alike(
 
 def _of_values(used: bridge.AttributeMap, ways: Collection[bool]) -> Iterator[Doubt]:
     """Yields the unfilled fields that the message always has and whose values have names."""
-    for each in bare(used, to_ros=False) if False in ways else ():
+    for each in unfilled(used, to_ros=False) if False in ways else ():
         names = each.leaves[0].attribute.constants if each.leaves[0].path == each.path else ()
         if each.is_required and names:
             yield Doubt(
                 to_ros=False, target=each.path, choices=tuple(f'"{name}"' for name, _ in names)
             )
+
+
+def assignments_of(
+    scope: Scope, used: bridge.AttributeMap, target: str, source: str, *, to_ros: bool
+) -> list[Child]:
+    """Returns the ways to fill a target as words say, the likeliest first."""
+    feature = "toRos" if to_ros else "toJaus"
+    path, colon, chain = (each.strip() for each in source.partition(":"))
+    if not colon and (plain := _sourceless(feature, target, source)) is not None:
+        return [_allowed(scope, used, plain)]
+    found = _ways(scope, used, target, path.partition(",")[0], to_ros=to_ros)
+    known = [] if found is None else [each.assignment for each in found.candidates]
+    if not colon and "," not in path:
+        if found is not None and not known:
+            raise AnswerError(f"{source} -> {target}: {found.refusal}")
+        if known:
+            return known
+    values = {"target": (target,), "source": (path,)}
+    child = Child(feature, _FIELD, values, _conversions(chain))
+    alike = (each for each in known if words_of(each) == words_of(child))
+    return [next(alike, None) or _allowed(scope, used, child)]
+
+
+def words_of(child: Child) -> str:
+    """Returns the words by which `assignments_of` gives an assignment of a field again."""
+    inner = innermost(child)
+    calls = []
+    for each in inner.children:
+        name, arguments = each.values["kind"][0], each.values.get("arguments", ())
+        calls.append(f"{name}({', '.join(arguments)})" if arguments else name)
+    return f"{inner.values['source'][0]} : {', '.join(calls)}".rstrip()
+
+
+def _sourceless(feature: str, target: str, source: str) -> Child | None:
+    """Returns an assignment without a source, None where the words name one."""
+    values: dict[str, tuple[str, ...]] = {"target": (target,)}
+    if source in _SOURCELESS:
+        return Child(feature, _SOURCELESS[source], values)
+    if constant := _CONSTANT.fullmatch(source):
+        text = constant["plain"] if constant["text"] is None else constant["text"]
+        return Child(feature, "bridge.ConstantAssignment", {**values, "value": (text,)})
+    return None
+
+
+def _ways(
+    scope: Scope, used: bridge.AttributeMap, target: str, source: str, *, to_ros: bool
+) -> Candidates | None:
+    """Returns the ways from member to member; None for paths with an index."""
+    try:
+        start = member(used, source, is_jaus=to_ros)
+        end = member(used, target.partition(",")[0], is_jaus=not to_ros)
+    except AnswerError:
+        return None
+    return candidates(scope, used, start, end)
+
+
+def _conversions(text: str) -> tuple[Child, ...]:
+    found: list[Child] = []
+    rest = text.strip()
+    while rest:
+        call = _CALL.match(rest)
+        if call is None or call["name"] not in CONVERSIONS:
+            name = call["name"] if call else rest
+            hint = suggest(name, CONVERSIONS)
+            raise AnswerError(f"there is no conversion {name!a}{f'; {hint}' if hint else ''}")
+        values: dict[str, tuple[str, ...]] = {"kind": (call["name"],)}
+        if arguments := tuple(each.strip() for each in (call["arguments"] or "").split(",")):
+            values |= {"arguments": arguments} if any(arguments) else {}
+        found.append(Child("conversions", "bridge.Conversion", values))
+        rest = rest[call.end() :].lstrip(", ")
+    return tuple(found)
+
+
+def _allowed(scope: Scope, used: bridge.AttributeMap, child: Child) -> Child:
+    [judged] = judge(scope.model.metamodels, used, [child])
+    if not judged.is_possible:
+        raise AnswerError(judged.said)
+    return child
+
+
+def shown(words: str) -> str:
+    """Returns words as people read them where they choose."""
+    return f"{words.removesuffix(' :')} as it is" if words.endswith(":") else words

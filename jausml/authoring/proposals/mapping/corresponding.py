@@ -44,10 +44,6 @@ class _Known:
     """What is known of a member.
 
     Attributes:
-        member: The member.
-        name: The words of its own name.
-        path: The words of its path.
-        axis: Its axis, None without one.
         measure: Its unit, None without a known one.
     """
 
@@ -69,7 +65,6 @@ class Correspondence:
 
     Attributes:
         pairs: Members that mean the same, in the order of the targets.
-        doubtful: Targets with the sources that are equally like them.
     """
 
     pairs: list[tuple[Member, Member]]
@@ -81,10 +76,6 @@ def corresponding(sources: Iterable[Member], targets: Iterable[Member]) -> Corre
 
     An orientation stands in a pair with the angle about z, whose siblings are found from there. A
     member for which several are equally alike stands in none.
-
-    Args:
-        sources: Members of one end of a map.
-        targets: Members of the other end.
     """
     starts, ends = ([_known(each) for each in side] for side in (sources, targets))
     likeness = [[_likeness(start, end) for start in starts] for end in ends]

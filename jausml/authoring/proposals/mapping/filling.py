@@ -10,29 +10,40 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child
-from jausml.authoring.proposals.mapping.assigning import ways
+from jausml.authoring.proposals.mapping.assigning import candidates
+from jausml.authoring.proposals.mapping.assignments import OF_AUTHORS, innermost, statement, steps
 from jausml.authoring.proposals.mapping.corresponding import corresponding
 from jausml.authoring.proposals.mapping.members import leaves
-from jausml.authoring.proposals.mapping.statements import OF_AUTHORS, innermost, statement, steps
 from jausml.authoring.proposals.mapping.tabling import additions, tabled
 from jausml.authoring.proposals.mapping.trial import judge, judge_together
-from jausml.authoring.proposals.mapping.variances import variances
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
+from jausml.language.model.words import words
+from jausml.language.semantics.assignments.units import attribute_measure
 from jausml.language.semantics.connections.exchanges import TO_ROS
-from jausml.language.semantics.paths.attributes import LIST
-from jausml.language.semantics.paths.scopes import parse_path, target_paths
+from jausml.language.semantics.conversions.numbers import CovarianceToRms, Square
+from jausml.language.semantics.paths.attributes import LIST, NUMBER, NUMBERS
+from jausml.language.semantics.paths.ros_paths import RosPlace
+from jausml.language.semantics.paths.scopes import outer_scope, parse_path, target_paths
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.proposals.mapping.members import Member
+    from jausml.language.semantics.assignments.units import Measure
+    from jausml.language.semantics.conversions.conversion import Conversion
+
 
 _Steps = tuple[str, ...]
 
 FEATURES = {True: "toRos", False: "toJaus"}
 """The assignments of a map, by whether they go to ROS."""
+
+_DIAGONALS = {9: ((0, 4, 8),), 36: ((0, 7, 14), (21, 28, 35))}
+"""The cells of variances along three axes, by the number of cells of a matrix."""
+
+_COVARIANCE, _RMS = "covariance", "rms"
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,9 +51,6 @@ class Filling:
     """What fills a map.
 
     Attributes:
-        label: How the edit is called.
-        commands: What does it; nothing where nothing corresponds.
-        statements: The assignments in the text notation.
         left: The members that nothing fills then, by `to_ros` and `to_jaus`.
         refusal: Why there is nothing to do, empty where there is.
     """
@@ -58,10 +66,6 @@ def fill_map(scope: Scope, used: bridge.AttributeMap) -> Filling:
     """Returns what fills the members of a map that nothing fills yet.
 
     Directions that no connection uses are left alone, unless none is used.
-
-    Args:
-        scope: The model.
-        used: The map.
     """
     label = f"Fill map {name_of(used)}"
     if used.message is None or used.type is None:
@@ -81,12 +85,7 @@ def fill_map(scope: Scope, used: bridge.AttributeMap) -> Filling:
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """What was found for the members that nothing fills.
-
-    Attributes:
-        assignments: What fills them.
-        doubtful: Targets with the sources that are equally like them.
-    """
+    """What was found for the members that nothing fills."""
 
     assignments: tuple[Child, ...]
     doubtful: tuple[tuple[tuple[Member, ...], Member], ...]
@@ -96,8 +95,6 @@ def found(scope: Scope, used: bridge.AttributeMap, directions: Iterable[bool]) -
     """Returns the assignments that follow from what the ends of a map say, for some directions.
 
     Args:
-        scope: The model.
-        used: The map.
         directions: True to ROS.
     """
     children: list[Child] = []
@@ -149,7 +146,7 @@ def _proposed(
 
     Those with a number that only the author knows are left out.
     """
-    children = [each.assignment for each in ways(scope, used, source, target).ways]
+    children = [each.assignment for each in candidates(scope, used, source, target).candidates]
     own = [each for each in children if not set(steps(each)) & set(OF_AUTHORS)]
     judged = judge(scope.model.metamodels, used, own)
     accepted = [each.assignment for each in judged if each.is_accepted]
@@ -199,3 +196,72 @@ def _left(used: bridge.AttributeMap, good: Sequence[Child], *, to_ros: bool) -> 
         if each.attribute.kind != LIST and not is_part and not is_filled(each.path, filled):
             left.append(each.path)
     return tuple(left)
+
+
+@dataclass(frozen=True)
+class _Diagonal:
+    """Variances along three axes."""
+
+    paths: tuple[str, ...]
+    measure: Measure
+
+    def is_of(self, deviation: Member) -> bool:
+        """Tells whether they are squares of a deviation, by their units."""
+        own = attribute_measure(deviation.attribute)
+        return own is not None and own.unit.squared().is_compatible(self.measure.unit)
+
+
+def variances(
+    scope: Scope, used: bridge.AttributeMap, sources: Iterable[Member], targets: Iterable[Member]
+) -> list[Child]:
+    """Returns assignments between root mean squares and diagonals, where units leave one each."""
+    both = [*sources, *targets]
+    deviations = [each for each in both if each.is_jaus and _is_deviation(each)]
+    diagonals = [each for one in both if not one.is_jaus for each in _diagonals(used, one)]
+    to_ros = any(each.is_jaus for each in sources)
+    found: list[Child] = []
+    for deviation in deviations:
+        [*own] = (each for each in diagonals if each.is_of(deviation))
+        if len(own) == 1 and sum(own[0].is_of(each) for each in deviations) == 1:
+            found += _diagonal_assignments(deviation, own[0].paths, to_ros=to_ros)
+    return [
+        each.assignment for each in judge(scope.model.metamodels, used, found) if each.is_accepted
+    ]
+
+
+def _is_deviation(one: Member) -> bool:
+    last = [each.lower() for each in words(one.path.rpartition(".")[2])]
+    return not one.outer and one.attribute.kind == NUMBER and last[-1:] == [_RMS]
+
+
+def _diagonals(used: bridge.AttributeMap, one: Member) -> Iterator[_Diagonal]:
+    """Yields the diagonals of a matrix of covariances; none of anything else."""
+    is_matrix = one.attribute.kind == NUMBERS and one.path.endswith(_COVARIANCE)
+    if one.outer or not is_matrix:
+        return
+    ends = outer_scope(used, to_ros=one.is_jaus)
+    for cells in _DIAGONALS.get(one.attribute.count or 0, ()):
+        paths = tuple(f"{one.path}[{each}]" for each in cells)
+        place = ends.find_source(paths[0])
+        measure = attribute_measure(place.attribute()) if isinstance(place, RosPlace) else None
+        if measure is not None:
+            yield _Diagonal(paths, measure)
+
+
+def _diagonal_assignments(
+    deviation: Member, cells: Sequence[str], *, to_ros: bool
+) -> Iterator[Child]:
+    kind = "bridge.FieldAssignment"
+    if to_ros:
+        for each in cells:
+            values = {"target": (each,), "source": (deviation.path,)}
+            yield Child("toRos", kind, values, (_conversion(Square),))
+        return
+    values = {"target": (deviation.path,), "source": (", ".join(cells),)}
+    if deviation.attribute.optional:
+        values["outOfRange"] = ("dropField",)
+    yield Child("toJaus", kind, values, (_conversion(CovarianceToRms),))
+
+
+def _conversion(known: type[Conversion]) -> Child:
+    return Child("conversions", "bridge.Conversion", {"kind": (known.name,)})

@@ -25,11 +25,8 @@ class Member:
     """A member of one side of a map.
 
     Attributes:
-        is_jaus: On which side it is.
-        path: Its path from the message, or behind the name of a join.
         outer: Path of the list or array that it lies in; empty for none.
         inner: Its path from an element of that; the whole path without one.
-        attribute: What it is.
     """
 
     is_jaus: bool
@@ -43,12 +40,7 @@ def member(used: bridge.AttributeMap, path: str, *, is_jaus: bool) -> Member:
     """Returns a member of a map.
 
     Args:
-        used: The map.
         path: Its path as the map view has it: names, without indices.
-        is_jaus: On which side.
-
-    Raises:
-        AnswerError: There is none.
     """
     if used.message is None or used.type is None:
         raise AnswerError("the map has no message or no type yet")
@@ -76,12 +68,7 @@ def _within(around: PathPlace, path: str) -> PathPlace | None:
 
 
 def leaves(used: bridge.AttributeMap, *, is_jaus: bool) -> list[Member]:
-    """Returns the members of a side that hold values: numbers, texts, times, orientations.
-
-    Args:
-        used: The map.
-        is_jaus: Which side.
-    """
+    """Returns the members of a side that hold values: numbers, texts, times, orientations."""
     if used.message is None or used.type is None:
         return []
     scope = outer_scope(used, to_ros=is_jaus)

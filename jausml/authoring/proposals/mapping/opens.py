@@ -1,42 +1,52 @@
-"""What is open in a new map: what its author has to decide, in words."""
+"""What is open in a map: members that nothing fills, stops, and what its author decides."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.authoring.proposals.mapping.completing import bare
-from jausml.authoring.proposals.mapping.filling import FEATURES, is_filled
+from jausml.authoring.editing.commands import Child
+from jausml.authoring.proposals.mapping.assignments import UNKNOWN, innermost
+from jausml.authoring.proposals.mapping.filling import FEATURES, filled_paths, is_filled
 from jausml.authoring.proposals.mapping.members import leaves
-from jausml.authoring.proposals.mapping.statements import UNKNOWN, innermost
-from jausml.authoring.proposals.mapping.stopping import STOPS
+from jausml.authoring.proposals.mapping.trial import judge
+from jausml.language.metamodel.classes import jaus
 from jausml.language.model.names import name_of
 from jausml.language.semantics.assignments.units import fills_rates_alone
+from jausml.language.semantics.conversions.conversion import FLU, UP
 from jausml.language.semantics.jaus.commands import is_command
+from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.semantics.paths.scopes import outer_scope, parse_path
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Sequence
 
-    from jausml.authoring.editing.commands import Child
+    from jausml.authoring.proposals.elements import Scope
+    from jausml.authoring.proposals.mapping.members import Member
     from jausml.language.metamodel.classes import bridge
+
 
 _MOST = 8
 """How many members a line names."""
 
 _FRAME_IDS = ("frame_id", "child_frame_id")
 
+_STAMP = "header.stamp"
+
+_FRAME_ID, _CHILD_FRAME_ID = "header.frame_id", "child_frame_id"
+
+_FRAMES = {UP: "odom", FLU: "base_link"}
+"""Frames of REP 105 by what the axes of a ROS type are; the outer one comes first."""
+
+STOPS = {True: "stopRos", False: "stopJaus"}
+"""The stops of a map, by whether they go to ROS."""
+
 
 def opens(
     used: bridge.AttributeMap, assignments: Sequence[Child], ways: Collection[bool]
 ) -> Iterator[str]:
-    """Yields what is left to the author of a new map.
-
-    Args:
-        used: The map with its assignments, and its stops if a person has decided.
-        assignments: The same as commands.
-        ways: The directions that it has.
-    """
+    """Yields what is left to the author of a new map."""
     for to_ros in ways:
         own = [each for each in assignments if each.feature == FEATURES[to_ros]]
         ends = [name_of(used.message), ros_name(used.type)]
@@ -54,7 +64,7 @@ def _unfilled(
 ) -> Iterator[str]:
     if ignored := [each.values["target"][0] for each in own if each.kind == "bridge.Ignore"]:
         yield f"ignored: {_listed(ignored)} of {target}, since no member of {source} corresponds"
-    left = bare(used, to_ros=to_ros)
+    left = unfilled(used, to_ros=to_ros)
     if optional := [each.path for each in left if not each.is_required]:
         yield f"nothing is assigned to {_listed(optional)} of {target}"
     if missing := [each.path for each in left if each.is_required]:
@@ -145,3 +155,105 @@ def _named(ways: Iterable[bool]) -> str:
 def _listed(names: Sequence[str]) -> str:
     more = len(names) - _MOST
     return ", ".join(names[:_MOST]) + (f" and {more} more" if more > 0 else "")
+
+
+@dataclass(frozen=True)
+class Unfilled:
+    """A part of the target message that nothing fills, as large as can be."""
+
+    path: str
+    leaves: tuple[Member, ...]
+    is_required: bool
+
+
+def completed(
+    scope: Scope, used: bridge.AttributeMap, *, to_ros: bool, ignores: bool
+) -> list[Child]:
+    """Returns what completes a direction of a map."""
+    feature = FEATURES[to_ros]
+    made = list(_header(used)) if to_ros else []
+    named = {parse_path(each.values["target"][0]) for each in made}
+    ignored = [
+        Child(feature, "bridge.Ignore", {"target": (each.path,)})
+        for each in unfilled(used, named, to_ros=to_ros)
+        if ignores and not each.is_required
+    ]
+    judged = judge(scope.model.metamodels, used, [*made, *ignored])
+    return [each.assignment for each in judged if each.is_possible]
+
+
+def unfilled(
+    used: bridge.AttributeMap, filled: Iterable[tuple[str, ...]] = (), *, to_ros: bool
+) -> list[Unfilled]:
+    """Returns what nothing fills in a direction, wholes without their parts.
+
+    Options that are not chosen are left out.
+    """
+    taken = [*filled_paths(used, to_ros=to_ros), *filled]
+    found: dict[str, list[Member]] = {}
+    for each in leaves(used, is_jaus=not to_ros):
+        if not is_filled(each.outer or each.path, taken):
+            steps = parse_path(each.outer or each.path)
+            found.setdefault(_widest(steps, taken), []).append(each)
+    return list(_bare(used, found.items(), to_ros=to_ros))
+
+
+def _bare(
+    used: bridge.AttributeMap, found: Iterable[tuple[str, Sequence[Member]]], *, to_ros: bool
+) -> Iterator[Unfilled]:
+    target = outer_scope(used, to_ros=to_ros).target
+    for path, inner in found:
+        place, before = target.follow(path), target.follow(path.rpartition(".")[0] or ".")
+        around = before.field if isinstance(before, JausPlace) else None
+        if isinstance(around, jaus.Variant | jaus.VariableField):
+            continue
+        is_required = isinstance(place, JausPlace) and not place.optional
+        is_bit = isinstance(around, jaus.BitField)
+        yield Unfilled(path, tuple(inner), is_required and not is_bit)
+
+
+def _widest(steps: Sequence[str], taken: Sequence[tuple[str, ...]]) -> str:
+    """Returns the shortest beginning of a path below which nothing is filled."""
+    for length in range(1, len(steps) + 1):
+        if not any(each[:length] == tuple(steps[:length]) for each in taken):
+            return ".".join(steps[:length])
+    return ".".join(steps)
+
+
+def _header(used: bridge.AttributeMap) -> Iterator[Child]:
+    """Yields the time and the frames of a ROS message, as far as nothing fills them."""
+    filled = filled_paths(used, to_ros=True)
+    members = leaves(used, is_jaus=False)
+    known = {each.path for each in members if not is_filled(each.path, filled)}
+    if _STAMP in known:
+        yield Child(FEATURES[True], "bridge.ClockAssignment", {"target": (_STAMP,)})
+    frames = {each.attribute.frame for each in members}
+    names = [name for frame, name in _FRAMES.items() if frame in frames]
+    for path, name in zip((_FRAME_ID, _CHILD_FRAME_ID), names, strict=False):
+        if path in known:
+            values = {"target": (path,), "value": (name,)}
+            yield Child(FEATURES[True], "bridge.ConstantAssignment", values)
+
+
+def stops_by_zeros(used: bridge.AttributeMap, ways: Collection[bool]) -> list[bool]:
+    """Returns the directions of a command in which zeros may be what stops it.
+
+    That they do is for a person to say: what receives them may be at rest by other numbers.
+    """
+    if not (is_command(used.message) and used.message.moves):
+        return []
+    return [way for way in ways if fills_rates_alone(used, to_ros=way)]
+
+
+def zeros(assignments: Sequence[Child], *, to_ros: bool) -> Child:
+    """Returns a stop of zeros. A ROS message has them by itself, one of JAUS is given them."""
+    values = () if to_ros else tuple(_zeros(assignments))
+    return Child(STOPS[to_ros], "bridge.Stop", {}, values)
+
+
+def _zeros(assignments: Sequence[Child]) -> Iterator[Child]:
+    for each in map(innermost, assignments):
+        if each.kind == "bridge.FieldAssignment":
+            for target in each.values["target"][0].split(", "):
+                values = {"target": (target,), "value": ("0",)}
+                yield Child("values", "bridge.ConstantAssignment", values)

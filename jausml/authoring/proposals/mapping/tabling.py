@@ -31,7 +31,6 @@ class Tabled:
     """Assignments with the tables that they need.
 
     Attributes:
-        tables: The tables that the map shall have besides.
         assignments: All assignments; those by a table name it in their conversion.
     """
 
@@ -43,7 +42,6 @@ def tabled(used: bridge.AttributeMap, assignments: Iterable[Child]) -> Tabled:
     """Has a table map what both ends of an assignment name alike and number otherwise.
 
     Args:
-        used: The map that shall have the assignments; its tables are used where they do.
         assignments: Those that are to be. What lies in lists, or has conversions, stays as it is.
     """
     names = {each.name: _pairs_of(each) for each in used.tables}
@@ -80,10 +78,6 @@ def additions(
     """Returns what adds tables to a map, and then the assignments, which refer to them.
 
     Args:
-        owner: The map.
-        tables: The tables.
-        assignments: The assignments.
-        known: The tables that the map has, by name.
         first: How many elements the batch of commands has made before.
     """
     refs = dict(known)

@@ -47,7 +47,6 @@ class Judged:
     """An assignment that was tried.
 
     Attributes:
-        assignment: The assignment.
         findings: What the rules say of it, errors first.
     """
 
@@ -78,11 +77,6 @@ def judge(
     """Returns what the rules say of assignments, each of which stands alone in its map.
 
     Nothing of the model is touched: maps are made that refer to the same message and type.
-
-    Args:
-        metamodels: The metamodels of the model.
-        used: The map that they are for.
-        assignments: Each with the feature of the map that shall own it.
     """
     library = new_object(metamodels.classes["bridge.MapLibrary"])
     made: list[EObject] = []
@@ -94,13 +88,7 @@ def judge(
 def judge_together(
     metamodels: Metamodels, used: bridge.AttributeMap, assignments: Sequence[Child]
 ) -> list[Judged]:
-    """Returns what the rules say of assignments that stand in their map with those it has.
-
-    Args:
-        metamodels: The metamodels of the model.
-        used: The map that they are for.
-        assignments: Each with the feature of the map that shall own it.
-    """
+    """Returns what the rules say of assignments that stand in their map with those it has."""
     library = new_object(metamodels.classes["bridge.MapLibrary"])
     whole = _map_like(metamodels, used, library)
     for name in ("toRos", "toJaus"):
@@ -113,14 +101,7 @@ def judge_together(
 def fresh_map(
     metamodels: Metamodels, name: str, message: jaus.MessageDef, kind: ros.MessageType
 ) -> bridge.AttributeMap:
-    """Makes a map without assignments that stands in no model.
-
-    Args:
-        metamodels: The metamodels of its ends.
-        name: Its name.
-        message: Its JAUS message.
-        kind: Its ROS type.
-    """
+    """Makes a map without assignments that stands in no model."""
     library = new_object(metamodels.classes["bridge.MapLibrary"])
     table = metamodels.classes["bridge.AttributeMap"]
     made: bridge.AttributeMap = new_object(table)
@@ -132,12 +113,7 @@ def fresh_map(
 
 
 def findings(metamodels: Metamodels, made: bridge.AttributeMap) -> list[tuple[Rule, Finding]]:
-    """Returns what all rules say of a map that `fresh_map` made, errors first, notes left out.
-
-    Args:
-        metamodels: The metamodels of the map.
-        made: The map.
-    """
+    """Returns what all rules say of a map that `fresh_map` made, errors first, notes left out."""
     subject = Subject(made_model(metamodels, made.eContainer() or made))
     said = [(rule, each) for rule in all_rules() for each in rule.check(subject)]
     return sorted((each for each in said if _severity(each) != "info"), key=_gravity)
@@ -195,8 +171,6 @@ def with_assignments(
     """Adds assignments to a map that was made, and returns the elements.
 
     Args:
-        metamodels: The metamodels of the map.
-        whole: The map.
         assignments: Each with the feature of the map that shall own it; tables come before what
             names them.
     """

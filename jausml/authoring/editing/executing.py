@@ -1,0 +1,373 @@
+"""Execution of commands in a draft, one after the other, each checked by reading again."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.authoring.editing.applying import Applying
+from jausml.authoring.editing.commands import (
+    NEW,
+    Add,
+    Create,
+    EditError,
+    Move,
+    Place,
+    Rename,
+    Set,
+    with_created,
+)
+from jausml.authoring.editing.drafts import new_document
+from jausml.authoring.editing.layout import followed, layout_file, placed, read_layout, write_layout
+from jausml.authoring.editing.planning import Context
+from jausml.authoring.editing.records import Referrer
+from jausml.authoring.editing.text.planner import plan_text
+from jausml.authoring.editing.working_copy import WorkingCopy
+from jausml.authoring.editing.xmi.planner import plan_xmi
+from jausml.language.model import refs
+from jausml.language.model.collector import without_collector
+from jausml.language.model.xmi.writer import UnwritableError
+from jausml.language.text.notation import SUFFIX
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterable, Mapping, Sequence
+
+    from jausml.authoring.editing.commands import Command, ElementCommand
+    from jausml.authoring.editing.drafts import Draft
+    from jausml.authoring.editing.layout import Layout
+    from jausml.authoring.editing.planning import Planner
+    from jausml.authoring.editing.working_copy import ElementCopy
+    from jausml.language.metamodel import ClassTable
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.model import Model
+    from jausml.language.model.refs import Ref
+
+
+_NAMING = ("name", "urn", "version")
+"""The features by which texts find elements: of one service in several versions the newest."""
+_BY_NAME = re.compile(rb"""#/+[^/@"'\s]|@\w+\[|["'\s]//[^@"'\s]""")
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What commands did.
+
+    Attributes:
+        working_copy: The elements of the files that were changed, and of those that refer to them.
+        shifts: How each command changed refs: new ones by old ones, empty for what is gone.
+    """
+
+    created: tuple[Ref, ...]
+    referrers: tuple[Referrer, ...]
+    working_copy: WorkingCopy
+    shifts: tuple[Mapping[Ref, Ref], ...]
+
+
+def _planner_of(file: str) -> Planner:
+    """Returns the planner of the notation of a file."""
+    return plan_text if file.endswith(SUFFIX) else plan_xmi
+
+
+def execute(commands: Sequence[Command], draft: Draft, known: WorkingCopy | None = None) -> Outcome:
+    """Carries out commands in a draft.
+
+    Args:
+        known: The working copy of an earlier outcome, which spares making one where it still
+            holds. It is worth nothing any more.
+
+    Raises:
+        EditError: They cannot be carried out; the draft is worth nothing any more.
+    """
+    with without_collector():
+        work = _Work(draft, known)
+        for each in commands:
+            work.execute(each)
+        return work.outcome()
+
+
+def names_elements(file: str, data: bytes) -> bool:
+    """Tells whether a file may refer to elements by their names."""
+    return file.endswith(SUFFIX) or _BY_NAME.search(data.replace(b"\0", b"")) is not None
+
+
+def referrers(ref: Ref, draft: Draft) -> tuple[Referrer, ...]:
+    """Returns what refers to an element or to what it owns, in all files."""
+    models = {each: draft.read(each).model for each in draft.referring(draft.editable(ref))}
+    working_copy = WorkingCopy.of(models, draft.root)
+    targets = set(copy_of(ref, working_copy).everything())
+    fragments = working_copy.fragments()
+    return tuple(
+        Referrer(working_copy.ref(copy, fragments), copy.label, name)
+        for copy, name in working_copy.referrers(targets)
+        if copy not in targets
+    )
+
+
+def copy_of(ref: Ref, working_copy: WorkingCopy) -> ElementCopy:
+    """Returns the copy of a ref of one of the files of a working copy."""
+    copy = working_copy.find(ref)
+    if copy is None:
+        raise EditError(f"there is no element {ref} any more", conflict=True)
+    return copy
+
+
+class _Work:
+    """Work on a draft.
+
+    The working copy of one command is compared with what is read after it, and serves the next.
+    """
+
+    def __init__(self, draft: Draft, known: WorkingCopy | None) -> None:
+        self._draft = draft
+        is_current = known is not None and all(
+            file in draft.files and draft.read(file).model is model
+            for file, model in known.models.items()
+        )
+        self._working_copy = (
+            known if known is not None and is_current else WorkingCopy({}, draft.root)
+        )
+        self._created: list[ElementCopy] = []
+        self._referrers: list[Referrer] = []
+        self._shifts: list[Mapping[Ref, Ref]] = []
+
+    def outcome(self) -> Outcome:
+        fragments = self._working_copy.fragments() if self._created else {}
+        created = [self._working_copy.ref(each, fragments) for each in self._created]
+        shifts = tuple(self._shifts)
+        return Outcome(tuple(created), tuple(self._referrers), self._working_copy, shifts)
+
+    def execute(self, command: Command) -> None:
+        """Plans a command, makes the changes in the draft, and checks them."""
+        if isinstance(command, Place):
+            self._place(command)
+        elif isinstance(command, Create):
+            self._create(command)
+        else:
+            self._edit(with_created(command, self._known))
+
+    def _place(self, command: Place) -> None:
+        if command.file not in self._draft.models:
+            raise EditError(f"{command.file} is no model file of the opened folder")
+        layout = placed(self._layout_of(command.file), command.view, command.positions)
+        self._draft.put(layout_file(command.file), write_layout(layout) or None)
+
+    def _layout_of(self, file: str) -> Layout:
+        held = self._draft.files.get(layout_file(file))
+        return read_layout(held.data) if held is not None else {}
+
+    def _create(self, command: Create) -> None:
+        data, later = new_document(command, self._draft)
+        self._draft.put(command.file, data)
+        self._take([command.file])
+        self._created.append(self._working_copy.roots[command.file][0])
+        number = len(self._created) - 1
+        for name, values in later.items():
+            self.execute(Set(f"{NEW}{number}", name, values))
+
+    def _edit(self, command: ElementCommand) -> None:
+        files = self._concerned(command)
+        self._take(files)
+        working_copy = self._working_copy
+        paths = working_copy.paths()
+        is_shifting = not isinstance(command, Set | Rename)
+        before = working_copy.refs(paths) if is_shifting else {}
+        applying = Applying(working_copy, self._find, self._draft.read(files[0]).model.metamodels)
+        applying.apply(command)
+        self._referrers += _referrers_of(applying, paths)
+        plans = {}
+        for file in files:
+            model = self._draft.read(file).model
+            context = Context(
+                file, self._draft.root, model, working_copy, paths, self._draft.locate
+            )
+            try:
+                plans[file] = _planner_of(file)(applying.steps, context)
+            except UnwritableError as error:
+                raise EditError(str(error)) from error
+        for file, splices in plans.items():
+            self._draft.apply(file, splices)
+        self._check(applying)
+        if is_shifting:
+            self._shifts.append(_shift(before, self._working_copy.refs()))
+
+    def _check(self, applying: Applying) -> None:
+        """Reads what was changed, and sees to it that it is what was meant."""
+        models = self._read(list(self._working_copy.roots))
+        read = renewed(self._working_copy, models, applying.changed.keys())
+        for file in self._working_copy.roots:
+            if layout_file(file) in self._draft.files:
+                layout = followed(self._layout_of(file), file, self._working_copy, read)
+                self._draft.put(layout_file(file), write_layout(layout) or None)
+        there = set(read.copies.values()) if self._created else set()
+        self._created = [each for each in self._created if each in there]
+        self._created += applying.created
+        self._working_copy = read
+
+    def _take(self, files: Sequence[str]) -> None:
+        """Has the working copy hold some files, and those where something was made."""
+        wanted = dict.fromkeys([*(self._working_copy.roots if self._created else ()), *files])
+        if set(wanted) == set(self._working_copy.roots):
+            return
+        working_copy = WorkingCopy.of(self._read(list(wanted)), self._draft.root)
+        created = [self._working_copy.ref(each) for each in self._created]
+        self._created = [copy_of(each, working_copy) for each in created]
+        self._working_copy = working_copy
+
+    def _read(self, files: Sequence[str]) -> dict[str, Model]:
+        for file in files:
+            self._draft.check(file)
+        return {file: self._draft.read(file).model for file in files}
+
+    def _concerned(self, command: ElementCommand) -> list[str]:
+        """Returns the files that a command may change, that of its element first."""
+        named = [] if isinstance(command, Add) else [command.element]
+        named += [command.owner] if isinstance(command, Add | Move) else []
+        for each in named:
+            self._draft.element(each)
+        files = [self._draft.editable(each) for each in named]
+        if isinstance(command, Set) and command.feature not in _NAMING:
+            return files
+        found = dict.fromkeys(f for each in files for f in self._draft.referring(each))
+        if isinstance(command, Set | Rename):
+            return [f for f in found if f in files or names_elements(f, self._draft.files[f].data)]
+        return list(found)
+
+    def _find(self, ref: Ref) -> tuple[ElementCopy | Ref, ClassTable]:
+        if refs.split(ref)[0] in self._working_copy.models:
+            copy = copy_of(ref, self._working_copy)
+            return copy, copy.table
+        obj, model = self._draft.locate(ref)
+        return refs.ref_of(obj, model, self._draft.root), model.metamodels.class_of(obj)
+
+    def _known(self, ref: Ref) -> Ref:
+        """Returns what `new:0` and `new:0/@maps.1` stand for, and any other ref as it is."""
+        if not ref.startswith(NEW):
+            return ref
+        number, parting, path = ref.removeprefix(NEW).partition("/")
+        if not number.isdecimal() or int(number) >= len(self._created):
+            raise EditError(f"{ref} is nothing that was added before")
+        return f"{self._working_copy.ref(self._created[int(number)])}{parting}{path}"
+
+
+def _shift(before: Mapping[ElementCopy, Ref], after: Mapping[ElementCopy, Ref]) -> dict[Ref, Ref]:
+    """Returns the new refs of copies by the old ones where they differ, empty for what is gone."""
+    pairs = ((ref, after.get(copy, "")) for copy, ref in before.items())
+    return {old: new for old, new in pairs if old != new}
+
+
+def _referrers_of(applying: Applying, paths: Mapping[ElementCopy, str]) -> Iterable[Referrer]:
+    """Yields what goes with an element that is removed, and what loses its reference to it."""
+    for copy in applying.removed[1:]:
+        yield Referrer(f"{copy.file}#{paths[copy]}", copy.label, "")
+    for copy, names in applying.changed.items() if applying.removed else ():
+        for name in names:
+            yield Referrer(f"{copy.file}#{paths[copy]}", copy.label, name)
+
+
+def renewed(
+    wanted: WorkingCopy, models: Mapping[str, Model], changed: Collection[ElementCopy]
+) -> WorkingCopy:
+    """Returns a working copy of what was read of changed files, made of the copies meant.
+
+    Args:
+        wanted: A working copy that a command was applied to. Its copies go into the new one.
+
+    Raises:
+        EditError: Something else was read than is meant; the copies are worth nothing any more.
+    """
+    read = WorkingCopy(models, wanted.folder)
+    for file, roots in wanted.roots.items():
+        found = models[file].documents[0].roots
+        if len(roots) != len(found):
+            raise _different(file, f"{len(roots)} and {len(found)} roots")
+        read.roots[file] = roots
+        pending = list(zip(roots, found, strict=True))
+        while pending:
+            copy, obj = pending.pop()
+            _renew(copy, obj, file, wanted, read, is_changed=copy in changed)
+            pending += _children(copy, read)
+    read.pair()
+    for copy in read.everything():
+        _compare_references(copy, read)
+    return read
+
+
+def _renew(
+    copy: ElementCopy,
+    obj: EObject,
+    file: str,
+    wanted: WorkingCopy,
+    read: WorkingCopy,
+    *,
+    is_changed: bool,
+) -> None:
+    """Makes an element that was read that of a copy, if it has the values that are meant."""
+    model = read.models[file]
+    if model.metamodels.class_of(obj) is not copy.table:
+        raise _different(copy, "is another element")
+    if copy.identifier != (model.identifier(obj) or ""):
+        raise _different(copy, "is another element")
+    is_written_alike = not is_changed and _is_written_alike(copy, obj, wanted, model)
+    read.hold(copy, obj, file)
+    if not is_written_alike:
+        meant, open_names = copy.values, copy.open
+        read.take_values(copy)
+        if meant != copy.values and _stated(meant, open_names) != _stated(copy.values, open_names):
+            raise _different(copy, f"has {copy.values}, not {meant}")
+
+
+def _is_written_alike(copy: ElementCopy, obj: EObject, wanted: WorkingCopy, model: Model) -> bool:
+    """Tells whether all values of an element are written as they were before the command.
+
+    It has them in XML attributes alone: then they are the same, for nothing else tells them.
+    """
+    if copy.obj is None or not model.documents[0].is_xml:
+        return False
+    before = wanted.models[copy.file].node_of(copy.obj)
+    after = model.node_of(obj)
+    if before is None or after is None or before.attributes != after.attributes:
+        return False
+    return all(child.obj is not None for node in (before, after) for child in node.children)
+
+
+def _stated(
+    values: Mapping[str, tuple[str | None, ...]], open_names: set[str]
+) -> dict[str, tuple[str | None, ...]]:
+    """Returns what attributes have, without those that a text leaves open."""
+    return {name: each for name, each in values.items() if name not in open_names}
+
+
+def _children(copy: ElementCopy, read: WorkingCopy) -> list[tuple[ElementCopy, EObject]]:
+    """Returns what a copy owns, and the elements that were read of it."""
+    found = read.owned_by(copy)
+    if not found and not copy.owned:
+        return []
+    names = {name for name, each in copy.owned.items() if each}
+    if names != found.keys():
+        raise _different(copy, f"owns {list(found)}, not {sorted(names)}")
+    # In the order of the metamodel, whatever the command has added last.
+    copy.owned = {name: copy.owned[name] for name in found}
+    pairs: list[tuple[ElementCopy, EObject]] = []
+    for name, children in copy.owned.items():
+        if len(children) != len(found[name]):
+            raise _different(copy, f"has {len(found[name])} {name}, not {len(children)}")
+        pairs += zip(children, found[name], strict=True)
+    return pairs
+
+
+def _compare_references(copy: ElementCopy, read: WorkingCopy) -> None:
+    meant = {name: each for name, each in copy.references.items() if each}
+    copy.references = read.references_of(copy)
+    if meant == copy.references:
+        return
+    for name in (*meant, *copy.references):
+        wanted, found = meant.get(name, []), copy.references.get(name, [])
+        if wanted != found:
+            raise _different(copy, f"refers by {name} to {found}, not {wanted}")
+
+
+def _different(where: ElementCopy | str, what: str) -> EditError:
+    place = where if isinstance(where, str) else f"{where.label} of {where.file}"
+    message = "the edit would do something else than it says, so nothing is done"
+    return EditError(f"{message}: {place} {what}")

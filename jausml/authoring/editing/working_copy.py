@@ -1,0 +1,311 @@
+"""A working copy of the elements of several files, on which commands are tried.
+
+Elements of one file are read once for each file that refers to it; here they are one. What a
+command means is done to the copies first; what is then read of the changed files must be the same.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+from jausml.language.metamodel import FeatureKind
+from jausml.language.metamodel.filling import contents, is_set
+from jausml.language.model.refs import file_of, find, fragment_of, ref_of, split
+from jausml.language.model.xmi.writer import lexical
+from jausml.language.semantics.connections.exchanges import CONNECTION, FEATURES
+from jausml.language.text.notation import SUFFIX
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+    from jausml.language.metamodel import ClassTable, FeatureTable
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.documents import Document
+    from jausml.language.model.model import Model
+    from jausml.language.model.refs import Ref
+
+
+class ElementCopy:
+    """An element.
+
+    Attributes:
+        file: The file of which it was read or for which it was made.
+        obj: The element of the model of that file, None when it is new.
+        values: What its attributes have, as XMI writes it, by name; None is no value where
+            there is a default. What has its default is left out.
+        references: What it refers to, by the name of the feature: copies, and the refs of
+            elements of files that the working copy has not.
+        open: Attributes that a text leaves open: what they have follows from all else, and may
+            be another value after an edit.
+    """
+
+    __slots__ = (
+        "feature",
+        "file",
+        "identifier",
+        "obj",
+        "open",
+        "owned",
+        "owner",
+        "references",
+        "table",
+        "values",
+    )
+
+    def __init__(self, table: ClassTable, file: str, obj: EObject | None = None) -> None:
+        self.table = table
+        self.file = file
+        self.obj = obj
+        self.identifier = ""
+        self.values: dict[str, tuple[str | None, ...]] = {}
+        self.references: dict[str, list[ElementCopy | Ref]] = {}
+        self.owned: dict[str, list[ElementCopy]] = {}
+        self.owner: ElementCopy | None = None
+        self.feature = ""
+        self.open: set[str] = set()
+
+    @property
+    def name(self) -> str:
+        """Its name, empty without one."""
+        return next(iter(self.values.get("name", ())), None) or ""
+
+    @property
+    def label(self) -> str:
+        """What people call it."""
+        return f"{self.table.name} '{self.name}'" if self.name else self.table.name
+
+    @property
+    def root(self) -> ElementCopy:
+        """The root of its document."""
+        copy = self
+        while copy.owner is not None:
+            copy = copy.owner
+        return copy
+
+    @property
+    def siblings(self) -> tuple[list[ElementCopy], list[ElementCopy]]:
+        """What its owner has of the same feature before it, and behind it."""
+        own = self.owner.owned[self.feature] if self.owner is not None else [self]
+        at = own.index(self)
+        return own[:at], own[at + 1 :]
+
+    def everything(self) -> Iterator[ElementCopy]:
+        """Yields it and all that it owns, in order."""
+        pending = [self]
+        while pending:
+            copy = pending.pop()
+            yield copy
+            for children in reversed(list(copy.owned.values())):
+                pending += reversed(children)
+
+    def __repr__(self) -> str:
+        return f"<{self.label} of {self.file}>"
+
+
+class WorkingCopy:
+    """The elements of some files of a project; `WorkingCopy.of` has all of them."""
+
+    def __init__(self, models: Mapping[str, Model], root: Path) -> None:
+        self.models = dict(models)
+        self.folder = root
+        self.roots: dict[str, list[ElementCopy]] = {}
+        self.copies: dict[EObject, ElementCopy] = {}
+        self.identifiers: dict[ElementCopy, str] = {}
+        self._foreign: dict[EObject, Ref] = {}
+
+    @classmethod
+    def of(cls, models: Mapping[str, Model], root: Path) -> WorkingCopy:
+        """Returns the working copy of all elements of some files."""
+        working_copy = cls(models, root)
+        for file, model in models.items():
+            document = model.documents[0]
+            working_copy.roots[file] = [working_copy._grown(each, file) for each in document.roots]
+        working_copy.pair()
+        for copy in list(working_copy.everything()):
+            copy.references = working_copy.references_of(copy)
+        return working_copy
+
+    def find(self, ref: Ref) -> ElementCopy | None:
+        """Returns the copy of a ref as it was read, None when the working copy has none."""
+        model = self.models.get(split(ref)[0])
+        obj = find(ref, model, self.folder) if model is not None else None
+        return self.copies.get(obj) if obj is not None else None
+
+    def fragments(self, paths: Mapping[ElementCopy, str] | None = None) -> dict[ElementCopy, str]:
+        """Returns by which fragments copies are found: ids, else paths."""
+        return {**(self.paths() if paths is None else paths), **self.identifiers}
+
+    def paths(self) -> dict[ElementCopy, str]:
+        """Returns the paths of copies by features, as they stand now."""
+        found: dict[ElementCopy, str] = {}
+        for roots in self.roots.values():
+            for index, root in enumerate(roots):
+                pending = [(root, f"/{index if len(roots) > 1 else ''}")]
+                while pending:
+                    copy, path = pending.pop()
+                    found[copy] = path
+                    for name, children in copy.owned.items():
+                        if copy.table.features[name].many:
+                            pending += [(c, f"{path}/@{name}.{i}") for i, c in enumerate(children)]
+                        else:
+                            pending += [(each, f"{path}/@{name}") for each in children]
+        return found
+
+    def ref(self, copy: ElementCopy, fragments: Mapping[ElementCopy, str] | None = None) -> Ref:
+        """Returns the ref of a copy as it stands now."""
+        return f"{copy.root.file}#{(fragments or self.fragments())[copy]}"
+
+    def refs(self, paths: Mapping[ElementCopy, str] | None = None) -> dict[ElementCopy, Ref]:
+        """Returns the refs of all copies in the files that they were read of."""
+        return {each: f"{each.file}#{at}" for each, at in self.fragments(paths).items()}
+
+    def referrers(self, targets: set[ElementCopy]) -> Iterator[tuple[ElementCopy, str]]:
+        """Yields what refers to one of some copies, and the name of the feature."""
+        for copy in self.everything():
+            for name, values in copy.references.items():
+                if any(each in targets for each in values):
+                    yield copy, name
+
+    def everything(self) -> Iterator[ElementCopy]:
+        """Yields all copies, in order."""
+        for roots in self.roots.values():
+            for root in roots:
+                yield from root.everything()
+
+    def _grown(self, obj: EObject, file: str) -> ElementCopy:
+        """Makes a copy of an element, and of all that it owns, without references."""
+        root = self._copy(obj, file)
+        pending = [root]
+        while pending:
+            copy = pending.pop()
+            for name, children in self.owned_by(copy).items():
+                made = copy.owned[name] = [self._copy(each, file) for each in children]
+                for each in made:
+                    each.owner, each.feature = copy, name
+                pending += made
+        return root
+
+    def _copy(self, obj: EObject, file: str) -> ElementCopy:
+        model = self.models[file]
+        copy = ElementCopy(model.metamodels.class_of(obj), file)
+        copy.identifier = model.identifier(obj) or ""
+        self.hold(copy, obj, file)
+        self.take_values(copy)
+        return copy
+
+    def hold(self, copy: ElementCopy, obj: EObject, file: str) -> None:
+        """Makes an element that was read of a file that of a copy."""
+        model = self.models[file]
+        copy.obj, copy.file = obj, file
+        self.copies[obj] = copy
+        if copy.identifier and fragment_of(obj, model.documents[0], model) == copy.identifier:
+            self.identifiers[copy] = copy.identifier
+
+    def take_values(self, copy: ElementCopy) -> None:
+        """Gives a copy the values that the attributes of its element have."""
+        obj: Any = copy.obj
+        copy.values = {
+            name: values
+            for name, feature in attributes_of(copy.table)
+            if name in obj.__dict__ and (values := attribute_values(obj, feature))
+        }
+        copy.open = open_features(copy.table, copy.file)
+        node = self.models[copy.file].node_of(obj) if copy.open else None
+        if node is not None:
+            copy.open -= {child.tag for child in node.children}
+
+    def owned_by(self, copy: ElementCopy) -> dict[str, list[EObject]]:
+        """Returns what the element of a copy owns of its own file, by the name of the feature."""
+        model = self.models[copy.file]
+        document = model.documents[0]
+        found = {}
+        for feature in copy.table.contained:
+            children = contents(copy.obj, feature)
+            # Others are roots of another file, which this one refers to.
+            own = [each for each in children if model.document_of(each) is document]
+            if own:
+                found[feature.name] = own
+        return found
+
+    def pair(self) -> None:
+        """Finds the copies of elements that were read once more, with another file."""
+        for model in self.models.values():
+            for document in model.documents[1:]:
+                known = self.roots.get(file_of(document, self.folder))
+                if known is not None:
+                    self._pair(document, known, model)
+
+    def _pair(self, document: Document, roots: list[ElementCopy], model: Model) -> None:
+        pending = list(zip(document.roots, roots, strict=False))
+        while pending:
+            obj, copy = pending.pop()
+            self.copies[obj] = copy
+            for name, owned in copy.owned.items():
+                children = contents(obj, copy.table.features[name])
+                own = [each for each in children if model.document_of(each) is document]
+                pending += zip(own, owned, strict=False)
+
+    def references_of(self, copy: ElementCopy) -> dict[str, list[ElementCopy | Ref]]:
+        """Returns what the element of a copy refers to, when all copies are there."""
+        obj: Any = copy.obj
+        model = self.models[copy.file]
+        found = {}
+        for name, feature in references_of(copy.table):
+            if name not in obj.__dict__:
+                continue
+            targets = contents(obj, feature)
+            if feature.kind is FeatureKind.CONTAINMENT:
+                owned = {each.obj for each in copy.owned.get(name, ())}
+                targets = [each for each in targets if each not in owned]
+            if targets:
+                found[name] = [self._target(each, model) for each in targets]
+        return found
+
+    def _target(self, obj: EObject, model: Model) -> ElementCopy | Ref:
+        copy = self.copies.get(obj)
+        if copy is not None:
+            return copy
+        # Many refer to the same elements of the library.
+        ref = self._foreign.get(obj)
+        if ref is None:
+            ref = self._foreign[obj] = ref_of(obj, model, self.folder)
+        return ref
+
+
+@cache
+def attributes_of(table: ClassTable) -> tuple[tuple[str, FeatureTable], ...]:
+    """Returns the attributes of a class with their names."""
+    features = table.features.items()
+    return tuple(each for each in features if each[1].kind is FeatureKind.ATTRIBUTE)
+
+
+@cache
+def references_of(table: ClassTable) -> tuple[tuple[str, FeatureTable], ...]:
+    """Returns the features of a class by which its elements refer to others or own them."""
+    kinds = (FeatureKind.CROSS_REFERENCE, FeatureKind.CONTAINMENT)
+    return tuple(each for each in table.features.items() if each[1].kind in kinds)
+
+
+def open_features(table: ClassTable, file: str) -> set[str]:
+    """Returns the attributes of a class that a file may leave open, and that then follow."""
+    is_open = table.qualified_name == CONNECTION and file.endswith(SUFFIX)
+    return set(FEATURES) if is_open else set()
+
+
+def attribute_values(obj: Any, feature: FeatureTable) -> tuple[str | None, ...]:
+    """Returns what an attribute has, as XMI writes it; nothing when that need not be written."""
+    texts = tuple(lexical(each, feature) for each in contents(obj, feature))
+    if feature.many:
+        return texts
+    if feature.unsettable:
+        return texts or ((None,) if is_set(obj, feature) else ())
+    text = texts[0] if texts else None
+    return () if text == default_text(feature) else (text,)
+
+
+@cache
+def default_text(feature: FeatureTable) -> str | None:
+    """Returns the default of an attribute as XMI writes it, None without one."""
+    return lexical(feature.default, feature) if feature.default is not None else None

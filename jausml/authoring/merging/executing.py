@@ -1,0 +1,207 @@
+"""Execution of the plan of a merge, by commands of editing, each checked by reading again."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.authoring.differences.wording import words
+from jausml.authoring.editing.commands import IDENTIFIER, Add, Child, EditError, Move, Remove, Set
+from jausml.authoring.editing.drafts import Draft
+from jausml.authoring.editing.executing import execute, referrers
+from jausml.authoring.editing.working_copy import WorkingCopy
+from jausml.authoring.merging.conflicts import GONE_HERE, LOST_TARGET, Conflict
+from jausml.language.metamodel import FeatureKind
+from jausml.language.metamodel.filling import contents
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+    from pathlib import Path
+
+    from jausml.authoring.editing.commands import Command, Values
+    from jausml.authoring.editing.reading import Reader
+    from jausml.authoring.editing.records import Stored
+    from jausml.authoring.merging.planning import Addition, Order, Plan
+    from jausml.authoring.merging.sides import Sides, Value
+    from jausml.language.metamodel import FeatureTable
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.model import Model
+    from jausml.language.model.refs import Ref
+
+
+class Execution:
+    """Does to our side what a plan says.
+
+    Args:
+        sides: The three states; our side is that which the reader has read of the files.
+
+    Attributes:
+        where: The refs of the elements of our side, and of what was added, as they stand now.
+    """
+
+    def __init__(
+        self, file: str, root: Path, files: Mapping[str, Stored], reader: Reader, sides: Sides
+    ) -> None:
+        self._file = file
+        self._reader = reader
+        self._sides = sides
+        self.root = root
+        self.files = dict(files)
+        self.conflicts: list[Conflict] = []
+        working_copy = WorkingCopy.of({file: sides.ours.model}, root)
+        fragments = working_copy.fragments()
+        self.where: dict[EObject, Ref] = {
+            obj: f"{file}#{fragments[copy]}" for obj, copy in working_copy.copies.items()
+        }
+        self._working_copy: WorkingCopy | None = None
+        self._later: list[tuple[EObject, FeatureTable, EObject]] = []
+
+    def run(self, plan: Plan) -> None:
+        """Carries a plan out."""
+        going = {each for one in (*plan.removed, *plan.replaced) for each in self._all_of(one)}
+        for each in plan.replaced:
+            self._remove(each, going)
+        for addition in plan.additions:
+            self._add(addition)
+        for setting in plan.settings:
+            self._set(setting.element, setting.feature, setting.values, setting.element)
+        for element, feature, owner in self._later:
+            tokens = self._sides.values(element, feature, self._sides.theirs)
+            self._set(element, feature, tokens, owner)
+        for order in plan.orders:
+            self._reorder(order)
+        for each in plan.removed:
+            self._remove(each, going)
+
+    def model(self) -> Model:
+        """Returns the model of the file as it is now."""
+        return self._reader.read(self._file, self.files).model
+
+    def _do(self, command: Command) -> tuple[Ref, ...]:
+        draft = self._draft()
+        outcome = execute([command], draft, self._working_copy)
+        self.files, self._working_copy = draft.files, outcome.working_copy
+        for shift in outcome.shifts:
+            self.where = {obj: shift.get(ref, ref) for obj, ref in self.where.items()}
+        return outcome.created
+
+    def _draft(self) -> Draft:
+        return Draft(self.root, self.files, self._reader, 1)
+
+    def _all_of(self, obj: EObject) -> Iterable[EObject]:
+        yield obj
+        for feature in self._sides.table(obj).contained:
+            for each in contents(obj, feature):
+                yield from self._all_of(each)
+
+    # -- Adding ----------------------------------------------------------------------------------
+
+    def _add(self, addition: Addition) -> None:
+        feature = addition.feature
+        made = self._described(addition.element, feature.name, addition.owner)
+        owner = self.where[addition.owner]
+        before = addition.before
+        position = self._position(before) if before is not None else None
+        (created,) = self._do(
+            Add(owner, feature.name, made.kind, made.values, made.children, position)
+        )
+        self._locate(addition.element, created)
+
+    def _position(self, element: EObject) -> int:
+        """Returns where an element stands among its siblings now."""
+        obj, model = self._draft().element(self.where[element])
+        step = model.path_of(obj).rpartition(".")[2]
+        if not step.isdecimal():
+            raise EditError(f"{self.where[element]} has no place among others")
+        return int(step)
+
+    def _described(self, obj: EObject, feature: str, owner: EObject) -> Child:
+        """Returns a description of an element of theirs; what cannot be said yet comes later."""
+        values: dict[str, Values] = {}
+        children: list[Child] = []
+        identifier = self._sides.theirs.model.identifier(obj)
+        if identifier:
+            values[IDENTIFIER] = (identifier,)
+        for each in self._sides.features(obj):
+            tokens = self._sides.values(obj, each, self._sides.theirs)
+            if each.kind is FeatureKind.ATTRIBUTE:
+                texts = tuple(text for text in tokens if isinstance(text, str))
+            elif each.kind is FeatureKind.CROSS_REFERENCE:
+                found = [self._ref(token) for token in tokens]
+                if None in found:
+                    self._later.append((obj, each, owner))
+                    continue
+                texts = tuple(filter(None, found))
+            else:
+                owned = contents(obj, each)
+                children += [self._described(one, each.name, owner) for one in owned]
+                continue
+            if texts:
+                values[each.name] = texts
+        kind = self._sides.table(obj).qualified_name
+        return Child(feature, kind, values, tuple(children))
+
+    def _locate(self, obj: EObject, ref: Ref) -> None:
+        """Remembers where an element of theirs stands now, and what it owns."""
+        self.where[obj] = ref
+        file, _, _ = ref.partition("#")
+        path = self._path(ref)
+        for feature in self._sides.table(obj).contained:
+            for index, each in enumerate(contents(obj, feature)):
+                identifier = self._sides.theirs.model.identifier(each)
+                step = f"@{feature.name}{f'.{index}' if feature.many else ''}"
+                self._locate(each, f"{file}#{identifier or f'{path}/{step}'}")
+
+    def _path(self, ref: Ref) -> str:
+        """Returns the path of an element by features, whether it has an id or not."""
+        obj, model = self._draft().element(ref)
+        return model.path_of(obj)
+
+    # -- Changing --------------------------------------------------------------------------------
+
+    def _set(
+        self,
+        element: EObject,
+        feature: FeatureTable,
+        values: tuple[Value, ...],
+        place: EObject,
+    ) -> None:
+        if feature.kind is FeatureKind.ATTRIBUTE:
+            texts = tuple(text for text in values if isinstance(text, str))
+            self._do(Set(self.where[element], feature.name, texts))
+            return
+        found = [self._ref(each) for each in values]
+        if None in found:
+            what = f"{words(feature.name)} is to refer to an element that we removed"
+            name = feature.name if place is element else ""
+            self.conflicts.append(Conflict(LOST_TARGET, place, what, name))
+        texts = tuple(each for each in found if each is not None)
+        if texts or None not in found:
+            self._do(Set(self.where[element], feature.name, texts))
+
+    def _ref(self, value: Value) -> Ref | None:
+        """Returns the ref of an element on our side as it stands now, None when it is not there."""
+        if value is None or isinstance(value, str):
+            return value
+        return self.where.get(self._sides.ours.matching.news.get(value, value)) or None
+
+    def _reorder(self, order: Order) -> None:
+        """Moves elements of one owner to each other's places."""
+        places = sorted(map(self._position, order.elements))
+        for place, element in zip(places, order.elements, strict=True):
+            if self._position(element) != place:
+                owner_ref = self.where[order.owner]
+                self._do(Move(self.where[element], owner_ref, order.feature.name, place))
+
+    def _remove(self, element: EObject, going: set[EObject]) -> None:
+        """Removes an element, unless something that stays refers to it."""
+        leaving = {self.where[each] for each in going if each in self.where}
+        ref = self.where[element]
+        if not ref:
+            return  # it went with something else
+        for each in referrers(ref, self._draft()):
+            if each.element not in leaving:
+                label = self._sides.label(element)
+                what = f"{label} was removed by them, and {each.label} refers to it"
+                self.conflicts.append(Conflict(GONE_HERE, element, what))
+                return
+        self._do(Remove(ref))

@@ -1,1 +1,0 @@
-"""Answers to what the page asks about models: plain functions that return frozen dataclasses."""

@@ -1,0 +1,227 @@
+"""What request handlers work with: the project, what was found about it, and the pages."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections import OrderedDict, deque
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from jausml.authoring.editing.records import Freshness
+from jausml.authoring.studio import rpc
+from jausml.authoring.studio.checking import Verdict, Verdicts
+from jausml.authoring.studio.drawing import Drawings
+from jausml.authoring.studio.json_values import entry_as_json, files_as_json
+from jausml.authoring.studio.kept_edits import KeptEdits
+from jausml.authoring.studio.views.trying import Trials
+from jausml.language.model.refs import file_of
+from jausml.live.peers.network import (
+    DEFAULT_GROUP,
+    DEFAULT_INTERFACE,
+    DEFAULT_PORT,
+    Network,
+    make_network,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Sequence
+
+    from jausml.authoring.editing.commands import Command
+    from jausml.authoring.editing.project import Project
+    from jausml.authoring.editing.records import Change, Entry
+
+
+_MOST_SHOWN = 8
+
+_MOST = 100
+
+_LOGGER = "jausml"
+
+
+class ViewedFiles:
+    """The files that someone looks at: those that were asked for last."""
+
+    def __init__(self) -> None:
+        self._files: OrderedDict[str, None] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def add(self, file: str) -> None:
+        """Remembers that someone looks at a file."""
+        with self._lock:
+            self._files[file] = None
+            self._files.move_to_end(file)
+            while len(self._files) > _MOST_SHOWN:
+                self._files.popitem(last=False)
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        """The files, the latest first."""
+        with self._lock:
+            return tuple(reversed(self._files))
+
+
+def usual_network() -> Network:
+    """Returns the network of this computer alone."""
+    return make_network(None, DEFAULT_INTERFACE, DEFAULT_PORT, DEFAULT_GROUP, ())
+
+
+class Subscribers:
+    """Who listens; any thread may tell."""
+
+    def __init__(self) -> None:
+        self._listeners: list[Callable[[str], None]] = []
+        self._lock = threading.Lock()
+        self.left: Callable[[], None] = lambda: None
+        """Is called when the last listener goes."""
+
+    @contextmanager
+    def subscribed(self, listener: Callable[[str], None]) -> Iterator[None]:
+        """Tells a listener what happens as long as the context lasts.
+
+        Args:
+            listener: Takes messages, from any thread.
+        """
+        with self._lock:
+            self._listeners.append(listener)
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._listeners.remove(listener)
+                is_last = not self._listeners
+            if is_last:
+                self.left()
+
+    def notify(self, method: str, params: object) -> None:
+        """Tells all of them."""
+        message = rpc.notification(method, params)
+        with self._lock:
+            listeners = list(self._listeners)
+        for each in listeners:
+            each(message)
+
+
+class Faults(logging.Handler):
+    """Keeps what is logged of warnings and faults, with their tracebacks."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self._records: deque[dict[str, Any]] = deque(maxlen=_MOST)
+        self._lock = threading.Lock()
+        self._format = logging.Formatter("%(message)s")
+
+    @property
+    def all(self) -> list[dict[str, Any]]:
+        """The latest, the last one first."""
+        with self._lock:
+            return list(reversed(self._records))
+
+    @contextmanager
+    def kept(self) -> Iterator[None]:
+        """Keeps what is logged as long as the context lasts."""
+        logger = logging.getLogger(_LOGGER)
+        logger.addHandler(self)
+        try:
+            yield
+        finally:
+            logger.removeHandler(self)
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Keeps a record."""
+        made = {
+            "time": record.created,
+            "level": record.levelname.lower(),
+            "text": record.getMessage(),
+            "details": self._format.formatException(record.exc_info) if record.exc_info else "",
+        }
+        with self._lock:
+            self._records.append(made)
+
+
+@dataclass
+class StudioContext:
+    """What request handlers work with.
+
+    Attributes:
+        out: Where `generate` writes when nobody says otherwise, empty for its default.
+    """
+
+    project: Project
+    out: str = ""
+    network: Network = field(default_factory=usual_network)
+    subscribers: Subscribers = field(default_factory=Subscribers)
+    viewed_files: ViewedFiles = field(default_factory=ViewedFiles)
+    drawings: Drawings = field(default_factory=Drawings)
+    trials: Trials = field(default_factory=Trials)
+    kept: KeptEdits = field(default_factory=KeptEdits)
+    faults: Faults = field(default_factory=Faults)
+
+    def __post_init__(self) -> None:
+        self.verdicts = Verdicts(self.project)
+        self.sent_verdicts: dict[str, tuple[Verdict, dict[str, Any]]] = {}
+        """The latest verdict of each file as pages know it."""
+        self.pictures: dict[tuple[str, str], dict[str, Any]] = {}
+        """The last picture of each view, by file and view."""
+        self.followers: list[Callable[[], None]] = []
+        """Are called when the project has changed."""
+
+    def freshness(self, verdict: Verdict) -> Freshness:
+        """Returns what a verdict is worth: in conflict also when an edit of a file is kept."""
+        if not verdict.freshness.is_current:
+            return verdict.freshness
+        model, root = verdict.result.model, self.project.root
+        kept = self.kept.concerning(frozenset(file_of(each, root) for each in model.documents))
+        if not kept:
+            return verdict.freshness
+        why = (
+            f"\u201c{kept[0].label}\u201d was not done and is kept: do it again or discard it first"
+        )
+        return Freshness("conflict", verdict.revision, why)
+
+    def keep(self, commands: Sequence[Command], label: str, base: int, why: str) -> bool:
+        """Keeps an edit that met a change beneath it, and tells of it; tells whether it could."""
+        is_kept = self.kept.keep(commands, label, base, why)
+        self.notify_kept()
+        return is_kept
+
+    def notify_kept(self) -> None:
+        """Tells pages which edits are kept."""
+        self.subscribers.notify("kept", {"edits": [each.as_json() for each in self.kept.all]})
+
+    def refresh(self, files: Iterable[str] = ()) -> None:
+        """Takes over what other programs did to files, and tells of it.
+
+        Args:
+            files: Files that may have changed, relative to the root; without any, all.
+        """
+        self.notify_outside(self.project.refresh(files))
+
+    def notify_outside(self, found: Sequence[Change]) -> None:
+        """Tells of changes by other programs."""
+        for each in found:
+            event = "conflict" if each.is_conflict else "outside"
+            self.subscribers.notify(event, {"file": each.file, "diff": each.diff})
+        if found:
+            log = reversed(self.project.log)
+            self.changed(next((each for each in log if each.is_outside), None), by="outside")
+
+    def changed(self, entry: Entry | None, *, by: str = "edit") -> None:
+        """Tells pages and followers that the project has changed.
+
+        Args:
+            entry: What was done; one without changes is not told.
+            by: Who did it: `edit` or `outside`.
+        """
+        if entry is not None and not entry.changes:
+            return
+        state = {
+            "revision": self.project.revision,
+            "files": files_as_json(self.project),
+            "entry": entry_as_json(entry),
+            "by": by,
+        }
+        self.subscribers.notify("changed", state)
+        for each in self.followers:
+            each()

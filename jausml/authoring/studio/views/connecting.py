@@ -1,0 +1,220 @@
+"""Connecting: what can flow from one end of the system view to another, and how."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from jausml.authoring.editing.commands import Add, Child, Set
+from jausml.authoring.proposals.bridging import is_served, offers, profile_of
+from jausml.authoring.proposals.elements import Option, Options
+from jausml.authoring.proposals.fresh import name_among
+from jausml.authoring.studio.views.crossing import bridged, carried, further_peer, through
+from jausml.authoring.studio.views.spots import all_spots
+from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.model.names import name_of
+from jausml.language.model.words import snake_case
+from jausml.language.semantics.connections.exchanges import EVENT, TO_JAUS, TO_ROS
+from jausml.language.semantics.connections.topics import resolve_topic
+from jausml.language.semantics.paths.ros_paths import ros_name
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from typing import Any
+
+    from jausml.authoring.proposals.elements import Scope
+    from jausml.authoring.studio.views.spots import Spot
+    from jausml.language.metamodel.classes.ecore import EObject
+
+_OTHER_ENDS: Mapping[str, tuple[str, str, str]] = {
+    "Publisher": ("subscriptions", "ros.Subscription", "topic"),
+    "Subscription": ("publishers", "ros.Publisher", "topic"),
+    "ServiceClient": ("serviceServers", "ros.ServiceServer", "service"),
+    "ServiceServer": ("serviceClients", "ros.ServiceClient", "service"),
+}
+
+
+def connect(scope: Scope, source: Spot, target: Spot) -> Options:
+    """Returns the ways to connect two ends of the system view, the best first."""
+    if source.owner is target.owner:
+        return Options(refusal=f"both ends are of {name_of(source.owner)}; draw to another box")
+    found = _ways(scope, source, target)
+    if found.options:
+        first, *others = found.options
+        return Options((replace(first, is_best=True), *others))
+    return found
+
+
+def _ways(scope: Scope, source: Spot, target: Spot) -> Options:
+    match source.owner, target.owner:
+        case ros.Node(), ros.Node():
+            return topics_between(scope, source, target)
+        case bridge.Bridge(), ros.Node():
+            return through(scope, source.owner, source, target, TO_ROS)
+        case ros.Node(), bridge.Bridge():
+            return through(scope, target.owner, target, source, TO_JAUS)
+        case jaus.Component(), ros.Node():
+            return bridged(scope, source, target, TO_ROS)
+        case ros.Node(), jaus.Component():
+            return bridged(scope, target, source, TO_JAUS)
+        case jaus.Component(), jaus.Component():
+            return _among_components(scope, source, target)
+    return Options(refusal="only components, bridges and nodes are connected")
+
+
+def _among_components(scope: Scope, source: Spot, target: Spot) -> Options:
+    if isinstance(target.element, bridge.Connection):
+        return further_peer(scope, source, target, TO_ROS)
+    if isinstance(source.element, bridge.Connection):
+        return further_peer(scope, target, source, TO_JAUS)
+    across = _through_bridge(scope, source, target)
+    if across is None:
+        return asked(scope, source, target)
+    # Bridges are components too: what they ask for themselves comes after what they carry.
+    return Options((*across.options, *asked(scope, source, target).options), across.refusal)
+
+
+def _through_bridge(scope: Scope, source: Spot, target: Spot) -> Options | None:
+    """Returns what a bridge as a whole may carry for a component, None for other pairs."""
+    match source.owner, target.owner:
+        case bridge.Bridge(), bridge.Bridge():
+            return None
+        case _, bridge.Bridge() if target.element is None:
+            return carried(scope, target.owner, source, TO_ROS)
+        case bridge.Bridge(), _ if source.element is None:
+            return carried(scope, source.owner, target, TO_JAUS)
+    return None
+
+
+def ends(scope: Scope, start: Spot) -> list[tuple[Spot, str]]:
+    """Returns the ends to which a line can be drawn from one, each with why."""
+    found = []
+    for other in all_spots(scope):
+        answer = connect(scope, start, other)
+        if answer.options:
+            found.append((other, answer.options[0].why))
+    return found
+
+
+def asked(scope: Scope, source: Spot, target: Spot) -> Options:
+    """A component asks another for its reports."""
+    provider, asking = source.owner, target.owner
+    if not isinstance(provider, jaus.Component) or not isinstance(asking, jaus.Component):
+        return Options(refusal="only components are asked")
+    found = [
+        each
+        for each in offers(provider, TO_ROS)
+        if each.is_provided
+        and each.exchange == EVENT
+        and (
+            name_of(each.message) == source.message
+            if source.message
+            else not is_served(each.service)
+        )
+    ]
+    if not found:
+        what = source.message or "report that can be asked for"
+        return Options(refusal=f"no service that {name_of(provider)} provides has a {what}")
+    options = []
+    for offer in found:
+        name = name_among(name_of(offer.message).removeprefix("Report"), asking.connections)
+        values = {
+            "name": (name,),
+            "provider": (scope.ref(provider),),
+            "message": (scope.ref(offer.message),),
+        }
+        own = scope.ref(asking)
+        commands = [Add(own, "connections", "jaus.ServiceConnection", values)]
+        uses = tuple(scope.ref(each) for each in asking.uses)
+        more = () if scope.ref(offer.service) in uses else (scope.ref(offer.service),)
+        preview = f"service_connection {name} {{\n    provider: {name_of(provider)}\n"
+        preview += f"    message: {name_of(offer.message)}\n}}"
+        options.append(
+            Option(
+                name_of(offer.message),
+                f"{offer.why(name_of(provider))}; {name_of(asking)} asks for it periodically",
+                preview,
+                (*((Set(own, "uses", (*uses, *more)),) if more else ()), *commands),
+            )
+        )
+    return Options(tuple(options))
+
+
+def topics_between(scope: Scope, source: Spot, target: Spot) -> Options:
+    """A topic, or a service, between two nodes."""
+    start, end = source.element, target.element
+    match start, end:
+        case ros.Subscription(), _:
+            return Options(refusal=f"{name_of(start)} subscribes; draw to it, not from it")
+        case _, ros.Publisher():
+            return Options(refusal=f"{name_of(end)} publishes; draw from it, not to it")
+        case ros.ServiceServer(), _:
+            return Options(refusal=f"{name_of(start)} serves; draw to it from what calls it")
+        case _, ros.ServiceClient():
+            return Options(refusal=f"{name_of(end)} calls; draw from it to what serves it")
+        case (ros.Publisher(), ros.Subscription()) | (ros.ServiceClient(), ros.ServiceServer()):
+            return _joined(scope, source, target)
+        case ((ros.Publisher() | ros.ServiceClient()), None):
+            return _mirrored(scope, source, target.owner)
+        case None, (ros.Subscription() | ros.ServiceServer()):
+            return _mirrored(scope, target, source.owner)
+        case None, None:
+            return Options(refusal="draw from a topic of a node, or add a publisher to it first")
+    return Options(refusal="topics meet topics, and services services")
+
+
+def _mirrored(scope: Scope, known: Spot, other: EObject) -> Options:
+    """A node gets the other end of what a node has."""
+    end: Any = known.element
+    if end is None or end.type is None:
+        return Options(refusal=f"{name_of(end)} has no type yet; choose one in its form")
+    feature, cls, named = _OTHER_ENDS[end.eClass.name]
+    topic = _seen_from(other, known.owner, str(getattr(end, named) or name_of(end)))
+    name = name_among(name_of(end), getattr(other, feature))
+    kind = end.type
+    values = {"name": (name,), named: (topic,), "type": (scope.ref(kind),)}
+    profile = profile_of(scope, end) if isinstance(end, ros.TopicEndpoint) else {}
+    qos = {key: (value,) for key, value in profile.items()}
+    inner = (Child("qos", "ros.QoSProfile", qos),) if qos else ()
+    add = Add(scope.ref(other), feature, cls, values, inner)
+    noun = cls.removeprefix("ros.")
+    preview = f"{snake_case(noun)} {name} {{ {named}: {topic}  type: {ros_name(kind)} }}"
+    label = f"new {snake_case(noun).replace('_', ' ')} {name} of {name_of(other)}"
+    return Options((Option(label, f"{name_of(end)} has {ros_name(kind)}", preview, (add,)),))
+
+
+def _joined(scope: Scope, source: Spot, target: Spot) -> Options:
+    """Two ends get one name."""
+    start: Any = source.element
+    end: Any = target.element
+    if start is None or end is None or start.type is None or end.type is None:
+        return Options(refusal="an end has no type yet; choose one in its form")
+    if ros_name(start.type) != ros_name(end.type):
+        text = f"{name_of(start)} has {ros_name(start.type)}, {name_of(end)} {ros_name(end.type)}"
+        return Options(refusal=f"{text}; messages of one type alone flow between them")
+    named = _OTHER_ENDS[start.eClass.name][2]
+    names = [
+        resolve_topic(
+            getattr(each.element, named) or "", _namespace(each.owner), name_of(each.owner)
+        )
+        for each in (source, target)
+    ]
+    if names[0] == names[1]:
+        return Options(refusal=f"both are connected by {names[0]} already")
+    topic = _seen_from(target.owner, source.owner, str(getattr(start, named)))
+    command = Set(scope.ref(end), named, (topic,))
+    label = f"{name_of(end)} on {topic}"
+    why = f"both have {ros_name(start.type)}; {name_of(end)} leaves {getattr(end, named)}"
+    return Options((Option(label, why, f"{named}: {topic}", (command,)),))
+
+
+def _namespace(node: EObject) -> str:
+    return str(getattr(node, "namespace", "") or "")
+
+
+def _seen_from(node: EObject, other: EObject, name: str) -> str:
+    """Returns how a node names what another names so."""
+    is_same = _namespace(node).strip("/") == _namespace(other).strip("/")
+    if name.startswith("/") or (is_same and not name.startswith("~")):
+        return name
+    return resolve_topic(name, _namespace(other), name_of(other))

@@ -1,0 +1,379 @@
+"""What crosses a bridge: connections between JAUS components and ROS nodes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.authoring.editing.commands import Add, Child, Set
+from jausml.authoring.proposals.bridging import (
+    Draft,
+    Offer,
+    bridges_of,
+    fitting,
+    is_served,
+    lacks_stop,
+    offers,
+    profile_of,
+    system_of,
+)
+from jausml.authoring.proposals.elements import Option, Options
+from jausml.authoring.proposals.fresh import name_among
+from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.model.names import name_of
+from jausml.language.model.words import snake_case
+from jausml.language.semantics.connections.exchanges import EVENT, TO_JAUS, TO_ROS
+from jausml.language.semantics.connections.topics import resolve_topic
+from jausml.language.semantics.jaus.services import find_same
+from jausml.language.semantics.paths.ros_paths import ros_name
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from jausml.authoring.editing.commands import Command
+    from jausml.authoring.proposals.elements import Scope
+    from jausml.authoring.studio.views.spots import Spot
+    from jausml.language.metamodel.classes.ecore import EObject
+
+
+def bridged(scope: Scope, at_jaus: Spot, at_ros: Spot, direction: str) -> Options:
+    """Through a bridge that is there, or a new one."""
+    whole = system_of(scope)
+    owners: Sequence[EObject] = bridges_of(scope) or ([whole] if whole is not None else [])
+    if not owners:
+        return Options(refusal="the file has no system that could have a bridge")
+    refusal = _wrong_end(at_ros, direction)
+    if refusal:
+        return Options(refusal=refusal)
+    if isinstance(at_ros.element, ros.ServiceEndpoint):
+        return _call(scope, at_jaus, at_ros.element, owners[0], direction)
+    component = at_jaus.owner
+    if not isinstance(component, jaus.Component):
+        return Options(refusal="only components speak JAUS")
+    wanted = _wanted(component, at_jaus.message, direction)
+    if not wanted:
+        return Options(refusal=_nothing(component, at_jaus.message, direction))
+    options = [
+        option
+        for owner in owners
+        for offer in wanted
+        for option in _crossings(
+            scope, owner, component, offer, at_ros, is_chosen=bool(at_jaus.message)
+        )
+    ]
+    options.sort(key=_order)
+    if options:
+        return Options(tuple(options))
+    if any(_is_carried(each, component, offer, at_ros) for each in owners for offer in wanted):
+        return Options(refusal="a connection carries this already")
+    return Options(refusal=f"no ready map has a message of {name_of(component)}; choose a topic")
+
+
+def through(
+    scope: Scope, owner: bridge.Bridge, at_bridge: Spot, at_ros: Spot, direction: str
+) -> Options:
+    """A connection of a bridge gets a further end at the ROS side."""
+    used, end = at_bridge.element, at_ros.element
+    refusal = _wrong_end(at_ros, direction)
+    if refusal:
+        return Options(refusal=refusal)
+    if not isinstance(used, bridge.Connection):
+        return _any_of(scope, owner, at_ros, direction)
+    kind = used.map.type if used.map is not None else None
+    if used.direction.name != direction:
+        way = "from ROS to JAUS" if used.direction.name == TO_JAUS else "from JAUS to ROS"
+        return Options(refusal=f"{name_of(used)} goes {way}; draw the line the other way round")
+    if kind is None:
+        return Options(refusal=f"{name_of(used)} has no map yet; choose one in its form")
+    if end is None:
+        topic = name_of(used.topics[0]) if used.topics else name_of(used)
+        own = profile_of(scope, used.topics[0]) if used.topics else {}
+        add = _new_end(scope, at_ros.owner, kind, topic, to_ros=direction == TO_ROS, qos=own)
+        noun = "subscription" if direction == TO_ROS else "publisher"
+        preview = f"{noun} {add.values['name'][0]} {{ topic: {topic}  type: {ros_name(kind)} }}"
+        label = f"new {noun} of {topic}"
+        return Options((Option(label, f"{name_of(used)} carries it", preview, (add,)),))
+    if not isinstance(end, ros.TopicEndpoint):
+        return Options(refusal=f"{name_of(end)} is a service; {name_of(used)} carries messages")
+    if end.type is None or ros_name(end.type) != ros_name(kind):
+        has = ros_name(end.type) if end.type is not None else "no type"
+        text = f"{name_of(end)} has {has}, but {name_of(used)} carries {ros_name(kind)}"
+        return Options(refusal=f"{text}; make a connection of its own, from the component")
+    topic = _topic(owner, at_ros.owner, end)
+    if any(each.name == topic for each in used.topics):
+        return Options(refusal=f"{name_of(used)} has the topic {topic} already")
+    profile = {name: (value,) for name, value in profile_of(scope, end).items()}
+    inner = (Child("qos", "ros.QoSProfile", profile),) if profile else ()
+    added = Add(scope.ref(used), "topics", "bridge.Topic", {"name": (topic,)}, inner)
+    why = f"both have {ros_name(kind)}"
+    return Options((Option(f"topic {topic} of {name_of(used)}", why, f"topic {topic}", (added,)),))
+
+
+def carried(scope: Scope, owner: bridge.Bridge, at_jaus: Spot, direction: str) -> Options:
+    """A bridge carries what a component sends or takes, each ready map on a topic of its own."""
+    component = at_jaus.owner
+    if not isinstance(component, jaus.Component):
+        return Options(refusal="only components speak JAUS")
+    wanted = _wanted(component, at_jaus.message, direction)
+    if not wanted:
+        return Options(refusal=_nothing(component, at_jaus.message, direction))
+    found = [
+        (offer, used)
+        for offer in wanted
+        for used in _ready(scope, offer, None)
+        if not _is_mapped(scope, owner, component, used, direction)
+    ]
+    options = [_by_ready_map(scope, owner, component, offer, used) for offer, used in found]
+    options.sort(key=_order)
+    what = at_jaus.message or f"a message of {name_of(component)}"
+    refusal = f"no ready map has {what} that {name_of(owner)} does not carry already"
+    return Options(tuple(options), "" if options else f"{refusal}; draw to a topic of a node")
+
+
+def _wanted(component: jaus.Component, message: str, direction: str) -> list[Offer]:
+    """Returns what a component offers for a direction; of one message where one is named."""
+    found = offers(component, direction)
+    return [each for each in found if not message or name_of(each.message) == message]
+
+
+def _by_ready_map(
+    scope: Scope,
+    owner: bridge.Bridge,
+    component: jaus.Component,
+    offer: Offer,
+    used: bridge.AttributeMap,
+) -> Option:
+    """Returns the way by a ready map whose end at the ROS side is a topic without a node yet."""
+    topics = [each for one in owner.bridgeConnections for each in one.topics]
+    name = name_among(snake_case(name_of(offer.message)), (*owner.bridgeConnections, *topics))
+    draft = Draft(offer, component, used.type, used, name, name, {})
+    return _option(owner, component, draft, draft.commands(scope, owner))
+
+
+def _is_mapped(
+    scope: Scope,
+    owner: bridge.Bridge,
+    component: jaus.Component,
+    used: bridge.AttributeMap,
+    direction: str,
+) -> bool:
+    """Tells whether a bridge has a connection of a component by a map already."""
+    return any(
+        scope.ref(each.map) == scope.ref(used)
+        and each.direction.name == direction
+        and (not each.peers or component in each.peers)
+        for each in owner.bridgeConnections
+    )
+
+
+def further_peer(scope: Scope, at_jaus: Spot, at_bridge: Spot, direction: str) -> Options:
+    """A connection of a bridge gets a further peer."""
+    used, peer = at_bridge.element, at_jaus.owner
+    if not isinstance(used, bridge.Connection) or not isinstance(peer, jaus.Component):
+        return Options(refusal="draw to a connection of the bridge")
+    if used.direction.name != direction:
+        way = "to JAUS" if used.direction.name == TO_JAUS else "to ROS"
+        return Options(refusal=f"{name_of(used)} goes {way}; draw the line the other way round")
+    if any(each is peer for each in used.peers):
+        return Options(refusal=f"{name_of(peer)} is a peer of {name_of(used)} already")
+    message = used.map.message if used.map is not None else None
+    if message is None:
+        return Options(refusal=f"{name_of(used)} has no map yet; choose one in its form")
+    fits = [
+        each for each in offers(peer, direction) if find_same(message, [each.message]) is not None
+    ]
+    if not fits:
+        return Options(refusal=_nothing(peer, name_of(message), direction))
+    peers = (*(scope.ref(each) for each in used.peers), scope.ref(peer))
+    names = ", ".join(name_of(each) for each in (*used.peers, peer))
+    option = Option(
+        f"{name_of(peer)} as peer of {name_of(used)}",
+        fits[0].why(name_of(peer)),
+        f"peers: {names}",
+        (Set(scope.ref(used), "peers", peers),),
+    )
+    return Options((option,))
+
+
+def _nothing(component: jaus.Component, message: str, direction: str) -> str:
+    verb = "sends" if direction == TO_ROS else "takes"
+    if message:
+        return f"{name_of(component)} {verb} no {message}"
+    reason = f"{name_of(component)} provides and uses no service with a message that it {verb}"
+    return f"{reason}; add a service to it first"
+
+
+def _any_of(scope: Scope, owner: bridge.Bridge, at_ros: Spot, direction: str) -> Options:
+    """What the components of the system have for an end, through one bridge."""
+    peers = [
+        each
+        for each in scope.model.instances(jaus.Component, library=False)
+        if not isinstance(each, bridge.Bridge)
+    ]
+    options = [
+        option
+        for peer in peers
+        for offer in offers(peer, direction)
+        for option in _crossings(scope, owner, peer, offer, at_ros)
+    ]
+    options.sort(key=_order)
+    if options:
+        return Options(tuple(options))
+    return Options(refusal="no component has a message for this end; add one with a service")
+
+
+def _crossings(
+    scope: Scope,
+    owner: EObject,
+    component: jaus.Component,
+    offer: Offer,
+    at_ros: Spot,
+    *,
+    is_chosen: bool = False,
+) -> Iterator[Option]:
+    """Yields the ways of one message: by each ready map, and by a new one.
+
+    The runtime itself takes care of messages of core services, unless one of them is chosen.
+    """
+    end = at_ros.element
+    if isinstance(end, ros.TopicEndpoint) and _is_carried(owner, component, offer, at_ros):
+        return
+    kind = end.type if isinstance(end, ros.TopicEndpoint) else None
+    for used in _ready(scope, offer, kind):
+        yield _crossing(scope, owner, component, offer, used.type, used, at_ros)
+    if kind is not None and (is_chosen or not is_served(offer.service)):
+        yield _crossing(scope, owner, component, offer, kind, None, at_ros)
+
+
+def _ready(
+    scope: Scope, offer: Offer, kind: ros.MessageType | None
+) -> Iterator[bridge.AttributeMap]:
+    """Yields the ready maps of a message to topics, of a type if one is given."""
+    for used in fitting(scope, offer.message, kind, to_ros=offer.to_ros):
+        is_topic = isinstance(used.type.eContainer(), ros.InterfacePackage)
+        if is_topic and not (used.reportJoins and offer.to_ros):
+            yield used
+
+
+def _crossing(
+    scope: Scope,
+    owner: EObject,
+    component: jaus.Component,
+    offer: Offer,
+    kind: ros.MessageType,
+    used: bridge.AttributeMap | None,
+    at_ros: Spot,
+) -> Option:
+    end = at_ros.element
+    name = snake_case(name_of(end if end is not None else offer.message))
+    topic = _topic(owner, at_ros.owner, end) if isinstance(end, ros.TopicEndpoint) else name
+    qos = profile_of(scope, end) if isinstance(end, ros.TopicEndpoint) else {}
+    draft = Draft(offer, component, kind, used, topic, name, qos)
+    commands = draft.commands(scope, owner)
+    if not isinstance(end, ros.TopicEndpoint):
+        commands.append(_new_end(scope, at_ros.owner, kind, topic, to_ros=offer.to_ros))
+    return _option(owner, component, draft, commands)
+
+
+def _option(
+    owner: EObject, component: jaus.Component, draft: Draft, commands: Sequence[Command]
+) -> Option:
+    """Returns a draft as people choose it: what crosses, how, and why it can."""
+    offer, used = draft.offer, draft.map
+    how = f"ready map {name_of(used)}" if used is not None else "new map"
+    bridged = name_of(owner) if isinstance(owner, bridge.Bridge) else "a new bridge"
+    why = f"{offer.why(name_of(component))}; {_style(offer)} through {bridged}"
+    if used is not None and lacks_stop(offer, used):
+        why += "; nothing stops it when its source is lost: that is for you to decide"
+    label = f"{name_of(offer.message)} by {how} ({ros_name(draft.type)})"
+    return Option(label, why, draft.preview(), commands)
+
+
+def _is_carried(owner: EObject, component: jaus.Component, offer: Offer, at_ros: Spot) -> bool:
+    """Tells whether a bridge has a connection of these ends already."""
+    end = at_ros.element
+    if not isinstance(owner, bridge.Bridge) or not isinstance(end, ros.TopicEndpoint):
+        return False
+    topic = _topic(owner, at_ros.owner, end)
+    return any(
+        each.direction.name == offer.direction
+        and each.map is not None
+        and each.map.message is not None
+        and find_same(offer.message, [each.map.message]) is not None
+        and (not each.peers or component in each.peers)
+        and any(one.name == topic for one in each.topics)
+        for each in owner.bridgeConnections
+    )
+
+
+def _order(option: Option) -> tuple[bool, bool]:
+    return ("new map" in option.label, "holds" in option.why)
+
+
+def _style(offer: Offer) -> str:
+    if offer.exchange == EVENT:
+        return "asked for as a periodic event" if offer.to_ros else "reported to whoever asks"
+    return "as messages"
+
+
+def _wrong_end(at_ros: Spot, direction: str) -> str:
+    end = at_ros.element
+    if isinstance(end, ros.Publisher) and direction == TO_ROS:
+        return f"{name_of(end)} publishes; draw from it to what shall get its messages"
+    if isinstance(end, ros.Subscription) and direction == TO_JAUS:
+        return f"{name_of(end)} subscribes; draw to it from what sends it messages"
+    return ""
+
+
+def _topic(owner: EObject, node: EObject, end: ros.TopicEndpoint) -> str:
+    """Returns how a bridge names the topic of an endpoint."""
+    namespace = str(getattr(node, "namespace", "") or "")
+    full = resolve_topic(end.topic or name_of(end), namespace, name_of(node))
+    own = str(getattr(owner, "namespace", "") or "")
+    is_same = own.strip("/") == namespace.strip("/") and not (end.topic or "").startswith(
+        ("~", "/")
+    )
+    return str(end.topic) if is_same and end.topic else full
+
+
+def _new_end(
+    scope: Scope,
+    node: EObject,
+    kind: ros.MessageType,
+    topic: str,
+    *,
+    to_ros: bool,
+    qos: Mapping[str, str] | None = None,
+) -> Add:
+    feature, cls = (
+        ("subscriptions", "ros.Subscription") if to_ros else ("publishers", "ros.Publisher")
+    )
+    name = name_among(topic, getattr(node, feature))
+    values = {"name": (name,), "topic": (topic,), "type": (scope.ref(kind),)}
+    profile = {each: (value,) for each, value in (qos or {}).items()}
+    inner = (Child("qos", "ros.QoSProfile", profile),) if profile else ()
+    return Add(scope.ref(node), feature, cls, values, inner)
+
+
+def _call(
+    scope: Scope, at_jaus: Spot, end: ros.ServiceEndpoint, owner: EObject, direction: str
+) -> Options:
+    """A ROS service whose calls a bridge makes JAUS messages of, or the other way round."""
+    serves = isinstance(end, ros.ServiceServer)
+    if serves is not (direction == TO_ROS):
+        verb = "serves calls" if serves else "calls"
+        return Options(refusal=f"{name_of(end)} {verb}; draw the line the other way round")
+    if not isinstance(owner, bridge.Bridge):
+        return Options(refusal="a ROS service needs a bridge; add one first")
+    values = {
+        "name": (name_among(name_of(end), owner.serviceConnections),),
+        "service": (str(end.service or name_of(end)),),
+        "type": (scope.ref(end.type),),
+        "direction": (direction,),
+    }
+    if direction == TO_JAUS:
+        values["peers"] = (scope.ref(at_jaus.owner),)
+    add = Add(scope.ref(owner), "serviceConnections", "bridge.RosServiceConnection", values)
+    label = f"calls of {name_of(end)} through {name_of(owner)}"
+    why = "choose the JAUS message that asks, and the answer, in its form"
+    preview = f"ros_service_connection {values['name'][0]} {{ service: {values['service'][0]} }}"
+    return Options((Option(label, why, preview, (add,)),))

@@ -1,0 +1,227 @@
+"""Property forms: what the metamodels say of the features of an element, and what it has there."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from functools import cache
+from typing import TYPE_CHECKING
+
+from jausml.authoring.proposals.elements import label_of, literal, values_of
+from jausml.authoring.studio.views.beginnings import usual_values
+from jausml.authoring.studio.views.moving import usual_texts
+from jausml.authoring.studio.views.shapes import Child, Children, Choice, Field, Form, Kind
+from jausml.authoring.studio.views.targets import legal_targets
+from jausml.language.metamodel import FeatureKind, ValueKind, documentation
+from jausml.language.model.refs import LIBRARY
+from jausml.language.model.words import words
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from jausml.authoring.proposals.elements import Scope
+    from jausml.language.metamodel import ClassTable, DataTypeTable, FeatureTable
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model import Diagnostic
+
+_KINDS = {
+    ValueKind.STRING: "text",
+    ValueKind.INTEGER: "integer",
+    ValueKind.REAL: "number",
+    ValueKind.BOOLEAN: "boolean",
+    ValueKind.ENUMERATION: "choice",
+}
+_MULTILINE = frozenset({"documentation", "holdReason"})
+_UNITS = (
+    (re.compile(r"^(?:[A-Z][a-z]* )?(?:messages|reports|calls) each second", re.IGNORECASE), "Hz"),
+    (re.compile(r"^Metres per second"), "m/s"),
+    (re.compile(r"^Minutes"), "min"),
+    (re.compile(r"^Seconds|\bin seconds\b"), "s"),
+)
+"""How the documentation of a feature says in which unit it is."""
+_OWN_UNIT = frozenset({"value", "minimum", "maximum"})
+"""Features that are in the unit that their element states."""
+
+
+def form(scope: Scope, ref: str, diagnostics: Iterable[Diagnostic] = ()) -> Form:
+    """Returns the form of an element."""
+    return form_of(scope, scope.find(ref), diagnostics)
+
+
+def form_of(scope: Scope, element: EObject, diagnostics: Iterable[Diagnostic] = ()) -> Form:
+    """Returns the form of an element."""
+    ref = scope.ref(element)
+    table = scope.model.metamodels.class_of(element)
+    is_fixed = ref.startswith(LIBRARY)
+    problems = _Problems(scope, element, diagnostics)
+    return Form(
+        element=ref,
+        class_=table.qualified_name,
+        title=label_of(element),
+        documentation=documentation(table.eclass),
+        readonly=is_fixed,
+        owner=scope.ref(element.eContainer()),
+        fields=tuple(
+            _field(scope, element, each, problems, is_fixed=is_fixed)
+            for each in _shown(table)
+            if each.kind is not FeatureKind.CONTAINMENT
+        ),
+        children=tuple(
+            _children(scope, element, each, is_fixed=is_fixed)
+            for each in _shown(table)
+            if each.kind is FeatureKind.CONTAINMENT
+        ),
+    )
+
+
+def kinds_of(target: ClassTable) -> tuple[Kind, ...]:
+    """Returns the classes whose elements can stand where one of a class is owned."""
+    concrete = sorted((each for each in target.subtypes if not each.abstract), key=_name)
+    first = [each for each in concrete if each is target]
+    return tuple(
+        Kind(each.qualified_name, in_words(each.name), documentation(each.eclass))
+        for each in (*first, *(each for each in concrete if each is not target))
+    )
+
+
+@cache
+def in_words(name: str) -> str:
+    """Returns a name of the metamodels as words: `silenceTimeout` becomes `silence timeout`."""
+    return " ".join(word if word.isupper() else word.lower() for word in words(name))
+
+
+def _name(table: ClassTable) -> str:
+    return table.qualified_name
+
+
+def _shown(table: ClassTable) -> list[FeatureTable]:
+    """The features of a form: the name, what is required, the others, the documentation."""
+    features = [
+        each
+        for each in table.features.values()
+        if each.kind is not FeatureKind.CONTAINER and each.settable
+    ]
+    return sorted(features, key=lambda each: (each.name == "documentation", each.name != "name"))
+
+
+class _Problems:
+    """What is wrong with the features of an element, told by the places of the findings."""
+
+    def __init__(self, scope: Scope, element: EObject, diagnostics: Iterable[Diagnostic]) -> None:
+        self._scope, self._element = scope, element
+        own, document = scope.model.location(element), scope.model.document_of(element)
+        fragment = scope.model.fragment(element)
+        path = document.display if document is not None else ""
+        self._found = [
+            each
+            for each in diagnostics
+            if each.fragment == fragment and each.location.path == path and each.location != own
+        ]
+
+    def of(self, feature: str) -> tuple[str, ...]:
+        """Returns the messages at a feature."""
+        if not self._found:
+            return ()
+        place = self._scope.model.location(self._element, feature)
+        return tuple(each.message for each in self._found if each.location == place)
+
+
+def _field(
+    scope: Scope, element: EObject, feature: FeatureTable, problems: _Problems, *, is_fixed: bool
+) -> Field:
+    values = values_of(element, feature)
+    is_reference = feature.kind is FeatureKind.CROSS_REFERENCE
+    if is_reference:
+        texts = tuple(scope.ref(each) for each in values)
+        shown = tuple(label_of(each) for each in values)
+    else:
+        texts = shown = tuple(map(literal, values))
+    return Field(
+        feature=feature.name,
+        label=in_words(feature.name),
+        kind="reference" if is_reference else _kind(feature),
+        many=feature.many,
+        required=feature.lower > 0 and feature.can_be_missing,
+        values=texts,
+        shown=shown,
+        default="" if feature.default is None else literal(feature.default),
+        documentation=documentation(feature.feature),
+        unit=_unit(element, feature),
+        choices=_references(scope, element, feature)
+        if is_reference
+        else (*choices_of(feature), *usual_texts(element, feature)),
+        problems=problems.of(feature.name),
+        changeable=not is_fixed,
+    )
+
+
+def _kind(feature: FeatureTable) -> str:
+    if feature.name in _MULTILINE:
+        return "multiline"
+    return _KINDS[_data_type(feature).kind]
+
+
+def _data_type(feature: FeatureTable) -> DataTypeTable:
+    if feature.data_type is None:
+        raise TypeError(f"{feature.name} is no attribute")
+    return feature.data_type
+
+
+@cache
+def choices_of(feature: FeatureTable) -> tuple[Choice, ...]:
+    """Returns the literals of an enumeration, none of other attributes."""
+    literals = _data_type(feature).literals
+    return tuple(
+        Choice(each, each, documentation(literals[each])) for each in _data_type(feature).legal
+    )
+
+
+def _references(scope: Scope, element: EObject, feature: FeatureTable) -> tuple[Choice, ...]:
+    found = {target.value: target for target in legal_targets(scope, element, feature)}
+    return tuple(found.values())
+
+
+def _unit(element: EObject, feature: FeatureTable) -> str:
+    data_type = feature.data_type
+    if data_type is None or data_type.kind not in (ValueKind.REAL, ValueKind.INTEGER):
+        return ""
+    if feature.name in _OWN_UNIT:
+        return str(getattr(element, "units", None) or "")
+    if feature.name in ("lower", "upper"):
+        return _unit_around(element)
+    text = documentation(feature.feature)
+    return next((unit for pattern, unit in _UNITS if pattern.search(text)), "")
+
+
+def _unit_around(element: EObject) -> str:
+    around: EObject | None = element
+    while around is not None:
+        if unit := getattr(around, "units", None):
+            return str(unit)
+        around = around.eContainer()
+    return ""
+
+
+def _children(scope: Scope, element: EObject, feature: FeatureTable, *, is_fixed: bool) -> Children:
+    value = getattr(element, feature.name)
+    owned: Sequence[EObject] = list(value) if feature.many else [value] if value else []
+    is_full = not feature.many and bool(owned)
+    target = feature.target
+    return Children(
+        feature=feature.name,
+        label=in_words(feature.name),
+        many=feature.many,
+        documentation=documentation(feature.feature),
+        kinds=tuple(
+            replace(each, values=usual_values(scope.model, element, feature, each.kind))
+            for each in (() if is_full or is_fixed or target is None else kinds_of(target))
+        ),
+        elements=tuple(
+            Child(
+                scope.ref(each),
+                label_of(each),
+                scope.model.metamodels.class_of(each).qualified_name,
+            )
+            for each in owned
+        ),
+    )

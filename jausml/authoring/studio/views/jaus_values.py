@@ -1,0 +1,225 @@
+"""Values of JAUS messages by path: texts to a payload, and a payload to texts."""
+
+from __future__ import annotations
+
+import re
+from datetime import datetime, timezone
+from typing import TYPE_CHECKING, Any
+
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.language import wire
+from jausml.language.semantics.jaus.layouts import is_group
+from jausml.live.messages import MessageEntry, MessageError
+from jausml.live.messages.codec import TAG
+from jausml.live.messages.embedded import parts
+from jausml.live.messages.samples import sample
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from jausml.language.metamodel.classes import jaus
+
+_STEP = re.compile(r"(.+?)((?:\[\d{1,4}\])*)")
+_PRESENCE = "_pv"
+_TIME = ("Milliseconds", "Seconds", "Minutes", "Hour", "Day")
+_SHOWN = 8
+
+
+def payload(message: jaus.MessageDef, values: Mapping[str, str]) -> bytes:
+    """Returns code and body of a message.
+
+    Args:
+        values: Texts by path, as maps write paths; what is not among them is left out where it may
+            be, and has its least legal value elsewhere.
+
+    Raises:
+        AnswerError: A text is no legal value, or a path leads nowhere.
+    """
+    entry = _entry(message)
+    try:
+        fields: Any = sample(entry.record)
+        for path, text in values.items():
+            kind, value = _body(message, entry, fields)
+            _put(kind, value, path.split("."), text, path)
+        return entry.encode(fields)
+    except MessageError as error:
+        raise AnswerError(str(error)) from error
+
+
+def rows(message: jaus.MessageDef, data: bytes) -> list[tuple[str, str]]:
+    """Returns the values of a message by path."""
+    entry = _entry(message)
+    try:
+        fields = entry.decode(data)
+    except MessageError as error:
+        raise AnswerError(str(error)) from error
+    kind, value = _body(message, entry, fields)
+    return list(_rows(kind, value, ""))
+
+
+def moment(text: str) -> datetime:
+    """Returns the time that a text says: `now`, or a date and time of ISO 8601, in UTC."""
+    if text.strip().lower() in ("", "now"):
+        return datetime.now(timezone.utc)
+    try:
+        found = datetime.fromisoformat(text.strip().replace("Z", "+00:00"))
+    except ValueError as error:
+        raise AnswerError(f"{text!a} is no time such as 2026-05-17T12:30:15.250") from error
+    return found if found.tzinfo is not None else found.replace(tzinfo=timezone.utc)
+
+
+def _entry(message: jaus.MessageDef) -> MessageEntry:
+    return MessageEntry(message, _no_message)
+
+
+def _no_message(_: Any, /) -> bytes:
+    raise MessageError("a message inside a message cannot be typed here")
+
+
+def _body(message: jaus.MessageDef, entry: MessageEntry, fields: Any) -> tuple[wire.Record, Any]:
+    """Returns what paths start in: the top record, or the one body field."""
+    if is_group(wire.target_of(message.body)):
+        [member] = entry.record.members
+        if isinstance(member.kind, wire.Record):
+            return member.kind, fields[member.name]
+    return entry.record, fields
+
+
+def _put(kind: wire.Kind, value: Any, steps: Sequence[str], text: str, path: str) -> None:
+    """Gives a member of a record a value; optional ones and elements on the way come to be."""
+    name, indices = _split(steps[0])
+    member = _member(kind, name)
+    if member is None:
+        raise AnswerError(f"there is no member {path}")
+    if isinstance(member, wire.Bits):
+        if indices:
+            raise AnswerError(f"{path}: {name} is no list")
+        value[name] = _integer(text)
+        return
+    if name not in value:
+        _choose(kind, value, name)
+        value[name] = sample(member)
+    inner, at = member, value
+    key: Any = name
+    for index in indices:
+        if not isinstance(inner, wire.List | wire.Array):
+            raise AnswerError(f"{path}: {name} is no list")
+        at, key, inner = at[key], index, inner.element.kind
+        while isinstance(at, list) and len(at) <= index:
+            at.append(sample(inner))
+    if steps[1:] and isinstance(inner, wire.Record | wire.Variant | wire.BitField):
+        _put(inner, at[key], steps[1:], text, path)
+    elif steps[1:] and isinstance(inner, wire.VariableNumber):
+        at[key] = _variable(inner, steps[1], text, path)
+    else:
+        at[key] = _value(inner, text, path)
+
+
+def _member(kind: wire.Kind, name: str) -> wire.Kind | wire.Bits | None:
+    match kind:
+        case wire.Record():
+            return next((each.kind for each in kind.members if each.name == name), None)
+        case wire.Variant():
+            return next((each.kind for each in kind.options if each.name == name), None)
+        case wire.BitField():
+            return next((each for each in kind.groups if each.name == name), None)
+        case _:
+            return None
+
+
+def _choose(kind: wire.Kind, value: Any, name: str) -> None:
+    if isinstance(kind, wire.Variant):
+        value.clear()
+        value[TAG] = [option.name for option in kind.options].index(name)
+
+
+def _variable(kind: wire.VariableNumber, name: str, text: str, path: str) -> dict[str, Any]:
+    numbers = kind.by_index
+    try:
+        index = int(name)
+    except ValueError:
+        index = min(numbers)
+    return {"index": index, "value": _value(numbers[index], text, path)}
+
+
+def _value(kind: wire.Kind, text: str, path: str) -> Any:
+    match kind:
+        case wire.BitField():
+            return _time(kind, text, path)
+        case wire.Text() | wire.FixedText():
+            return text
+        case wire.Octets() | wire.FormattedOctets():
+            return {"hex": text}
+        case wire.Scaled() | wire.Real():
+            try:
+                return float(text)
+            except ValueError as error:
+                raise AnswerError(f"{path}: {text!a} is no number") from error
+        case wire.Record() | wire.List() | wire.Array() | wire.Variant():
+            raise AnswerError(f"{path}: give its members values")
+        case _:
+            return _integer(text)
+
+
+def _integer(text: str) -> int | str:
+    """Returns an integer, or the name of one."""
+    try:
+        return int(text, 0)
+    except ValueError:
+        return text
+
+
+def _time(kind: wire.BitField, text: str, path: str) -> dict[str, int]:
+    if {each.name for each in kind.groups} != set(_TIME):
+        raise AnswerError(f"{path}: give its bits values")
+    at = moment(text)
+    values = (at.microsecond // 1000, at.second, at.minute, at.hour, at.day)
+    return dict(zip(_TIME, values, strict=True))
+
+
+def _split(step: str) -> tuple[str, list[int]]:
+    match = _STEP.fullmatch(step)
+    if match is None:
+        return step, []
+    return match[1], [int(each) for each in re.findall(r"\d+", match[2])]
+
+
+def _rows(kind: wire.Kind, value: Any, before: str) -> Iterator[tuple[str, str]]:
+    """Yields the values below a place; of long lists the first."""
+    few = value[:_SHOWN] if isinstance(kind, wire.List | wire.Array) else value
+    for step, inner, part in parts(kind, few):
+        joint = "." if before and not step.startswith("[") else ""
+        yield from _rows(inner, part, f"{before}{joint}{step}")
+    match kind:
+        case wire.List() | wire.Array() if len(value) > _SHOWN:
+            yield before, f"... ({len(value)} elements)"
+        case wire.BitField():
+            yield from _bits(kind, value, before)
+        case wire.VariableNumber():
+            yield before, _text(value["value"])
+        case wire.Octets() | wire.FormattedOctets():
+            yield before, str(value["hex"])
+        case wire.Integer():
+            yield before, _named(value, kind.legal.names)
+        case wire.Real() | wire.Scaled() | wire.FixedText() | wire.Text():
+            yield before, _text(value)
+        case _:
+            pass  # nothing beside its parts
+
+
+def _bits(kind: wire.BitField, value: Mapping[str, int], before: str) -> Iterator[tuple[str, str]]:
+    if {each.name for each in kind.groups} == set(_TIME):
+        clock = f"{value['Hour']:02}:{value['Minutes']:02}:{value['Seconds']:02}"
+        yield before, f"day {value['Day']}, {clock}.{value['Milliseconds']:03}"
+        return
+    for each in kind.groups:
+        yield f"{before}.{each.name}", _named(value[each.name], each.legal.names)
+
+
+def _named(value: Any, names: Mapping[int, str]) -> str:
+    name = names.get(value, "") if isinstance(value, int) else ""
+    return f"{value} {name}" if name else _text(value)
+
+
+def _text(value: Any) -> str:
+    return f"{value:.9g}" if isinstance(value, float) else str(value)

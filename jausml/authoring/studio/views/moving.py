@@ -1,0 +1,163 @@
+"""Transitions: what can lead from one state of a machine to another."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.authoring.editing.commands import Add, Child
+from jausml.authoring.proposals.elements import AnswerError, Option, Options
+from jausml.authoring.studio.views.shapes import Choice
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model.names import name_of
+from jausml.language.model.refs import LIBRARY
+from jausml.language.semantics.jaus.commands import is_command
+from jausml.language.semantics.jaus.inherited_machines import (
+    CORE_EVENTS,
+    CORE_STATES,
+    DEEPEST,
+    canonical,
+    event_name,
+    machine_with,
+)
+from jausml.language.semantics.jaus.services import lineage
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.authoring.proposals.elements import Scope
+    from jausml.language.metamodel import FeatureTable
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.semantics.jaus.inherited_machines import Machine
+
+_MARK = "!"
+_GUARD = "isControllingClient"
+"""The guard that commands of machines in the states of the core have (rule JML351)."""
+
+
+def lead(scope: Scope, element: jaus.StateMachine, source: str, target: str) -> Options:
+    """Returns the transitions that may lead from a state to another, those of messages first.
+
+    Args:
+        target: Id of the box of the state that is entered; the same one is left and entered again.
+    """
+    if scope.ref(element).startswith(LIBRARY):
+        refusal = f"{name_of(element)} belongs to the shipped library, which is not changed here"
+        return Options(refusal=refusal)
+    machine = machine_with(element)
+    if machine is None:
+        raise AnswerError(f"{name_of(element)} stands in no service")
+    start, end = _path(machine, source), _path(machine, target)
+    way = targets_from(machine, start).get(end, end)
+    taken = set(_taken(machine, start))
+    options = [
+        Option(
+            f"transition on {label}" + (" (again)" if key in taken else ""),
+            why,
+            _preview(key, values),
+            (_added(scope, element, machine, start, values),),
+        )
+        for key, label, why, values in _triggers(scope, element, machine, way)
+    ]
+    # What is taken already needs another guard: it comes last.
+    return Options(tuple(sorted(options, key=lambda each: each.label.endswith("(again)"))))
+
+
+def usual_texts(element: EObject, feature: FeatureTable) -> list[Choice]:
+    """Returns what a text of a transition may say: the states and the internal events there are."""
+    if not isinstance(element, jaus.Transition) or feature.name not in ("target", "event"):
+        return []
+    names: list[str] = []
+    state: EObject | None = element.eContainer()
+    while isinstance(state, jaus.State):
+        names.append(str(state.name))
+        state = state.eContainer()
+    machine = machine_with(state) if isinstance(state, jaus.StateMachine) else None
+    if machine is None or not isinstance(state, jaus.StateMachine):
+        return []
+    if feature.name == "event":
+        return [Choice(each, each) for each in events_of(state, machine)]
+    source = ".".join(reversed(names))
+    source = canonical(source) if machine.extends_core else source
+    return [Choice(text, path) for path, text in targets_from(machine, source).items()]
+
+
+def targets_from(machine: Machine, source: str) -> dict[str, str]:
+    """Returns what transitions of a state write for each state: as few names as do."""
+    core = CORE_STATES if machine.extends_core else ()
+    found = {}
+    for path in dict.fromkeys([*machine.nodes, *core]):
+        names = path.split(".")
+        shorter = (".".join(names[at:]) for at in range(len(names) - 1, -1, -1))
+        found[path] = next((e for e in shorter if machine.resolve(source, e) == path), path)
+    return found
+
+
+def events_of(element: jaus.StateMachine, machine: Machine) -> list[str]:
+    """Returns the names of the internal events that a machine is told of."""
+    own = [name_of(event) for each in lineage(element.eContainer()) for event in each.events]
+    return list(dict.fromkeys([*own, *(sorted(CORE_EVENTS) if machine.extends_core else ())]))
+
+
+def _path(machine: Machine, box: str) -> str:
+    """Returns the path of the state of a box."""
+    path = box.partition(_MARK)[2]
+    if path not in machine.nodes and not (machine.extends_core and path in CORE_STATES):
+        raise AnswerError("draw from a state to a state")
+    if path.count(".") >= DEEPEST:
+        raise AnswerError("that state lies too deep")
+    return path
+
+
+def _taken(machine: Machine, path: str) -> Iterator[str]:
+    """Yields the triggers that a state has a transition for, whatever its guard."""
+    node = machine.nodes.get(path)
+    for state in node.elements if node is not None else ():
+        for each in (*state.transitions, *state.defaults):
+            yield name_of(each.message) if each.message is not None else event_name(each.event)
+
+
+_Values = dict[str, tuple[str, ...]]
+
+
+def _triggers(
+    scope: Scope, element: jaus.StateMachine, machine: Machine, way: str
+) -> Iterator[tuple[str, str, str, _Values]]:
+    """Yields what may trigger a transition: its key, its label, why, and the values it gives."""
+    for service in lineage(element.eContainer()):
+        for message in service.inputs:
+            values: _Values = {"message": (scope.ref(message),), "target": (way,)}
+            if is_command(message) and machine.extends_core:
+                values["guard"] = (_GUARD,)
+            why = str(message.documentation or "") or f"{name_of(service)} takes it"
+            yield name_of(message), name_of(message), why, values
+    for name in events_of(element, machine):
+        yield name, name, "internal event", {"event": (name,), "target": (way,)}
+    why = "on whatever no other transition of the state takes"
+    yield "", "anything else", why, {"target": (way,)}
+
+
+def _added(
+    scope: Scope, element: jaus.StateMachine, machine: Machine, source: str, values: _Values
+) -> Add:
+    """Returns what adds a transition to a state, which is added too where the machine has none."""
+    is_around = any(each.startswith(f"{source}.") for each in machine.nodes)
+    feature = "defaults" if is_around else "transitions"
+    node = machine.nodes.get(source)
+    own = [each for each in node.elements if _is_of(each, element)] if node is not None else []
+    if own:
+        return Add(scope.ref(own[0]), feature, "jaus.Transition", values)
+    child = Child(feature, "jaus.Transition", values)
+    return Add(scope.ref(element), "states", "jaus.State", {"name": (source,)}, (child,))
+
+
+def _is_of(state: jaus.State, element: jaus.StateMachine) -> bool:
+    around = state.eContainer()
+    while isinstance(around, jaus.State):
+        around = around.eContainer()
+    return around is element
+
+
+def _preview(message: str, values: _Values) -> str:
+    shown = {name: text for name, (text,) in values.items()}
+    words = {**shown, "message": message} if "message" in shown else shown
+    return f"{{ {'  '.join(f'{name}: {text}' for name, text in words.items())} }}"

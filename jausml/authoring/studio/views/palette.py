@@ -1,0 +1,386 @@
+"""The palette: what can be added to a file, found by a few letters of its name."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache, partial
+from itertools import islice
+from typing import TYPE_CHECKING
+
+from jausml.authoring.editing.commands import Add, Child, Set
+from jausml.authoring.proposals.bridging import bridges_of, map_commands, system_of
+from jausml.authoring.proposals.elements import AnswerError, label_of, library
+from jausml.authoring.proposals.fresh import free_address, name_among, participant_name
+from jausml.authoring.studio.views.beginnings import PACKAGES, usual_values
+from jausml.authoring.studio.views.forms import in_words, kinds_of
+from jausml.authoring.studio.views.inheriting import inherit
+from jausml.authoring.studio.views.shapes import Drop, PaletteItem
+from jausml.language.metamodel import documentation
+from jausml.language.metamodel.classes import bridge, jaus, ros, system
+from jausml.language.model.names import name_of
+from jausml.language.model.refs import LIBRARY
+from jausml.language.model.words import snake_case, words
+from jausml.language.semantics.jaus.core_services import CORE
+from jausml.language.semantics.paths.ros_paths import ros_name
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+
+    from jausml.authoring.editing.commands import Command
+    from jausml.authoring.proposals.elements import Scope
+    from jausml.language.metamodel import ClassTable, FeatureTable
+    from jausml.language.metamodel.classes.ecore import EObject
+
+MOST = 60
+"""How many items are shown unless more are asked for."""
+
+COMPONENTS, SERVICES, TYPES, MAPS, ELEMENTS = (
+    "components",
+    "services",
+    "ros types",
+    "ready maps",
+    "elements",
+)
+
+
+@dataclass(frozen=True)
+class Entry:
+    """Something of the palette before it is known where it goes.
+
+    Attributes:
+        make: Makes the commands for a model and the element that it is dropped on, if any; nothing
+            where it cannot go.
+    """
+
+    id: str
+    group: str
+    label: str
+    note: str
+    documentation: str
+    make: Callable[[Scope, EObject | None], Sequence[Command]]
+    words: str = ""
+
+    def rank(self, wanted: Sequence[str]) -> int | None:
+        """Returns how well it fits words, 0 best; None where it does not."""
+        if not all(each in self.words for each in wanted):
+            return None
+        label = self.label.lower()
+        if not wanted or label == wanted[0]:
+            return 0
+        if label.startswith(wanted[0]) or f" {wanted[0]}" in f" {self.words.split('|', 1)[0]}":
+            return 1
+        return 2 if wanted[0] in label else 3
+
+
+def palette(
+    scope: Scope,
+    query: str = "",
+    kinds: Iterable[str] | None = None,
+    limit: int = MOST,
+    onto: str = "",
+) -> list[PaletteItem]:
+    """Returns what can be added, the best first.
+
+    What fits an element comes before what the system takes; without words to look for it leaves
+    half of the room to that.
+
+    Args:
+        kinds: The groups that are meant, all when None.
+        onto: Names the element that it is dropped on. One that is gone, or of the library, takes
+            nothing.
+    """
+    wanted = query.lower().split()
+    groups = None if kinds is None else set(kinds)
+    target = _target(scope, onto)
+    turns: list[tuple[EObject | None, int]] = [(None, limit)]
+    if target is not None:
+        turns.insert(0, (target, limit if wanted else limit // 2))
+    found: list[PaletteItem] = []
+    for each, most in turns:
+        entries = [*_elements(scope, each), _external(scope), *_own(scope), *library_entries()]
+        items = _items(scope, _ranked(entries, wanted, groups), each)
+        found += islice(items, most - len(found))
+    return found
+
+
+def _target(scope: Scope, onto: str) -> EObject | None:
+    """Returns the element that something is dropped on, None where that is the system."""
+    if not onto or onto.startswith(LIBRARY):
+        return None
+    try:
+        found = scope.find(onto)
+    except AnswerError:  # it was chosen, and has gone meanwhile
+        return None
+    return None if found in scope.model.documents[0].roots else found
+
+
+def _ranked(
+    entries: Sequence[Entry], wanted: Sequence[str], groups: set[str] | None
+) -> Iterator[Entry]:
+    """Yields the entries of some groups that fit words, the best first."""
+    ranked = sorted(
+        (rank, len(each.label) if wanted else 0, index)
+        for index, each in enumerate(entries)
+        if (groups is None or each.group in groups) and (rank := each.rank(wanted)) is not None
+    )
+    for *_, index in ranked:
+        yield entries[index]
+
+
+def _items(scope: Scope, entries: Iterable[Entry], target: EObject | None) -> Iterator[PaletteItem]:
+    """Yields what can be added to an element."""
+    onto = label_of(target) if target is not None else ""
+    for each in entries:
+        commands = each.make(scope, target)
+        if commands:
+            yield PaletteItem(
+                each.id,
+                each.group,
+                each.label,
+                each.note,
+                each.documentation,
+                Drop(commands),
+                f"add {each.label}",
+                onto,
+            )
+
+
+@cache
+def library_entries() -> tuple[Entry, ...]:
+    """Returns what the library offers, made at the first call."""
+    model = library()
+    return (
+        *_services(model.instances(jaus.Service)),
+        *_types(model.instances(ros.MessageType), model.instances(ros.ServiceType)),
+        *_maps(model.instances(bridge.AttributeMap)),
+    )
+
+
+def _external(scope: Scope) -> Entry:
+    """Returns the entry of a component that exists already."""
+    table = scope.model.metamodels.classes["jaus.Component"]
+    about = documentation(table.features["external"].feature)
+    return _entry(
+        "component external", COMPONENTS, "external component", "exists already", about,
+        _external_component,
+    )  # fmt: skip
+
+
+def _own(scope: Scope) -> Iterator[Entry]:
+    """Yields the services, types and maps of the project."""
+    model = scope.model
+    yield from _services(model.instances(jaus.Service, library=False))
+    yield from _types(
+        model.instances(ros.MessageType, library=False),
+        model.instances(ros.ServiceType, library=False),
+    )
+    yield from _maps(model.instances(bridge.AttributeMap, library=False))
+
+
+def _services(services: Iterable[jaus.Service]) -> Iterator[Entry]:
+    for each in _ordered([each for each in services if each.urn]):
+        family = str(each.urn).removesuffix(f":{name_of(each)}").rpartition(":")[2]
+        where = f"{each.urn} {each.version}"
+        names = " ".join(name_of(m) for m in (*each.inputs, *each.outputs))
+        about = str(each.documentation or "")
+        key = f"service {where}"
+        component = partial(_component_with, service=each)
+        yield _entry(
+            f"{key} component", COMPONENTS, name_of(each), f"provides it, {family} {each.version}",
+            about, component, where, names,
+        )  # fmt: skip
+        yield _entry(
+            f"{key} inherits", SERVICES, name_of(each), f"inherits, {each.version}", about,
+            partial(_inherited, base=each), where, names,
+        )  # fmt: skip
+        for feature in ("provides", "uses"):
+            yield _entry(
+                f"{key} {feature}", SERVICES, name_of(each), f"{feature}, {each.version}", about,
+                partial(_with_service, service=each, feature=feature), where, names,
+            )  # fmt: skip
+
+
+def _ordered(services: Sequence[jaus.Service]) -> list[jaus.Service]:
+    """Returns services as people look for them: what moves first, core services last.
+
+    Every component has those. Older versions stand behind all that is present.
+    """
+    newest: dict[str, tuple[int, ...]] = {}
+    for each in services:
+        urn = str(each.urn)
+        newest[urn] = max(newest.get(urn, ()), _version(each))
+
+    def place(service: jaus.Service) -> tuple[bool, int, str]:
+        urn = str(service.urn)
+        family = 0 if urn.startswith(_MOBILITY) else 2 if urn.startswith(CORE) else 1
+        return _version(service) < newest[urn], family, name_of(service)
+
+    return sorted(services, key=place)
+
+
+_MOBILITY = "urn:jaus:jss:mobility:"
+
+
+def _version(service: jaus.Service) -> tuple[int, ...]:
+    return tuple(int(each) for each in str(service.version).split(".") if each.isdecimal())
+
+
+def _types(
+    messages: Iterable[ros.MessageType], services: Iterable[ros.ServiceType]
+) -> Iterator[Entry]:
+    ends = (
+        ("publishers", "ros.Publisher", "publisher", "topic"),
+        ("subscriptions", "ros.Subscription", "subscription", "topic"),
+    )
+    for message in messages:
+        if isinstance(message.eContainer(), ros.InterfacePackage):
+            for end in ends:
+                yield _end(message, *end)
+    for service in services:
+        yield _end(service, "serviceServers", "ros.ServiceServer", "service server", "service")
+        yield _end(service, "serviceClients", "ros.ServiceClient", "service client", "service")
+
+
+def _end(
+    kind: ros.MessageType | ros.ServiceType, feature: str, cls: str, noun: str, named: str
+) -> Entry:
+    make = partial(_endpoint, kind=kind, feature=feature, cls=cls, named=named)
+    label = ros_name(kind)
+    return _entry(f"{label} {feature}", TYPES, label, noun, str(kind.documentation or ""), make)
+
+
+def _maps(maps: Iterable[bridge.AttributeMap]) -> Iterator[Entry]:
+    for each in maps:
+        if each.message is None or each.type is None or each.reportJoins:
+            continue
+        for to_ros, assignments in ((True, each.toRos), (False, each.toJaus)):
+            if assignments:
+                arrow = "to ROS" if to_ros else "to JAUS"
+                ends = (name_of(each.message), ros_name(each.type))
+                note = " to ".join(ends if to_ros else reversed(ends))
+                make = partial(_connection, used=each, to_ros=to_ros)
+                about = str(each.documentation or "")
+                yield _entry(
+                    f"map {ends} {name_of(each)} {arrow}", MAPS, name_of(each), note, about, make,
+                    *ends,
+                )  # fmt: skip
+
+
+def _elements(scope: Scope, target: EObject | None) -> Iterator[Entry]:
+    """Yields the kinds of elements that an element, the bridges or the system can own."""
+    for owner in [target] if target is not None else scope.model.documents[0].roots:
+        table = scope.model.metamodels.class_of(owner)
+        for feature in sorted(table.contained, key=lambda each: each.name not in PACKAGES):
+            is_full = not feature.many and getattr(owner, feature.name) is not None
+            for kind in () if is_full or feature.target is None else kinds_of(feature.target):
+                if kind.kind in _others(table, feature):
+                    continue
+                several = _is_ambiguous(table, feature)
+                note = f"{in_words(feature.name)} of {label_of(owner)}"
+                make = partial(_element, owner=owner, feature=feature, kind=kind.kind)
+                label = in_words(feature.name) if several else kind.label
+                yield _entry(
+                    f"element {feature.name} {kind.kind}", ELEMENTS, label, note,
+                    kind.documentation, make, in_words(feature.name), kind.label,
+                )  # fmt: skip
+
+
+def _others(table: ClassTable, feature: FeatureTable) -> set[str]:
+    """The classes that other features of a class are made for, such as bridges."""
+    return {
+        each.target.qualified_name
+        for each in table.contained
+        if each.target is not None and each.target is not feature.target
+    }
+
+
+def _is_ambiguous(table: ClassTable, feature: FeatureTable) -> bool:
+    return sum(each.target is feature.target for each in table.contained) > 1
+
+
+def _entry(
+    id_: str,
+    group: str,
+    label: str,
+    note: str,
+    about: str,
+    make: Callable[[Scope, EObject | None], Sequence[Command]],
+    *more: str,
+) -> Entry:
+    text = " ".join((label, " ".join(words(label)), *more, note))
+    found = f"{' '.join(words(label))} {label}|{text} {about}".lower()
+    return Entry(id_, group, label, note, about, make, found)
+
+
+def _component_with(scope: Scope, onto: EObject | None, service: jaus.Service) -> Sequence[Command]:
+    more = {"provides": (scope.ref(service),)}
+    return _component(scope, onto, name_of(service), more)
+
+
+def _external_component(scope: Scope, onto: EObject | None) -> Sequence[Command]:
+    return _component(scope, onto, "external", {"external": ("true",)})
+
+
+def _component(
+    scope: Scope, onto: EObject | None, name: str, more: Mapping[str, tuple[str, ...]]
+) -> Sequence[Command]:
+    whole = onto if isinstance(onto, system.System) else system_of(scope) if onto is None else None
+    if whole is None:
+        return []
+    own = {"name": (participant_name(name, whole),), "address": (free_address(scope.model),)}
+    return [Add(scope.ref(whole), "components", "jaus.Component", {**own, **more})]
+
+
+def _with_service(
+    scope: Scope, onto: EObject | None, service: jaus.Service, feature: str
+) -> Sequence[Command]:
+    if not isinstance(onto, jaus.Component):
+        return []
+    known = tuple(scope.ref(each) for each in getattr(onto, feature))
+    own = scope.ref(service)
+    return [] if own in known else [Set(scope.ref(onto), feature, (*known, own))]
+
+
+def _inherited(scope: Scope, onto: EObject | None, base: jaus.Service) -> Sequence[Command]:
+    if not isinstance(onto, jaus.Service):
+        return []
+    return [each for option in inherit(scope, onto, base).options for each in option.commands]
+
+
+def _endpoint(
+    scope: Scope,
+    onto: EObject | None,
+    kind: ros.MessageType | ros.ServiceType,
+    feature: str,
+    cls: str,
+    named: str,
+) -> Sequence[Command]:
+    wanted = name_of(kind)
+    type_ = (scope.ref(kind),)
+    if isinstance(onto, ros.Node):
+        name = name_among(wanted, getattr(onto, feature))
+        values = {"name": (name,), named: (name,), "type": type_}
+        return [Add(scope.ref(onto), feature, cls, values)]
+    whole = onto if isinstance(onto, system.System) else system_of(scope) if onto is None else None
+    if whole is None:
+        return []
+    name = snake_case(wanted)
+    end = Child(feature, cls, {"name": (name,), named: (name,), "type": type_})
+    node = {"name": (participant_name(f"{name}_node", whole),)}
+    return [Add(scope.ref(whole), "nodes", "ros.Node", node, (end,))]
+
+
+def _connection(
+    scope: Scope, onto: EObject | None, used: bridge.AttributeMap, *, to_ros: bool
+) -> Sequence[Command]:
+    if onto is not None and not isinstance(onto, bridge.Bridge | system.System):
+        return []
+    owner = onto or next(iter(bridges_of(scope)), None) or system_of(scope)
+    return [] if owner is None else map_commands(scope, owner, used, to_ros=to_ros)
+
+
+def _element(
+    scope: Scope, _: EObject | None, owner: EObject, feature: FeatureTable, kind: str
+) -> Sequence[Command]:
+    values = usual_values(scope.model, owner, feature, kind)
+    return [Add(scope.ref(owner), feature.name, kind, values)]

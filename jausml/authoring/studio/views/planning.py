@@ -1,0 +1,206 @@
+"""Planning: what `jausml generate` would do, and doing exactly that."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING
+
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.generation.errors import GenerationError
+from jausml.generation.plan import Action, ActionKind, Plan, unified_diff
+from jausml.generation.target import load_targets
+from jausml.generation.workspace import Result, generate, select
+from jausml.generation.writer import apply, locked
+from jausml.language.model import Severity
+from jausml.language.validation.formats import text
+
+if TYPE_CHECKING:
+    from jausml.generation.drift import Finding
+    from jausml.language.validation.report import Report
+
+_WORDS = {
+    ActionKind.CREATE: "create",
+    ActionKind.UPDATE: "change",
+    ActionKind.DELETE: "remove",
+    ActionKind.ORPHAN: "keep",
+    ActionKind.REFUSE: "refuse",
+}
+_UNCHANGED = "unchanged"
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedFile:
+    """What happens to a file.
+
+    Attributes:
+        action: `create`, `change`, `keep`, `same`, `remove` or `refuse`.
+    """
+
+    path: str
+    action: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Drifted:
+    """Where a file of the user no longer fits the model."""
+
+    path: str
+    line: int
+    severity: str
+    message: str
+    stub: str
+
+
+@dataclass(frozen=True, slots=True)
+class Planned:
+    """What would be done.
+
+    Attributes:
+        problems: Why nothing can be generated, empty when something can.
+        digest: Tells this plan from any other; empty with problems.
+    """
+
+    out: str
+    files: tuple[PlannedFile, ...] = ()
+    drift: tuple[Drifted, ...] = ()
+    problems: str = ""
+    digest: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """What was done: how many files were written or removed, in words too."""
+
+    written: int
+    message: str
+
+
+def out_folder(root: Path, file: str, out: str = "", chosen: str = "") -> Path:
+    """Returns the folder that is generated into.
+
+    Args:
+        out: What the page asks for, relative to the root; empty for the usual one.
+        chosen: What the user said when the studio was started; nothing else may lie outside of the
+            root.
+    """
+    usual = Path(chosen) if chosen else root / f"{PurePosixPath(file).stem}_ws" / "src"
+    folder = Path(os.path.realpath(root / out if out else usual))
+    own = Path(os.path.realpath(usual))
+    if folder != own and not folder.is_relative_to(os.path.realpath(root)):
+        raise AnswerError(f"{out} lies outside of the opened folder")
+    if folder.exists() and not folder.is_dir():
+        raise AnswerError(f"{folder} is no folder")
+    return folder
+
+
+def plan(report: Report, out: Path, *, force: bool = False) -> Planned:
+    """Returns what generating from a model into a folder would do; nothing is written."""
+    problems = _problems(report)
+    if problems:
+        return Planned(str(out), problems=problems)
+    try:
+        result = _result(report, out, force=force)
+    except GenerationError as error:
+        return Planned(str(out), problems=str(error))
+    return Planned(
+        str(out),
+        tuple(map(_file, result.plan.actions)),
+        tuple(map(_drifted, result.drift)),
+        digest=digest(result.plan),
+    )
+
+
+def diff(report: Report, out: Path, path: str, *, force: bool = False) -> str:
+    """Returns the patch of one file, empty where nothing would change."""
+    actions = [
+        each for each in _checked(report, out, force=force).plan.actions if each.path == path
+    ]
+    if not actions:
+        raise AnswerError(f"{path} is no file of the plan")
+    return unified_diff(Plan(out, tuple(actions)))
+
+
+def execute(report: Report, out: Path, shown: str, *, force: bool = False) -> Written:
+    """Generates, if that does what was shown.
+
+    Args:
+        shown: The digest of the plan that was shown.
+
+    Raises:
+        AnswerError: The model or a file has changed since, a file is refused, or the operating
+            system refuses.
+    """
+    try:
+        with locked(out):
+            result = _checked(report, out, force=force)
+            if digest(result.plan) != shown:
+                raise AnswerError("the model or the files have changed: look at the plan again")
+            apply(result.plan)
+    except GenerationError as error:
+        raise AnswerError(f"cannot write into {out}: {error}") from error
+    changes = result.plan.changes
+    words = [
+        f"{count} {word}"
+        for kind, word in (
+            (ActionKind.CREATE, "created"),
+            (ActionKind.UPDATE, "changed"),
+            (ActionKind.DELETE, "removed"),
+        )
+        if (count := len(result.plan.of(kind)))
+    ]
+    return Written(len(changes), f"{', '.join(words) or 'nothing to do'} in {out}")
+
+
+def digest(planned: Plan) -> str:
+    """Returns what tells a plan from any other."""
+    summary = hashlib.sha256(planned.manifest.encode())
+    for each in planned.actions:
+        for part in (each.kind.value, each.path, each.reason, each.old, each.new, each.backup):
+            data = b"-" if part is None else part.encode("utf-8", "surrogatepass")
+            summary.update(b"%d:" % len(data) + data)
+    return summary.hexdigest()
+
+
+def _checked(report: Report, out: Path, *, force: bool) -> Result:
+    problems = _problems(report)
+    if problems:
+        raise AnswerError(problems)
+    try:
+        return _result(report, out, force=force)
+    except GenerationError as error:
+        raise AnswerError(str(error)) from error
+
+
+def _result(report: Report, out: Path, *, force: bool) -> Result:
+    selection = select(load_targets())
+    return generate(
+        report.model,
+        selection.targets,
+        out,
+        kept=selection.kept,
+        renewed=selection.renewed,
+        force=force,
+        write=False,
+    )
+
+
+def _problems(report: Report) -> str:
+    if not report.has_errors:
+        return ""
+    errors = [each for each in report.diagnostics if each.severity is Severity.ERROR]
+    first = text.one_line(str(errors[0]))
+    others = f" and {len(errors) - 1} more" if len(errors) > 1 else ""
+    return f"errors come first: {first}{others}"
+
+
+def _file(action: Action) -> PlannedFile:
+    word = _WORDS.get(action.kind, "same" if action.reason == _UNCHANGED else "keep")
+    return PlannedFile(action.path, word, action.reason)
+
+
+def _drifted(found: Finding) -> Drifted:
+    return Drifted(found.path, found.line, found.severity, found.message, found.stub)

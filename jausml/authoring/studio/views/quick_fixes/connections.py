@@ -1,0 +1,237 @@
+"""Quick fixes of what is wrong with connections: stops, peers, services, times."""
+
+from __future__ import annotations
+
+import ipaddress
+import re
+from typing import TYPE_CHECKING
+
+from jausml.authoring.editing.commands import Add, Child, Remove, Set
+from jausml.authoring.studio.views.quick_fixes.found import unset
+from jausml.authoring.studio.views.shapes import QuickFix
+from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.model.names import name_of
+from jausml.language.semantics.assignments.units import fills_rates_alone
+from jausml.language.semantics.jaus.services import find_same, inputs, outputs
+from jausml.language.semantics.paths.attributes import NUMBER, Attribute
+from jausml.language.semantics.paths.jaus_paths import JausPlace
+from jausml.language.semantics.paths.ros_paths import RosPlace
+from jausml.language.semantics.paths.scopes import outer_scope, target_paths
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from jausml.authoring.studio.views.quick_fixes.found import Fixer, Found
+
+_PERIODS = 3
+"""How many messages may be lost before a source counts as silent."""
+
+
+def stop(found: Found) -> Iterator[QuickFix]:
+    """Adds a stop, where zeros can be one: all numbers that commands fill are rates."""
+    connection = found.element
+    to_ros = connection.direction.name == "jausToRos"
+    used = connection.map
+    values = [] if to_ros else list(_zeros(used))
+    feature = "stopRos" if to_ros else "stopJaus"
+    if getattr(used, feature) is not None or not fills_rates_alone(used, to_ros=to_ros):
+        return
+    children = tuple(
+        Child("values", "bridge.ConstantAssignment", {"target": (path,), "value": ("0",)})
+        for path in values
+    )
+    if not to_ros and not children:
+        return
+    if not found.scope.model.is_library(used):
+        add = Add(found.scope.ref(used), feature, "bridge.Stop", {}, children)
+        yield QuickFix(f"give the map a {feature} of zeros", (add,))
+        return
+    adds = tuple(
+        Add(found.ref, "safeValue", "bridge.ConstantAssignment", child.values)
+        for child in children or _ros_zeros(used)
+    )
+    if adds:
+        yield QuickFix("give it a safe value of zeros", adds)
+
+
+def _zeros(used: bridge.AttributeMap) -> Iterator[str]:
+    """Yields the JAUS members that assignments fill with numbers, where 0 is legal."""
+    yield from _filled(used, to_ros=False)
+
+
+def _ros_zeros(used: bridge.AttributeMap) -> list[Child]:
+    return [
+        Child("safeValue", "bridge.ConstantAssignment", {"target": (path,), "value": ("0",)})
+        for path in _filled(used, to_ros=True)
+    ]
+
+
+def _filled(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[str]:
+    scope = outer_scope(used, to_ros=to_ros)
+    for each in used.toRos if to_ros else used.toJaus:
+        for path in target_paths(each) if isinstance(each, bridge.FieldAssignment) else ():
+            place = scope.find_target(path)
+            if isinstance(place, JausPlace | RosPlace) and _has_zero(place.attribute()):
+                yield path
+
+
+def _has_zero(found: Attribute) -> bool:
+    lower = found.lower if found.lower is not None else 0
+    upper = found.upper if found.upper is not None else 0
+    return found.kind == NUMBER and lower <= 0 <= upper
+
+
+def silence(found: Found) -> Iterator[QuickFix]:
+    """Gives a safe value a time after which it is sent, longer than the period of messages."""
+    rate = _rate(found.element)
+    seconds = max(1.0, round(_PERIODS / rate, 3)) if rate else 1.0
+    yield found.set(f"after {seconds:g} s of silence", "silenceTimeout", f"{seconds:g}")
+
+
+def _rate(connection: bridge.Connection) -> float:
+    if connection.rate > 0:
+        return float(connection.rate)
+    owner = connection.eContainer()
+    is_timed = connection.exchange.name in ("periodicEvent", "query")
+    return float(owner.frequency) if is_timed and isinstance(owner, bridge.Bridge) else 0.0
+
+
+def freshness(found: Found) -> Iterator[QuickFix]:
+    """Says for how long a report is fresh."""
+    yield found.set("fresh for 1 s", "freshness", "1.0")
+
+
+def times(found: Found) -> Iterator[QuickFix]:
+    """Leaves out a time that is none, or that is for other connections."""
+    if "is no time" in found.message or "makes no report" in found.message:
+        yield from unset(found)
+
+
+def hold(found: Found) -> Iterator[QuickFix]:
+    """Leaves out a hold of what is no command."""
+    if "carries no command" in found.message:
+        yield from unset(found)
+
+
+def control(found: Found) -> Iterator[QuickFix]:
+    """Does without control of what cannot be controlled."""
+    if 'control="false"' in found.hint or "control: false" in found.hint:
+        yield found.set("send without control", "control", "false")
+
+
+def service(found: Found) -> Iterator[QuickFix]:
+    """Lets the component that is named provide the service that has the message."""
+    match = re.search(r"add (\w+) to what it provides", found.hint)
+    owner = next((each for each in _components(found) if name_of(each) in found.quoted[:1]), None)
+    message = _message(found)
+    offered = message.eContainer() if message is not None else None
+    if match is None or owner is None or offered is None or offered.name != match[1]:
+        return
+    known = tuple(found.scope.ref(each) for each in owner.provides)
+    commands = (Set(found.scope.ref(owner), "provides", (*known, found.scope.ref(offered))),)
+    yield QuickFix(f"let {name_of(owner)} provide {match[1]}", commands)
+
+
+def peer(found: Found) -> Iterator[QuickFix]:
+    """Names the one component that has the message, or searches for its service."""
+    message, connection = _message(found), found.element
+    if message is None or connection.peers or connection.search is not None:
+        return
+    to_ros = connection.direction.name == "jausToRos"
+    fits = [
+        each
+        for each in _components(found)
+        if not isinstance(each, bridge.Bridge)
+        and find_same(message, outputs(each) if to_ros else inputs(each)) is not None
+    ]
+    if len(fits) == 1:
+        name = name_of(fits[0])
+        yield found.set(f"name {name} as its peer", "peers", found.scope.ref(fits[0]))
+    elif not fits and isinstance(offered := message.eContainer(), jaus.Service):
+        values = {"services": (found.scope.ref(offered),)}
+        add = Add(found.ref, "search", "jaus.PeerSearch", values)
+        yield QuickFix(f"search for {offered.name}", (add,))
+
+
+def published_twice(found: Found) -> Iterator[QuickFix]:
+    """Takes away the topic or the connection that says it a second time."""
+    noun = "topic" if isinstance(found.element, bridge.Topic) else "connection"
+    yield QuickFix(f"take this {noun} away", (Remove(found.ref),))
+
+
+def stated_twice(found: Found) -> Iterator[QuickFix]:
+    """Leaves out what a map says already."""
+    if found.hint == "leave it out":
+        yield from unset(found)
+
+
+def timed_out(found: Found) -> Iterator[QuickFix]:
+    """Leaves out what the rule advises to leave out, or what is out of its range."""
+    if "leave" in found.hint or not found.hint:
+        yield from unset(found)
+
+
+def success(found: Found) -> Iterator[QuickFix]:
+    """Names the one bool of a response that can tell of a failure."""
+    response = found.element.type.response if found.element.type is not None else None
+    fields = response.fields if response is not None else ()
+    bools = [
+        each
+        for each in fields
+        if getattr(getattr(each, "type", None), "name", "") == "bool"
+        and each.arrayKind.name == "single"
+    ]
+    if len(bools) == 1:
+        name = name_of(bools[0])
+        yield found.set(f"tell it in {name}", "successMember", name)
+
+
+def allowed_hosts(found: Found) -> Iterator[QuickFix]:
+    """Writes the network in which an address lies."""
+    hosts = list(found.element.allowedHosts)
+    for wrong in found.quoted[:1]:
+        if "not the network" in found.message and wrong in hosts:
+            network = str(ipaddress.ip_network(wrong, strict=False))
+            values = [network if each == wrong else each for each in hosts]
+            yield found.set(f"write {network}", "allowedHosts", *values)
+
+
+def _components(found: Found) -> list[jaus.Component]:
+    return found.scope.model.instances(jaus.Component, library=False)
+
+
+def _message(found: Found) -> jaus.MessageDef | None:
+    element = found.element
+    if isinstance(element, jaus.ServiceConnection):
+        return element.message
+    if isinstance(element, bridge.Connection):
+        return element.map.message if element.map is not None else None
+    return None
+
+
+QUICK_FIXES: Mapping[str, Fixer] = {
+    "JML304": service,
+    "JML422": service,
+    "JML423": peer,
+    "JML426": silence,
+    "JML427": control,
+    "JML451": stop,
+    "JML452": hold,
+    "JML453": unset,
+    "JML454": silence,
+    "JML455": freshness,
+    "JML456": times,
+    "JML463": unset,
+    "JML464": published_twice,
+    "JML467": stated_twice,
+    "JML471": control,
+    "JML473": success,
+    "JML474": unset,
+    "JML477": allowed_hosts,
+    "JML478": unset,
+    "JML490": unset,
+    "JML491": timed_out,
+    "JML492": unset,
+    "JML493": timed_out,
+}
+"""The quick fixes by rule."""

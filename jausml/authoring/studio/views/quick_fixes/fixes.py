@@ -1,0 +1,209 @@
+"""Quick fixes of what is wrong with components, nodes, names and references."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from jausml.authoring.editing.commands import Remove, Rename, Set
+from jausml.authoring.proposals.elements import AnswerError, literal, values_of
+from jausml.authoring.proposals.fresh import free_address, free_name, name_among, participant_name
+from jausml.authoring.studio.views.quick_fixes import connections, maps
+from jausml.authoring.studio.views.quick_fixes.found import Found, renamed_as_meant, unset
+from jausml.authoring.studio.views.shapes import QuickFix
+from jausml.authoring.studio.views.targets import everywhere
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model.names import name_of
+from jausml.language.semantics.connections.topics import topic_fault
+from jausml.language.semantics.names import is_identifier
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from jausml.authoring.proposals.elements import Scope
+    from jausml.authoring.studio.views.quick_fixes.found import Fixer
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model import Diagnostic
+
+
+_NOT_LETTERS = re.compile("[^A-Za-z0-9_]+")
+_CONTROLLED = "isControllingClient"
+
+
+def address(found: Found) -> Iterator[QuickFix]:
+    """Gives a component an address that is free."""
+    free = free_address(found.scope.model)
+    yield found.set(f"take {free}", "address", free)
+
+
+def name(found: Found) -> Iterator[QuickFix]:
+    """Gives an element a name that code can have and nobody else has."""
+    own = name_of(found.element)
+    wanted = _NOT_LETTERS.sub("_", own).strip("_")
+    if not wanted or not wanted[0].isalpha():
+        wanted = f"a_{wanted}" if wanted else found.element.eClass.name
+    if wanted == own or not is_identifier(wanted):
+        wanted = _other(found)
+    yield QuickFix(f"name it {wanted}", (Rename(found.ref, wanted),))
+
+
+def _other(found: Found) -> str:
+    own = name_of(found.element)
+    if isinstance(found.element, jaus.Component) or found.element.eClass.name == "Node":
+        return participant_name(own, found.element.eContainer())
+    if found.diagnostic.rule == "JML502":
+        return free_name(f"{own}_interfaces", ())
+    feature = found.element.eContainmentFeature()
+    siblings = getattr(found.element.eContainer(), feature.name) if feature is not None else ()
+    return name_among(f"{own}_2", siblings)
+
+
+def topic(found: Found) -> Iterator[QuickFix]:
+    """Writes a name of ROS with the characters that it may have."""
+    feature = found.table.features.get(found.feature)
+    if feature is None or feature.is_reference:
+        return
+    for text in map(literal, values_of(found.element, feature)):
+        steps = [_NOT_LETTERS.sub("_", step).strip("_") for step in text.split("/")]
+        steps = [f"a{step}" if step[:1].isdigit() else step for step in steps if step]
+        better = ("/" if text.startswith("/") else "") + re.sub("__+", "_", "/".join(steps))
+        if better != text and not topic_fault(better):
+            yield found.set(f"write {better}", feature.name, better)
+
+
+def presence(found: Found) -> Iterator[QuickFix]:
+    """Gives a record a presence vector that has room for all optional members."""
+    match = re.search(r"presenceVector\W+(\w+)", found.hint)
+    group = found.element if "presenceVector" in found.table.features else _owner(found)
+    if match is not None and group is not None:
+        label = f"take a presence vector of {match[1]}"
+        yield found.set(label, "presenceVector", match[1], element=group)
+
+
+def _owner(found: Found) -> EObject | None:
+    around: EObject | None = found.element.eContainer()
+    return around if hasattr(around, "presenceVector") else None
+
+
+def guard(found: Found) -> Iterator[QuickFix]:
+    """Obeys a command of the controller alone."""
+    own = str(found.element.guard or "")
+    text = f"({own}) && {_CONTROLLED}" if "||" in own else f"{own} && {_CONTROLLED}"
+    yield found.set("obey the controller alone", "guard", text if own else _CONTROLLED)
+
+
+def never_taken(found: Found) -> Iterator[QuickFix]:
+    """Takes away a transition that is never taken."""
+    yield QuickFix("take this transition away", (Remove(found.ref),))
+
+
+def authority(found: Found) -> Iterator[QuickFix]:
+    """Raises the authority of who controls."""
+    match = re.match(r"'.*' obeys authority (\d+) and above, '(.*)' has", found.message)
+    for each in found.scope.model.instances(jaus.Component, library=False) if match else ():
+        if match is not None and name_of(each) == match[2]:
+            commands = (Set(found.scope.ref(each), "authority", (match[1],)),)
+            yield QuickFix(f"give {match[2]} the authority {match[1]}", commands)
+
+
+def twice(found: Found) -> Iterator[QuickFix]:
+    """Leaves out the older ones of a service in several versions."""
+    kept: dict[str, jaus.Service] = {}
+    for each in found.element.provides:
+        best = kept.get(str(each.urn))
+        if best is None or _version(each) > _version(best):
+            kept[str(each.urn)] = each
+    if len(kept) < len(found.element.provides):
+        refs = [found.scope.ref(each) for each in kept.values()]
+        yield found.set("provide the newest version alone", "provides", *refs)
+
+
+def _version(service: jaus.Service) -> tuple[int, ...]:
+    return tuple(int(each) for each in re.findall(r"\d+", str(service.version)))
+
+
+def placed_twice(found: Found) -> Iterator[QuickFix]:
+    """Takes what is placed twice out of one of its places."""
+    for feature in ("components", "nodes"):
+        values = list(getattr(found.element, feature, ()))
+        others = [each for each in values if name_of(each) not in found.quoted[:1]]
+        if "is placed twice" in found.message and len(others) < len(values):
+            refs = [found.scope.ref(each) for each in others]
+            yield found.set("place it here no more", feature, *refs)
+
+
+def meant_element(found: Found) -> Iterator[QuickFix]:
+    """Refers to the element that has the name that was meant, where only one has it."""
+    feature = found.table.features.get(found.feature)
+    if feature is None or not feature.is_reference:
+        return
+    choices = everywhere(found.scope, feature.target, found.element)
+    known = [found.scope.ref(each) for each in values_of(found.element, feature)]
+    for wanted in found.meant:
+        named = [each for each in choices if re.split(r"[./]", each.label)[-1] == wanted]
+        if len(named) == 1:
+            values = [*known, named[0].value] if feature.many else [named[0].value]
+            yield found.set(f"refer to {named[0].label}", feature.name, *values)
+
+
+def meant_literal(found: Found) -> Iterator[QuickFix]:
+    """Writes the literal that was meant."""
+    if found.feature in found.table.features and len(found.meant) == 1:
+        yield found.set(f"write {found.meant[0]}", found.feature, found.meant[0])
+
+
+QUICK_FIXES: Mapping[str, Fixer] = {
+    **maps.QUICK_FIXES,
+    **connections.QUICK_FIXES,
+    "JML105": meant_literal,
+    "JML106": unset,
+    "JML202": meant_element,
+    "JML215": meant_element,
+    "JML301": address,
+    "JML302": address,
+    "JML303": unset,
+    "JML306": unset,
+    "JML308": twice,
+    "JML309": address,
+    "JML323": presence,
+    "JML324": unset,
+    "JML342": renamed_as_meant,
+    "JML344": renamed_as_meant,
+    "JML347": never_taken,
+    "JML351": guard,
+    "JML355": unset,
+    "JML358": unset,
+    "JML364": authority,
+    "JML401": topic,
+    "JML404": unset,
+    "JML407": unset,
+    "JML410": unset,
+    "JML425": unset,
+    "JML465": unset,
+    "JML476": topic,
+    "JML482": renamed_as_meant,
+    "JML487": topic,
+    "JML501": name,
+    "JML502": name,
+    "JML503": name,
+    "JML504": name,
+    "JML511": unset,
+    "JML512": unset,
+    "JML513": placed_twice,
+}
+"""The quick fixes by rule."""
+
+
+def quick_fixes(scope: Scope, diagnostic: Diagnostic) -> tuple[QuickFix, ...]:
+    """Returns the quick fixes of a finding; none where none is sensible, or nothing can change."""
+    fixer = QUICK_FIXES.get(diagnostic.rule)
+    if fixer is None or not diagnostic.fragment:
+        return ()
+    for document in scope.model.documents:
+        if document.display == diagnostic.location.path and not document.is_library:
+            try:
+                element = scope.find_in(document, diagnostic.fragment)
+            except AnswerError:
+                return ()
+            return tuple(fixer(Found(scope, element, diagnostic)))
+    return ()

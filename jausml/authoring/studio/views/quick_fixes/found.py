@@ -1,0 +1,117 @@
+"""Findings as quick fixes look at them, and the quick fixes that many rules share."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from jausml.authoring.editing.commands import Set
+from jausml.authoring.proposals.elements import literal, values_of
+from jausml.authoring.studio.views.forms import in_words
+from jausml.authoring.studio.views.shapes import QuickFix
+
+if TYPE_CHECKING:
+    from jausml.authoring.proposals.elements import Scope
+    from jausml.language.metamodel import ClassTable
+    from jausml.language.model import Diagnostic
+
+_QUOTED = re.compile(r"'([^']*)'")
+
+
+@dataclass(frozen=True)
+class Found:
+    """A finding at an element of the project."""
+
+    scope: Scope
+    element: Any
+    diagnostic: Diagnostic
+
+    @property
+    def message(self) -> str:
+        """What is wrong."""
+        return self.diagnostic.message
+
+    @property
+    def hint(self) -> str:
+        """What the rule advises."""
+        return self.diagnostic.hint
+
+    @property
+    def ref(self) -> str:
+        """Names the element."""
+        return self.scope.ref(self.element)
+
+    @cached_property
+    def table(self) -> ClassTable:
+        """The class of the element."""
+        return self.scope.model.metamodels.class_of(self.element)
+
+    @cached_property
+    def feature(self) -> str:
+        """The feature at which the finding points, empty for the element as a whole."""
+        unread = self.diagnostic.unread
+        if unread is not None and len(unread) == 1:
+            return next(iter(unread))
+        model, place = self.scope.model, self.diagnostic.location
+        if place == model.location(self.element):
+            return ""
+        names = self.table.features
+        return next((each for each in names if model.location(self.element, each) == place), "")
+
+    @cached_property
+    def quoted(self) -> list[str]:
+        """What stands in quotation marks in the message."""
+        return _QUOTED.findall(self.message)
+
+    @cached_property
+    def meant(self) -> list[str]:
+        """What the rule believes to be meant: `did you mean 'x'?`, or several."""
+        match = re.fullmatch(r"did you mean (.+)\?", self.hint)
+        if match is None:
+            return []
+        return [each.strip("'") for each in match[1].split(" or ")]
+
+    def set(self, label: str, feature: str, *values: str, element: Any = None) -> QuickFix:
+        """Returns the quick fix that gives a feature values; without any it is unset."""
+        ref = self.ref if element is None else self.scope.ref(element)
+        return QuickFix(label, (Set(ref, feature, values),))
+
+
+Fixer: TypeAlias = Callable[[Found], Iterator[QuickFix]]
+"""Yields the quick fixes of a finding, the best first; none where none is sensible."""
+
+
+def unset(found: Found) -> Iterator[QuickFix]:
+    """Leaves out what a feature states, so that its default holds."""
+    feature = found.table.features.get(found.feature)
+    if feature is None or (feature.can_be_missing and feature.lower > 0):
+        return
+    if not values_of(found.element, feature) and found.diagnostic.unread is None:
+        return
+    words = in_words(feature.name)
+    default = "" if feature.default is None else literal(feature.default)
+    shown = f", which makes it {default}" if default else ""
+    yield found.set(f"leave out {words}{shown}", feature.name)
+
+
+def renamed_as_meant(found: Found) -> Iterator[QuickFix]:
+    """Puts what was meant in the place of the text of a feature, or of the wrong part of it."""
+    feature = found.table.features.get(found.feature)
+    if feature is None or feature.is_reference:
+        return
+    values = [literal(each) for each in values_of(found.element, feature)]
+    if len(values) != 1:
+        return
+    wrong = next((each for each in reversed(found.quoted) if each and each in values[0]), "")
+    for meant in found.meant:
+        text = _replaced(values[0], wrong, meant) if wrong else meant
+        yield found.set(f"write {meant}", feature.name, text)
+
+
+def _replaced(text: str, wrong: str, meant: str) -> str:
+    """Returns a text with a word in the place of another, each time that it stands there alone."""
+    pattern = rf"(?<![A-Za-z0-9_]){re.escape(wrong)}(?![A-Za-z0-9_])"
+    return re.sub(pattern, lambda _: meant, text)

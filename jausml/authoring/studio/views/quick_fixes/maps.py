@@ -1,0 +1,238 @@
+"""Quick fixes of what is wrong with attribute maps: paths, conversions, policies, headers."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from jausml.authoring.editing.commands import Add, Remove, Set
+from jausml.authoring.proposals.elements import map_around
+from jausml.authoring.studio.views.quick_fixes.found import renamed_as_meant, unset
+from jausml.authoring.studio.views.shapes import QuickFix
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model.names import name_of
+from jausml.language.model.words import snake_case
+from jausml.language.semantics.conversions import CONVERSIONS
+from jausml.language.semantics.paths.jaus_paths import JausPlace
+from jausml.language.semantics.paths.ros_paths import RosPlace
+from jausml.language.semantics.paths.scopes import place
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from jausml.authoring.studio.views.quick_fixes.found import Fixer, Found
+    from jausml.language.metamodel.classes.ecore import EObject
+
+_MISSING = re.compile(r"has no (?:attribute|field) '([^']*)'")
+_HEADER = re.compile(r"([\w.]+\.(?:stamp|frame_id))")
+
+
+def path(found: Found) -> Iterator[QuickFix]:
+    """Writes the member that is meant into a path."""
+    side, _, rest = found.message.partition(" ")
+    wrong = _MISSING.search(found.message)
+    if side not in ("source", "target") or wrong is None or not found.meant:
+        return
+    text, own = str(getattr(found.element, side)), re.match(r"'([^']*)'", rest)
+    if own is None:
+        return
+    fitting = _with_step(own[1], wrong[1], found.meant[0])
+    if not _is_found(found.element, fitting, is_source=side == "source"):
+        return
+    paths = [fitting if each.strip() == own[1] else each.strip() for each in text.split(",")]
+    yield found.set(f"write {found.meant[0]}", side, ", ".join(paths))
+
+
+def _with_step(whole: str, wrong: str, meant: str) -> str:
+    start = "/" if whole.startswith("/") else ""
+    steps = whole.removeprefix("/").split(".")
+    return start + ".".join(
+        meant + step[len(wrong) :] if step.partition("[")[0] == wrong else step for step in steps
+    )
+
+
+def _is_found(assignment: bridge.Assignment, path: str, *, is_source: bool) -> bool:
+    """Tells whether a path leads somewhere from where an assignment stands."""
+    used = map_around(assignment)
+    placed = None
+    if used is not None and used.message is not None and used.type is not None:
+        placed = place(used, assignment, to_ros=_to_ros(assignment))
+    if placed is None:
+        return False
+    scope = placed.scope
+    found = scope.find_source(path) if is_source else scope.find_target(path)
+    return isinstance(found, JausPlace | RosPlace) and bool(found.attribute().kind)
+
+
+def _to_ros(assignment: bridge.Assignment) -> bool:
+    around: EObject | None = assignment
+    while around is not None and not isinstance(around.eContainer(), bridge.AttributeMap):
+        around = around.eContainer()
+    feature = around.eContainmentFeature() if around is not None else None
+    return feature is not None and feature.name in ("toRos", "stopRos")
+
+
+def conversion(found: Found) -> Iterator[QuickFix]:
+    """Adds, leaves out or exchanges the conversion that the rule names."""
+    names = [each for each in re.findall(r"\w+", found.hint) if each in CONVERSIONS]
+    if isinstance(found.element, bridge.Conversion):
+        if found.hint.startswith("use ") and names:
+            yield found.set(f"use {names[0]}", "kind", names[0])
+        return
+    if not isinstance(found.element, bridge.FieldAssignment) or len(names) != 1:
+        return
+    [name] = names
+    if found.hint.startswith("leave out"):
+        gone = [each for each in found.element.conversions if each.kind.name == name]
+        if gone:
+            yield QuickFix(f"leave out {name}", (Remove(found.scope.ref(gone[-1])),))
+    elif found.hint.startswith(("add the conversion", "convert it by")):
+        values = {"kind": (name,)}
+        add = Add(found.ref, "conversions", "bridge.Conversion", values)
+        yield QuickFix(f"convert it by {name}", (add,))
+
+
+def absent(found: Found) -> Iterator[QuickFix]:
+    """Drops the message without which there would be a wrong place."""
+    yield found.set("drop the message then", "whenAbsent", "dropMessage")
+
+
+def out_of_range(found: Found) -> Iterator[QuickFix]:
+    """Says what becomes of values that do not fit."""
+    if "outOfRange" in found.table.features:
+        words = "move them to the end of the range"
+        if found.diagnostic.rule == "JML418":
+            yield found.set("drop the message then", "outOfRange", "dropMessage")
+        else:
+            yield found.set(words, "outOfRange", "clamp")
+
+
+def default_value(found: Found) -> Iterator[QuickFix]:
+    """Uses a default that is stated, or asks for none."""
+    if "is not used" in found.message:
+        yield found.set("use it", "whenAbsent", "useDefault")
+    elif "has no defaultValue" in found.message:
+        yield from absent(found)
+
+
+def ignored(found: Found) -> Iterator[QuickFix]:
+    """Leaves out a required member on purpose."""
+    if "Ignore" in found.hint and found.quoted:
+        target = found.quoted[0]
+        feature = "assignments" if isinstance(found.element, bridge.ListAssignment) else "toJaus"
+        add = Add(found.ref, feature, "bridge.Ignore", {"target": (target,)})
+        yield QuickFix(f"leave {target} out on purpose", (add,))
+
+
+def header(found: Found) -> Iterator[QuickFix]:
+    """Stamps a message by the clock, and leaves out its frame on purpose."""
+    words, commands = [], []
+    for target in _HEADER.findall(found.message):
+        is_stamp = target.endswith(".stamp")
+        kind = "bridge.ClockAssignment" if is_stamp else "bridge.Ignore"
+        words.append(f"{target} by the clock" if is_stamp else f"leave out {target}")
+        commands.append(Add(found.ref, "toRos", kind, {"target": (target,)}))
+    if commands:
+        yield QuickFix(", ".join(words), tuple(commands))
+
+
+def repeated(found: Found) -> Iterator[QuickFix]:
+    """Takes away what stands there a second time."""
+    if found.message.endswith("is assigned already"):
+        yield QuickFix("take this assignment away", (Remove(found.ref),))
+
+
+def frame_id(found: Found) -> Iterator[QuickFix]:
+    """Writes the id of a frame without a slash."""
+    value = str(found.element.value).lstrip("/")
+    yield found.set(f"write {value}", "value", value)
+
+
+def arguments(found: Found) -> Iterator[QuickFix]:
+    """Leaves out what a conversion does not take."""
+    if "takes no arguments" in found.message or re.match(r"\w+ has no \w+$", found.message):
+        yield from unset(found)
+
+
+def table_entry(found: Found) -> Iterator[QuickFix]:
+    """Takes away an entry that never counts."""
+    if "stand in earlier entries" in found.message:
+        yield QuickFix("take this entry away", (Remove(found.ref),))
+
+
+def unused_join(found: Found) -> Iterator[QuickFix]:
+    """Takes away a join that nothing is taken of, or gives one a topic."""
+    if found.message.startswith("no assignment takes anything of"):
+        yield QuickFix("take the join away", (Remove(found.ref),))
+    elif isinstance(found.element, bridge.Connection) and found.hint.startswith("add a topic"):
+        name = found.quoted[-1]
+        for join in found.element.map.joins:
+            if join.name == name:
+                values = {"name": (name,), "join": (found.scope.ref(join),)}
+                add = Add(found.ref, "topics", "bridge.Topic", values)
+                yield QuickFix(f"add a topic {name} for it", (add,))
+
+
+def stale_join(found: Found) -> Iterator[QuickFix]:
+    """Drops messages without a fresh message of a join."""
+    used = map_around(found.element)
+    for join in (*used.joins, *used.reportJoins) if used is not None else ():
+        if name_of(join) in found.quoted[-1:]:
+            ref = found.scope.ref(join)
+            commands = (Set(ref, "whenStale", ("dropMessage",)),)
+            yield QuickFix(f"drop the message without a fresh {join.name}", commands)
+
+
+def quantity(found: Found) -> Iterator[QuickFix]:
+    """Gives a quantity the unit or the name of the one that it overrides."""
+    if found.hint.startswith("state it in "):
+        unit = found.hint.removeprefix("state it in ")
+        yield found.set(f"state it in {unit}", "units", unit)
+    elif found.hint.startswith("they have ") and "," not in found.hint:
+        name = found.hint.removeprefix("they have ")
+        yield found.set(f"name it {name}", "name", name)
+
+
+def method(found: Found) -> Iterator[QuickFix]:
+    """Writes the name of a method as Python has it."""
+    name = snake_case(str(found.element.method))
+    if "is no name" in found.message and name and name != found.element.method:
+        yield found.set(f"name it {name}", "method", name)
+
+
+def precision(found: Found) -> Iterator[QuickFix]:
+    """Leaves out a precision that is none."""
+    if found.message.endswith("is no distance"):
+        yield from unset(found)
+
+
+QUICK_FIXES: Mapping[str, Fixer] = {
+    "JML411": path,
+    "JML412": conversion,
+    "JML413": default_value,
+    "JML414": arguments,
+    "JML415": repeated,
+    "JML416": ignored,
+    "JML417": out_of_range,
+    "JML418": out_of_range,
+    "JML431": conversion,
+    "JML432": renamed_as_meant,
+    "JML433": conversion,
+    "JML434": out_of_range,
+    "JML436": precision,
+    "JML438": conversion,
+    "JML440": table_entry,
+    "JML441": renamed_as_meant,
+    "JML442": unused_join,
+    "JML444": renamed_as_meant,
+    "JML445": quantity,
+    "JML446": method,
+    "JML457": stale_join,
+    "JML458": conversion,
+    "JML459": absent,
+    "JML460": header,
+    "JML461": frame_id,
+    "JML494": unused_join,
+    "JML496": stale_join,
+}
+"""The quick fixes by rule."""

@@ -1,0 +1,322 @@
+"""Trying: values on one side of a map become values and bytes of the other, by generated code.
+
+The code is that which `jausml generate` makes of the map. It runs in a process of its own, which
+has neither the model nor the page, and which ends when it takes too long. The process stays for the
+next values as long as the code is the same.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.studio.views import jaus_values
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model.model import made_model
+from jausml.language.semantics.connections.exchanges import TO_JAUS, TO_ROS
+from jausml.language.semantics.paths.attributes import (
+    BOOL,
+    LIST,
+    NUMBER,
+    NUMBERS,
+    OCTETS,
+    TEXT,
+    TIME,
+    TIME_STAMP,
+    Attribute,
+)
+from jausml.language.semantics.paths.jaus_paths import JausPlace
+from jausml.language.semantics.paths.ros_paths import RosPlace
+from jausml.language.semantics.paths.scopes import COUNTERS, outer_scope, source_paths
+from jausml.live.workers.bridge_code import Maker, bridge_code
+from jausml.live.workers.worker import Worker, WorkerError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from typing_extensions import Self
+
+    from jausml.authoring.proposals.elements import Scope
+    from jausml.language.metamodel import Metamodels
+    from jausml.language.model import Model
+    from jausml.language.semantics.paths.scopes import PathPlace, PathScope
+    from jausml.live.workers.bridge_code import BridgeCode
+
+
+SECONDS = 10.0
+"""How long a translation may take, its process being started included."""
+
+_MOST_PROCESSES = 3
+_WORKER = Path(__file__).with_name("trial_worker.py")
+_ELEMENT = "[0]"
+_WORDS = {NUMBER: "number", BOOL: "boolean", TEXT: "text"}
+
+BRIDGE_NAME, CONNECTION_NAME = "trial", "tried"
+
+_SYSTEM = "trial_system"
+
+
+@dataclass(frozen=True, slots=True)
+class Input:
+    """A value that can be given.
+
+    Attributes:
+        type: `number`, `integer`, `boolean`, `text` or `time`.
+        default: What stands there first; a member that is left empty is left out.
+    """
+
+    path: str
+    type: str
+    unit: str
+    default: str
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A value that came out."""
+
+    path: str
+    value: str
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class Tried:
+    """What came out."""
+
+    values: tuple[Row, ...] = ()
+    bytes: str = ""
+    error: str = ""
+    notes: tuple[str, ...] = ()
+
+
+def inputs(used: bridge.AttributeMap, *, to_ros: bool) -> list[Input]:
+    """Returns the values that a direction of a map takes."""
+    _check_ends(used)
+    scope = outer_scope(used, to_ros=to_ros, indexed=True)
+    found: dict[str, Input] = {}
+    for path in _paths(used, to_ros=to_ros):
+        place = scope.find_source(path)
+        if isinstance(place, JausPlace | RosPlace):
+            for each in _inputs(path, place):
+                found.setdefault(each.path, each)
+    return list(found.values())
+
+
+def _paths(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[str]:
+    for each in used.toRos if to_ros else used.toJaus:
+        own = [path for path in source_paths(each) if path not in COUNTERS]
+        if not isinstance(each, bridge.ListAssignment):
+            yield from own
+            continue
+        for nested in each.assignments:
+            for path in source_paths(nested):
+                if path.startswith("/"):
+                    yield path[1:]
+                elif path not in COUNTERS and own:
+                    yield f"{own[0]}{_ELEMENT}" + ("" if path == "." else f".{path}")
+
+
+def _inputs(path: str, place: PathPlace) -> Iterator[Input]:
+    found = place.attribute()
+    if found.kind in (TIME, TIME_STAMP):
+        yield Input(path, "time", "", "now")
+    elif found.kind in _WORDS:
+        word = "integer" if found.integral else _WORDS[found.kind]
+        yield Input(path, word, "" if found.units == "one" else found.units, _default(found))
+    elif isinstance(place, RosPlace) and found.kind not in (LIST, NUMBERS, OCTETS):
+        for field in place.type.fields if place.type is not None else ():
+            inner = place.step(str(field.name))
+            if isinstance(inner, RosPlace):
+                yield from _inputs(f"{path}.{field.name}", inner)
+
+
+def _default(found: Attribute) -> str:
+    if found.kind == BOOL:
+        return "false"
+    if found.kind == TEXT:
+        return ""
+    if found.label == "w":
+        return "1"  # of an orientation that turns nothing
+    low = found.lower if found.lower is not None else 0
+    high = found.upper if found.upper is not None else 0
+    value = min(max(0, low), max(high, low))
+    return str(int(value)) if found.integral else f"{value:g}"
+
+
+class Trials:
+    """Translations that can be tried; close it at the end.
+
+    Args:
+        seconds: How long a translation may take.
+    """
+
+    def __init__(self, seconds: float = SECONDS) -> None:
+        self._seconds = seconds
+        self._lock = threading.Lock()
+        self._processes: OrderedDict[tuple[str, bool], _Process] = OrderedDict()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Ends all processes."""
+        with self._lock:
+            while self._processes:
+                self._processes.popitem()[1].close()
+
+    def run(
+        self, scope: Scope, used: bridge.AttributeMap, values: Mapping[str, str], *, to_ros: bool
+    ) -> Tried:
+        """Translates values.
+
+        Args:
+            values: Texts by path; those that are empty are left out.
+
+        Returns:
+            What came out; what is wrong with values or the map is told as its error.
+        """
+        given = {path: text for path, text in values.items() if text.strip()}
+        try:
+            _check_ends(used)
+            request = _request(used, given, to_ros=to_ros)
+            with self._lock:
+                process = self._process(scope, used, to_ros=to_ros)
+            answer = process.ask(request, self._seconds)
+            return _tried(used, answer, to_ros=to_ros)
+        except (AnswerError, WorkerError) as error:
+            return Tried(error=str(error))
+
+    def _process(self, scope: Scope, used: bridge.AttributeMap, *, to_ros: bool) -> _Process:
+        """Returns the process of a translation: the same as long as its code is the same."""
+        key = (scope.ref(used), to_ros)
+        known = self._processes.get(key)
+        if known is not None and known.is_alive and known.made_of is used:
+            self._processes.move_to_end(key)
+            return known
+        code = _code(scope, used, to_ros=to_ros)
+        if known is not None and known.is_alive and known.code.digest == code.digest:
+            known.made_of = used
+            self._processes.move_to_end(key)
+            return known
+        if known is not None:
+            del self._processes[key]
+            known.close()
+        while len(self._processes) >= _MOST_PROCESSES:
+            self._processes.popitem(last=False)[1].close()
+        made = self._processes[key] = _Process(code, used)
+        return made
+
+
+def _code(scope: Scope, used: bridge.AttributeMap, *, to_ros: bool) -> BridgeCode:
+    """Returns the generated code of a map."""
+    try:
+        return trial_bridge(scope.model.metamodels, used, to_ros=to_ros)
+    except Exception as error:
+        # Generators take models without errors; what an editor holds may have any.
+        raise AnswerError(f"'{used.name}' cannot be tried before its errors are fixed") from error
+
+
+class _Process(Worker):
+    """A process with one translation."""
+
+    def __init__(self, code: BridgeCode, made_of: bridge.AttributeMap) -> None:
+        super().__init__(code, _WORKER)
+        self.code = code
+        self.made_of = made_of
+
+
+def _check_ends(used: bridge.AttributeMap) -> None:
+    if used.message is None or used.type is None:
+        raise AnswerError("the map has no message or no type yet")
+
+
+def _request(
+    used: bridge.AttributeMap, given: Mapping[str, str], *, to_ros: bool
+) -> dict[str, Any]:
+    """Returns the messages that values make: the source, and those of joins that have values."""
+    scope = outer_scope(used, to_ros=to_ros, indexed=True)
+    joins = {str(each.name): each for each in (used.reportJoins if to_ros else used.joins)}
+    parts: dict[str, dict[str, str]] = {"source": {}}
+    for path, text in given.items():
+        first, _, rest = path.partition(".")
+        name, inner = (first, rest) if first in joins and rest else ("source", path)
+        parts.setdefault(name, {}).update(_expanded(scope, path, inner, text))
+    if not to_ros:
+        return {name: {"values": values} for name, values in parts.items()}
+    made: dict[str, Any] = {}
+    for name, values in parts.items():
+        join = joins.get(name)
+        message = join.message if isinstance(join, bridge.ReportJoin) else used.message
+        made[name] = {"payload": jaus_values.payload(message, values).hex()}
+    return made
+
+
+def _expanded(scope: PathScope, path: str, inner: str, text: str) -> dict[str, str]:
+    """Returns a value as the fields that it consists of: a time of ROS has two."""
+    place = scope.find_source(path)
+    if isinstance(place, RosPlace) and place.attribute().kind == TIME:
+        at = jaus_values.moment(text)
+        seconds = int(at.timestamp())
+        return {f"{inner}.sec": str(seconds), f"{inner}.nanosec": str(at.microsecond * 1000)}
+    return {inner: text}
+
+
+def _tried(used: bridge.AttributeMap, answer: Mapping[str, Any], *, to_ros: bool) -> Tried:
+    if answer.get("error"):
+        return Tried(error=_error(answer))
+    data = str(answer["bytes"])
+    pairs = answer.get("values") or jaus_values.rows(used.message, bytes.fromhex(data))
+    place = outer_scope(used, to_ros=to_ros, indexed=True).target
+    values = tuple(Row(str(path), str(value), _unit(place, path)) for path, value in pairs)
+    return Tried(values, data, notes=tuple(answer.get("notes", ())))
+
+
+def _error(answer: Mapping[str, Any]) -> str:
+    text, kind = str(answer["error"]), str(answer.get("kind", ""))
+    if kind == "AbsentFieldError":
+        return f"without {text} the message is dropped"
+    return text
+
+
+def _unit(place: PathPlace, path: str) -> str:
+    found = place.follow(path)
+    unit = found.attribute().units if isinstance(found, JausPlace | RosPlace) else ""
+    return "" if unit == "one" else unit
+
+
+def trial_bridge(metamodels: Metamodels, used: bridge.AttributeMap, *, to_ros: bool) -> BridgeCode:
+    """Returns the generated code of one direction of a map, whatever else its model holds."""
+    return bridge_code(_model(metamodels, used, to_ros=to_ros))
+
+
+def _model(metamodels: Metamodels, used: bridge.AttributeMap, *, to_ros: bool) -> Model:
+    """Makes a system with a bridge that has one connection, by the map."""
+    make = Maker(metamodels)
+    connection = make(
+        "bridge.Connection", name=CONNECTION_NAME, direction=TO_ROS if to_ros else TO_JAUS
+    )
+    make.own(connection, "topics", make("bridge.Topic", name=CONNECTION_NAME))
+    if to_ros:
+        for report in used.reportJoins:
+            source = make("bridge.ReportSource")
+            make.refer(source, "join", report)
+            make.own(connection, "sources", source)
+    else:
+        for join in used.joins:
+            topic = make("bridge.Topic", name=str(join.name))
+            make.refer(topic, "join", join)
+            make.own(connection, "topics", topic)
+    make.refer(connection, "map", used)
+    owner = make("bridge.Bridge", name=BRIDGE_NAME, address="1.1.1")
+    make.own(owner, "bridgeConnections", connection)
+    whole = make("system.System", name=_SYSTEM)
+    make.own(whole, "bridges", owner)
+    return made_model(metamodels, whole, owner, connection)

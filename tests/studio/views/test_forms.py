@@ -1,0 +1,122 @@
+"""Property forms, of every class of the four metamodels and of shipped elements."""
+
+from __future__ import annotations
+
+import pytest
+from scope_support import CAR, SHIPPED, named, scope_of
+
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.studio.views.forms import form, form_of
+from jausml.language.metamodel import FeatureKind, documentation, load_metamodels
+from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.model import Diagnostic, Severity
+
+CONCRETE = sorted(
+    each.qualified_name for each in load_metamodels().classes.values() if not each.abstract
+)
+KINDS = {"text", "multiline", "number", "integer", "boolean", "choice", "reference"}
+
+
+@pytest.mark.parametrize("name", CONCRETE)
+def test_every_class_has_a_form(name):
+    table = load_metamodels().classes[name]
+    found = form_of(scope_of(CAR), table.python_class())
+    assert found.class_ == name
+    assert found.documentation
+    settable = [each for each in table.features.values() if each.settable]
+    owned = {each.name for each in settable if each.kind is FeatureKind.CONTAINMENT}
+    others = {each.name for each in settable if each.kind is not FeatureKind.CONTAINER} - owned
+    assert {each.feature for each in found.fields} == others
+    assert {each.feature for each in found.children} == owned
+    for each in found.fields:
+        feature = table.features[each.feature]
+        assert each.kind in KINDS
+        assert each.documentation == documentation(feature.feature)
+        assert each.documentation, each.feature
+        assert each.many == feature.many
+        assert not each.values or each.required
+        if each.kind == "choice":
+            legal = feature.data_type.legal
+            assert [choice.value for choice in each.choices] == list(legal)
+            assert each.default in (*legal, "")
+    for each in found.children:
+        assert each.kinds
+        for kind in each.kinds:
+            child = load_metamodels().classes[kind.kind]
+            assert not child.abstract
+            assert child in table.features[each.feature].target.subtypes
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_every_shipped_element_has_a_form(name):
+    scope = scope_of(name)
+    for element in scope.model.elements_of(scope.model.documents[0]):
+        found = form(scope, scope.ref(element))
+        assert found.title
+        for field in found.fields:
+            if field.kind == "reference" and field.values:
+                known = {choice.value for choice in field.choices}
+                assert known.issuperset(field.values), (found.title, field.feature)
+            if field.kind == "choice" and field.values:
+                assert set(field.values) <= {choice.value for choice in field.choices}
+
+
+def test_a_connection_tells_values_defaults_units_and_targets():
+    scope = scope_of(CAR)
+    found = form(scope, named(scope, bridge.Connection, "bridge.speed_command"))
+    fields = {each.feature: each for each in found.fields}
+    assert next(iter(fields)) == "name"
+    assert list(fields)[-1] == "documentation"
+    assert not found.readonly
+    assert found.owner == named(scope, bridge.Bridge, "catvehicle.bridge")
+    assert fields["priority"].values == ("high",)
+    assert fields["priority"].default == "standard"
+    assert fields["silenceTimeout"].values == ("0.5",)
+    assert fields["silenceTimeout"].unit == "s"
+    assert (fields["rate"].values, fields["rate"].unit) == ((), "Hz")
+    assert fields["map"].shown == ("speed_command",)
+    labels = [each.label for each in fields["map"].choices]
+    assert "velocity_state" in labels  # of the project
+    assert "goto_local_pose" in labels or len(labels) > 20  # and of the library
+    peers = {each.label for each in fields["peers"].choices}
+    assert peers == {"vehicle", "operator_control_unit", "bridge"}
+
+
+def test_references_lead_to_what_the_model_allows():
+    scope = scope_of(CAR)
+    [pose, *_] = scope.model.instances(jaus.ServiceConnection)
+    found = form_of(scope, pose)
+    fields = {each.feature: each for each in found.fields}
+    messages = {each.label for each in fields["message"].choices}
+    assert "LocalPoseSensor.ReportLocalPose" in messages
+    assert "PrimitiveDriver.SetWrenchEffort" not in messages  # the vehicle takes it
+    providers = {each.label for each in fields["provider"].choices}
+    assert providers == {"vehicle", "operator_control_unit", "bridge"}
+
+
+def test_elements_of_the_library_are_not_changed():
+    scope = scope_of(CAR)
+    [message] = [
+        each for each in scope.model.instances(jaus.MessageDef) if each.name == "ReportLocalPose"
+    ]
+    found = form_of(scope, message)
+    assert found.readonly
+    assert not any(each.changeable for each in found.fields)
+    assert not any(each.kinds for each in found.children)
+
+
+def test_fields_tell_what_is_wrong_with_them():
+    name = CAR
+    scope = scope_of(name)
+    [first, *_] = scope.model.instances(bridge.Connection, library=False)
+    scope_ref = scope.ref(first)
+    place, fragment = scope.model.location(first, "map"), scope.model.fragment(first)
+    finding = Diagnostic("JML411", Severity.ERROR, place, "wrong", fragment=fragment)
+    fields = {each.feature: each for each in form(scope, scope_ref, [finding]).fields}
+    assert fields["map"].problems == ("wrong",)
+    assert fields["rate"].problems == ()
+
+
+def test_what_is_gone_is_told():
+    with pytest.raises(AnswerError, match="no element"):
+        form(scope_of(CAR), "catvehicle/catvehicle.xmi#//@bridges.7")

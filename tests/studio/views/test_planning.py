@@ -1,0 +1,115 @@
+"""Plans of `generate`: what is shown is what is done."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from scope_support import CAR, read
+
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.studio.views.planning import diff, execute, out_folder, plan
+from jausml.language.model import Diagnostic, Location, Severity
+
+SKELETON = "vehicle/vehicle/vehicle.py"
+GENERATED = "vehicle/vehicle/vehicle_base.py"
+
+
+@pytest.fixture(scope="module")
+def workspace(tmp_path_factory):
+    """A generated workspace, which the tests in turn change and fix."""
+    out = tmp_path_factory.mktemp("car") / "src"
+    planned = plan(read(CAR), out)
+    assert {each.action for each in planned.files} == {"create"}
+    assert not out.exists()
+    done = execute(read(CAR), out, planned.digest)
+    assert done.written == len(planned.files)
+    assert "created" in done.message
+    return out
+
+
+def actions(planned):
+    return {each.path: each.action for each in planned.files}
+
+
+def test_a_second_time_nothing_is_done(workspace):
+    planned = plan(read(CAR), workspace)
+    found = actions(planned)
+    assert set(found.values()) == {"same", "keep"}
+    assert found[SKELETON] == "keep"
+    assert found[GENERATED] == "same"
+    assert execute(read(CAR), workspace, planned.digest).written == 0
+
+
+def test_a_skeleton_that_fell_behind_is_told(workspace):
+    path = workspace / SKELETON
+    kept = path.read_text()
+    path.write_text(kept.replace("VehicleBase", "OtherBase"))
+    try:
+        found = plan(read(CAR), workspace).drift
+        assert found
+        assert found[0].path == SKELETON
+    finally:
+        path.write_text(kept)
+
+
+def test_what_changed_since_it_was_shown_is_not_done(workspace):
+    missing = workspace / GENERATED
+    kept = missing.read_text()
+    missing.unlink()
+    planned = plan(read(CAR), workspace)
+    assert actions(planned)[GENERATED] == "create"
+    patch = diff(read(CAR), workspace, GENERATED)
+    assert "+++ b/" + GENERATED in patch
+    missing.write_text(kept)
+    with pytest.raises(AnswerError, match="look at the plan again"):
+        execute(read(CAR), workspace, planned.digest)
+    assert diff(read(CAR), workspace, GENERATED) == ""
+    with pytest.raises(AnswerError, match="no file of the plan"):
+        diff(read(CAR), workspace, "../secret")
+
+
+def test_what_was_edited_by_hand_is_refused(workspace):
+    path = workspace / GENERATED
+    kept = path.read_text()
+    path.write_text(kept + "# mine\n")
+    try:
+        planned = plan(read(CAR), workspace)
+        assert actions(planned)[GENERATED] == "refuse"
+        with pytest.raises(AnswerError, match="nothing was written"):
+            execute(read(CAR), workspace, planned.digest)
+        assert path.read_text().endswith("# mine\n")
+    finally:
+        path.write_text(kept)
+
+
+def test_errors_come_first(tmp_path):
+    error = Diagnostic("JML411", Severity.ERROR, Location("car.xmi", 3, 4), "no such attribute")
+    report = replace(read(CAR), diagnostics=(error, error))
+    planned = plan(report, tmp_path)
+    assert planned.problems.startswith("errors come first: car.xmi:3:4")
+    assert planned.problems.endswith("and 1 more")
+    assert not planned.files
+    with pytest.raises(AnswerError, match="errors come first"):
+        execute(report, tmp_path / "src", planned.digest)
+    assert not (tmp_path / "src").exists()
+
+
+def test_a_model_without_a_system_has_no_workspace(tmp_path):
+    planned = plan(read("library/jaus/mobility.xmi"), tmp_path)
+    assert planned.problems
+    assert not planned.digest
+
+
+def test_nothing_is_generated_outside_of_the_folder(tmp_path):
+    assert out_folder(tmp_path, "a/car.xmi") == (tmp_path / "car_ws" / "src").resolve()
+    assert out_folder(tmp_path, "car.xmi", "out") == (tmp_path / "out").resolve()
+    with pytest.raises(AnswerError, match="outside"):
+        out_folder(tmp_path, "car.xmi", "../out")
+    elsewhere = tmp_path.parent / "chosen"
+    assert out_folder(tmp_path, "car.xmi", "", str(elsewhere)) == elsewhere.resolve()
+    with pytest.raises(AnswerError, match="outside"):
+        out_folder(tmp_path, "car.xmi", "/etc", str(elsewhere))
+    (tmp_path / "file").write_text("")
+    with pytest.raises(AnswerError, match="no folder"):
+        out_folder(tmp_path, "car.xmi", "file")

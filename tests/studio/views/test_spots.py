@@ -1,0 +1,24 @@
+"""Ends of lines in the view of a map."""
+
+from __future__ import annotations
+
+import pytest
+from scope_support import CAR, scope_of
+
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.studio.views.spots import end_of
+from jausml.language.metamodel.classes import bridge
+
+
+def test_ids_of_the_map_view_name_members():
+    scope = scope_of(CAR)
+    [used] = [
+        each
+        for each in scope.model.instances(bridge.AttributeMap)
+        if each.name == "velocity_state" and scope.model.document_of(each).path.name in CAR
+    ]
+    identifier = scope.model.fragment(used)
+    assert end_of(scope, used, f"{identifier}!jaus", "Velocity_X").is_jaus
+    assert not end_of(scope, used, f"{identifier}!ros", "twist.twist").is_jaus
+    with pytest.raises(AnswerError, match="no end"):
+        end_of(scope, used, "bridge", "x")

@@ -1,0 +1,153 @@
+"""Trying values by the generated code of maps, in a real process."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from scope_support import CAR, SHIPPED, scope_of
+
+from jausml.authoring.proposals.elements import Scope
+from jausml.authoring.studio.views.trying import Trials, inputs
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model import read_models
+
+RULES = Path(__file__).resolve().parents[2] / "cases" / "rules"
+BUSY = 60.0
+"""Seconds that a process may take on a busy machine."""
+
+
+@pytest.fixture(scope="module")
+def trials():
+    with Trials(BUSY) as made:
+        yield made
+
+
+def map_of(scope, name):
+    found = [e for e in scope.model.instances(bridge.AttributeMap) if e.name == name]
+    return found[0]
+
+
+def run(trials, name, values, *, to_ros, file=CAR):
+    scope = scope_of(file)
+    return trials.run(scope, map_of(scope, name), values, to_ros=to_ros)
+
+
+def shown(tried):
+    assert not tried.error
+    return {each.path: each.value for each in tried.values}
+
+
+def test_the_inputs_are_the_members_that_assignments_read():
+    found = {
+        each.path: each for each in inputs(map_of(scope_of(CAR), "velocity_state"), to_ros=True)
+    }
+    assert list(found) == ["TimeStamp", "Velocity_X", "Velocity_Y", "YawRate"]
+    assert found["TimeStamp"].type == "time"
+    assert (found["YawRate"].type, found["YawRate"].unit) == ("number", "radian per second")
+    back = [each.path for each in inputs(map_of(scope_of(CAR), "dead_reckoning"), to_ros=False)]
+    assert "pose.pose.orientation.w" in back
+
+
+def test_values_become_those_of_ros_with_units_and_bytes(trials):
+    found = run(trials, "velocity_state", {"Velocity_X": "1.5", "YawRate": "0.25"}, to_ros=True)
+    values = shown(found)
+    assert float(values["twist.twist.linear.x"]) == pytest.approx(1.5, abs=1e-3)
+    assert float(values["twist.twist.angular.z"]) == pytest.approx(-0.25, abs=2e-3)
+    assert values["header.frame_id"] == "odom"
+    units = {each.path: each.unit for each in found.values}
+    assert units["twist.twist.linear.x"] == "m/s"
+    assert bytes.fromhex(found.bytes)[:4] == b"\0\1\0\0"  # little-endian CDR
+
+
+def test_values_become_those_of_jaus_with_code_and_time(trials):
+    moment = "2026-05-17T12:30:15.250"
+    given = {"pose.pose.position.x": "4", "pose.pose.orientation.w": "1", "header.stamp": moment}
+    found = run(trials, "dead_reckoning", given, to_ros=False)
+    values = shown(found)
+    assert float(values["X"]) == pytest.approx(4, abs=1e-3)
+    assert values["TimeStamp"] == "day 17, 12:30:15.250"
+    assert bytes.fromhex(found.bytes)[:2] == b"\x03\x44"
+
+
+def test_what_does_not_fit_is_told(trials):
+    clamped = run(trials, "steering_command", {"data": "12"}, to_ros=False)
+    assert shown(clamped)["PropulsiveRotationalEffortZ"] == "-100"
+    assert clamped.notes == ("PropulsiveRotationalEffortZ: clamp",)
+    absent = run(trials, "velocity_state", {"YawRate": "1"}, to_ros=True)
+    assert absent.error == "without Velocity_X the message is dropped"
+    beyond = run(trials, "velocity_state", {"Velocity_X": "999"}, to_ros=True)
+    assert "outside -327.68" in beyond.error
+    text = run(trials, "velocity_state", {"Velocity_X": "fast"}, to_ros=True)
+    assert "'fast' is no number" in text.error
+    text = run(trials, "steering_command", {"data": "fast"}, to_ros=False)
+    assert "'fast' is no double" in text.error
+    unknown = run(trials, "steering_command", {"date": "1"}, to_ros=False)
+    assert "no field date" in unknown.error
+
+
+def test_the_process_stays_until_the_code_changes():
+    scope = scope_of(CAR)
+    used = map_of(scope, "steering_command")
+    with Trials(BUSY) as trials:
+        assert not trials.run(scope, used, {"data": "0"}, to_ros=False).error
+        [first] = trials._processes.values()
+        assert not trials.run(scope, used, {"data": "0.1"}, to_ros=False).error
+        assert list(trials._processes.values()) == [first]
+        # The same code of another reading: nothing is started.
+        first.made_of = None
+        assert not trials.run(scope, used, {"data": "0.1"}, to_ros=False).error
+        assert list(trials._processes.values()) == [first]
+        first._process.kill()
+        first._process.wait()
+        assert not trials.run(scope, used, {"data": "0.1"}, to_ros=False).error
+        assert list(trials._processes.values()) != [first]
+
+
+def test_a_translation_that_takes_too_long_is_ended():
+    scope = scope_of(CAR)
+    with Trials(0.0) as trials:
+        found = trials.run(scope, map_of(scope, "steering_command"), {}, to_ros=False)
+        assert found.error == "the translation took longer than 0 s"
+        [process] = trials._processes.values()
+        process._process.wait(BUSY)
+        assert not process.is_alive
+
+
+def test_elements_of_lists_and_joins_have_values(trials):
+    file = "library/mappings/joint_positions.ros2jaus"
+    names = [e.path for e in inputs(map_of(scope_of(file), "joint_positions"), to_ros=True)]
+    assert "JointPositionList[0].JointPosition.radian" in names
+    given = {"JointPositionList[0].JointPosition.radian": "0.5"}
+    found = run(trials, "joint_positions", given, to_ros=True, file=file)
+    assert float(shown(found)["position"]) == pytest.approx(0.5, abs=1e-3)
+    file = "examples/waypoints/waypoints.ros2jaus"
+    given = {"latitude": "48", "longitude": "11", "imu.orientation.w": "1"}
+    found = run(trials, "global_pose", given, to_ros=False, file=file)
+    assert float(shown(found)["Latitude"]) == pytest.approx(48, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("case", "name", "to_ros"),
+    [("JML414-features", "velocity", True), ("JML441-expressions", "speed", False)],
+)
+def test_a_map_with_errors_is_not_tried(trials, case, name, to_ros):
+    path = RULES / case / "bad.xmi"
+    scope = Scope(read_models([path]).model, path.parent)
+    found = trials.run(scope, map_of(scope, name), {}, to_ros=to_ros)
+    assert found.error == f"'{name}' cannot be tried before its errors are fixed"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [each for each in SHIPPED if "mappings" in each])
+def test_every_ready_map_can_be_tried(trials, name):
+    scope = scope_of(name)
+    for used in scope.model.instances(bridge.AttributeMap):
+        for to_ros, assignments in ((True, used.toRos), (False, used.toJaus)):
+            if not assignments or scope.model.document_of(used) is not scope.model.documents[0]:
+                continue
+            given = {each.path: each.default for each in inputs(used, to_ros=to_ros)}
+            found = trials.run(scope, used, given, to_ros=to_ros)
+            assert found.bytes or found.error, used.name
+            for word in ("Traceback", "Error(", "has no attribute", "failed", "no field"):
+                assert word not in found.error, (used.name, found.error)

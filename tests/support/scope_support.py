@@ -1,0 +1,38 @@
+"""Models of which views and proposals are computed."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+from jausml.authoring.proposals.elements import Scope
+from jausml.language.model import read_models
+from jausml.language.model.names import qualified_name
+from jausml.language.text.notation import NOTATIONS
+from jausml.language.validation.engine import check
+
+MODELS = Path(__file__).resolve().parents[2] / "models"
+CAR = "catvehicle/catvehicle.xmi"
+SHIPPED = sorted(
+    each.relative_to(MODELS).as_posix()
+    for suffix in ("*.xmi", "*.ros2jaus")
+    for each in MODELS.rglob(suffix)
+)
+
+
+@cache
+def read(name):
+    """Returns what was found about a shipped model, read once."""
+    return check(read_models([MODELS / name], notations=NOTATIONS))
+
+
+def scope_of(name):
+    """Returns a shipped model as answers see it."""
+    return Scope(read(name).model, MODELS)
+
+
+def named(scope, kind, name):
+    """Returns the text that names the one element of a class and a name."""
+    found = [each for each in scope.model.instances(kind) if qualified_name(each).endswith(name)]
+    assert len(found) == 1, found
+    return scope.ref(found[0])
