@@ -14,6 +14,8 @@ from click.testing import CliRunner
 
 from jausml.cli import main
 
+GUARDS = ("metamodels", "README.md", "docs")
+
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 BLOCK = re.compile(r"^```console\n(.*?)^```$", re.MULTILINE | re.DOTALL)

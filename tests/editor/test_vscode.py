@@ -15,6 +15,8 @@ from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.text.keywords import KEYWORDS
 from jausml.language.text.notation import SUFFIX
 
+GUARDS = ("editors", "metamodels")
+
 FOLDER = Path(__file__).parents[2] / "editors" / "vscode"
 GRAMMAR = json.loads((FOLDER / "syntaxes" / "ros2jaus.tmLanguage.json").read_text("utf-8"))
 PACKAGE = json.loads((FOLDER / "package.json").read_text("utf-8"))

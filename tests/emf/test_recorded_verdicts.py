@@ -14,6 +14,8 @@ from pathlib import Path
 
 import pytest
 
+GUARDS = ("metamodels", "models")
+
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 VERDICTS = json.loads((HERE / "verdicts.json").read_text(encoding="utf-8"))

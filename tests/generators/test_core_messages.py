@@ -16,6 +16,12 @@ from jausml.runtime.wire.message import Message
 if TYPE_CHECKING:
     from types import ModuleType
 
+GUARDS = (
+    "models/library/jaus",
+    "jausml/runtime/messages.py",
+    "tools/build_core_messages.py",
+)
+
 
 def tool(name: str) -> ModuleType:
     spec = importlib.util.spec_from_file_location(name, ROOT / "tools" / f"{name}.py")

@@ -19,6 +19,8 @@ from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import new_object
 from jausml.language.model import read_models
 
+GUARDS = ("metamodels", "tools/build_model_types.py", "tools/templates")
+
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "jausml" / "language" / "metamodel" / "classes"
 METAMODELS = load_metamodels()

@@ -8,6 +8,8 @@ from pyecore.ecore import EClass, EEnum, EObject, EProxy
 
 from jausml.language.metamodel import FeatureKind, documentation, load_metamodels
 
+GUARDS = ("metamodels",)
+
 METAMODELS = load_metamodels()
 CLASSES = list(METAMODELS.classes.values())
 FEATURES = [(table, feature) for table in CLASSES for feature in table.features.values()]

@@ -19,6 +19,12 @@ from jausml.language.semantics.conversions import CONVERSIONS, ArgumentKind, NoV
 from jausml.language.semantics.conversions.authored import Formula
 from jausml.runtime import conversions as runtime
 
+GUARDS = (
+    "metamodels/bridge.ecore",
+    "jausml/language/semantics/conversions",
+    "jausml/runtime/conversions",
+)
+
 LITERALS = load_metamodels().package_named("bridge").enumerations["ConversionKind"].literals
 CALLED = [each for each in CONVERSIONS.values() if not each.is_in_place]
 BY_NAME = [pytest.param(each, id=each.name) for each in CONVERSIONS.values()]

@@ -12,6 +12,8 @@ from jausml.language.validation.engine import validate
 from jausml.language.validation.formats import text
 from jausml.language.validation.rules import all_rules
 
+GUARDS = ("jausml/language/validation/rules", "tests/cases/rules")
+
 INSTALLED = "prefix"
 """A case may have installed ROS packages of its own below this folder."""
 

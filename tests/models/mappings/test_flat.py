@@ -35,6 +35,8 @@ from jausml_generators.python.codec.message_builder import build_message_map
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+GUARDS = ("models/library/mappings",)
+
 # Their elements carry whole messages.
 NOT_FLAT = {"global_waypoint_list", "local_waypoint_list"}
 # Calls are rare and have no flat forms.

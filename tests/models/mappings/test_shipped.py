@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
     from jausml.language.model.reading.reader import ReadResult
 
+GUARDS = ("models/library/mappings",)
+
 MAPS = [(stem, each) for stem, maps in ready_maps().items() for each in maps]
 
 
