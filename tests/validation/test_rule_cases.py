@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from for_each import for_each
 
 from jausml.language.model.diagnostics import Severity
 from jausml.language.validation.engine import validate
@@ -60,7 +61,7 @@ def test_ids_are_unique_and_in_their_groups():
     assert all(each[:4] in ("JML3", "JML4", "JML5") and len(each) == 6 for each in ids)
 
 
-@pytest.mark.parametrize("rule", all_rules(), ids=lambda rule: rule.id)
+@for_each("rule", all_rules(), ids=lambda rule: rule.id)
 def test_documentation_has_a_bad_and_a_good_example(rule):
     assert "\nBad: " in rule.documentation
     assert "\nGood: " in rule.documentation
