@@ -31,6 +31,10 @@ FAR = 3
 """Imports beyond which a test file says little about a module."""
 CHANGED, GUARD = -200, -100
 """Ranks of a test file that changed, and of one that guards what changed: before all distances."""
+_IMPORTS = re.compile(
+    r"^[ \t]*(?:from \.*([\w.]*) )?import (?:\(([^)]*)\)|([^\n#;]+))", re.MULTILINE
+)
+"""Read as text, which takes a tenth of the time of a syntax tree of each test file."""
 _GUARDS = re.compile(r"^GUARDS = (\(.*?\))$", re.MULTILINE | re.DOTALL)
 
 
@@ -160,10 +164,13 @@ class _TestFiles:
         for path in (root / "tools").glob("*.py"):
             self._named[path.stem].append(path)
         self._names: dict[Path, set[str]] = {}
+        self._support: dict[Path, set[Path]] = {}
 
     def support(self, file: Path) -> set[Path]:
         """A test file, what it imports of files of the tests, and the conftest files above it."""
-        found: set[Path] = set()
+        if file in self._support:
+            return self._support[file]
+        found = self._support[file] = set()
         pending = [file, *(each for each in self._named["conftest"] if each.parent in file.parents)]
         while pending:
             path = pending.pop()
@@ -181,10 +188,8 @@ class _TestFiles:
     def _imports(self, path: Path) -> set[str]:
         if path not in self._names:
             names = set()
-            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-                if isinstance(node, ast.Import):
-                    names |= {each.name for each in node.names}
-                elif isinstance(node, ast.ImportFrom) and node.module:
-                    names |= {f"{node.module}.{each.name}" for each in node.names} | {node.module}
+            for module, several, one in _IMPORTS.findall(path.read_text(encoding="utf-8")):
+                given = [each.split()[0] for each in (several or one).split(",") if each.strip()]
+                names |= {module, *(f"{module}.{each}" for each in given)} if module else {*given}
             self._names[path] = names
         return self._names[path]

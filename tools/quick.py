@@ -44,7 +44,7 @@ def complaints(running: list[subprocess.Popen[str]]) -> list[str]:
     return failed
 
 
-NEAREST = 12
+NEAREST = 10
 """Test files that are run: each worker has to read all of them first."""
 
 
@@ -61,7 +61,7 @@ def main() -> int:
     """Command line entry."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--since", default="", metavar="COMMIT", help="compare with this commit")
-    parser.add_argument("--seconds", type=int, default=10, help="time for tests (10)")
+    parser.add_argument("--seconds", type=int, default=8, help="time for tests (8)")
     parser.add_argument("--list", action="store_true", help="list the test files, run nothing")
     arguments = parser.parse_args()
     running = [] if arguments.list else lint()
