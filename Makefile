@@ -22,7 +22,7 @@ $(READY): pyproject.toml
 demo: $(READY)  ## generate the example system, drive it through a turn, and draw the result
 	$(BIN)/python models/catvehicle/demo.py
 
-quick: $(READY)  ## run lint, and the tests that a change since main can break
+quick: $(READY)  ## run ruff, and in 15 seconds the tests that guard a change since main
 	$(BIN)/python tools/quick.py
 
 # Many tests wait for processes, so there are more workers than processors (tests/conftest.py).

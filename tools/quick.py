@@ -1,7 +1,8 @@
-"""Lint, and the tests that matter to what changed, in half a minute.
+"""The linter, and the tests that matter to what changed, in fifteen seconds.
 
-The linters run side by side. Of the tests those come first that are nearest to the change, without
-those that start ROS or take long; what is not reached in time is skipped, and is for `make test`.
+Ruff runs beside the choice of the tests. Those come first that say that they guard what changed,
+then those that are nearest to it, without those that start ROS or take long; what is not reached
+in time is skipped, and is for `make test`, as types and layers are for `make lint`.
 """
 
 from __future__ import annotations
@@ -11,40 +12,39 @@ import subprocess
 import sys
 from pathlib import Path
 
-from affected import affected, changed_files
+from affected import Checkout, changed_files
 
 ROOT = Path(__file__).resolve().parent.parent
 BIN = Path(sys.executable).parent
-LINTERS = (
-    ("ruff", "format", "--check", "."),
-    ("ruff", "check", "."),
-    ("lint-imports",),
-    ("mypy",),
-)
+LINTERS = (("format", "--check"), ("check",))
 
 
-def lint() -> list[str]:
-    """Runs all linters side by side, shows what fails, and returns their names."""
-    running = [
+def lint() -> list[subprocess.Popen[str]]:
+    """Starts what ruff judges, side by side."""
+    return [
         subprocess.Popen(
-            [BIN / name, *arguments],
+            [BIN / "ruff", *arguments, "."],
             cwd=ROOT,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
         )
-        for name, *arguments in LINTERS
+        for arguments in LINTERS
     ]
+
+
+def complaints(running: list[subprocess.Popen[str]]) -> list[str]:
+    """Waits for what was started, shows what fails, and returns its names."""
     failed = []
-    for linter, process in zip(LINTERS, running, strict=True):
+    for arguments, process in zip(LINTERS, running, strict=True):
         output, _ = process.communicate()
         if process.returncode:
-            failed.append(" ".join(linter))
+            failed.append(" ".join(("ruff", *arguments)))
             print(f"{failed[-1]}:\n{output}")
     return failed
 
 
-NEAREST = 12
+NEAREST = 10
 """Test files that are run: each worker has to read all of them first."""
 
 
@@ -61,14 +61,15 @@ def main() -> int:
     """Command line entry."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--since", default="", metavar="COMMIT", help="compare with this commit")
-    parser.add_argument("--seconds", type=int, default=20, help="time for tests (20)")
+    parser.add_argument("--seconds", type=int, default=8, help="time for tests (8)")
     parser.add_argument("--list", action="store_true", help="list the test files, run nothing")
     arguments = parser.parse_args()
-    files = affected(ROOT, changed_files(ROOT, arguments.since))
+    running = [] if arguments.list else lint()
+    files = Checkout(ROOT).affected(changed_files(ROOT, arguments.since))
     if arguments.list:
         print(*(path.relative_to(ROOT) for path in files), sep="\n")
         return 0
-    failed = lint()
+    failed = complaints(running)
     near = files[:NEAREST]
     print(f"lint: {', '.join(failed) or 'clean'}")
     print(f"tests: the nearest {len(near)} of {len(files)} files that the change reaches")

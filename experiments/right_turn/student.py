@@ -1,7 +1,7 @@
 """Student's t distribution, as far as tests of equivalence need it.
 
 The quantile is found by bisection of the integral of the density, so that no library of statistics
-is needed for one number (docs/adr/0031-equivalence.md).
+is needed for one number (docs/experiment.md).
 """
 
 from __future__ import annotations

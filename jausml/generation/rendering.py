@@ -6,6 +6,7 @@ The only importer of multigen. Nothing here touches the output folder.
 from __future__ import annotations
 
 import traceback
+from functools import cache
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import jinja2
@@ -24,6 +25,9 @@ from jausml.language.semantics.memory import remembering
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
+    from types import CodeType
+
+    from jinja2.bccache import Bucket
 
     from jausml.generation.target import Target
     from jausml.generation.tasks import Task, View
@@ -90,6 +94,27 @@ class _Size:
             raise TooLargeError(f"{message} ({hint}): make several systems of the model")
 
 
+class _Compiled(jinja2.BytecodeCache):
+    """What templates were compiled to, by file and text: a run compiles for seconds otherwise."""
+
+    def __init__(self) -> None:
+        self._codes: dict[tuple[str, str], CodeType | None] = {}
+
+    def load_bytecode(self, bucket: Bucket) -> None:
+        """Gives a template the code that its text was compiled to before."""
+        bucket.code = self._codes.get((bucket.key, bucket.checksum))
+
+    def dump_bytecode(self, bucket: Bucket) -> None:
+        """Keeps the code of a template."""
+        self._codes[bucket.key, bucket.checksum] = bucket.code
+
+
+@cache
+def _compiled() -> _Compiled:
+    """Returns what all runs of this process share; all environments have the same settings."""
+    return _Compiled()
+
+
 class _Renderer(JinjaGenerator):  # type: ignore[misc]  # multigen has no types
     """Runs the tasks of one target over one model."""
 
@@ -107,6 +132,7 @@ class _Renderer(JinjaGenerator):  # type: ignore[misc]  # multigen has no types
             keep_trailing_newline=True,
             trim_blocks=True,
             lstrip_blocks=True,
+            bytecode_cache=_compiled(),
             **kwargs,
         )
         environment.filters.update(FILTERS)

@@ -13,6 +13,8 @@ from jausml.language.validation import formats
 from jausml.live.peers import console, measuring, network
 from jausml.live.peers.conformance import formats as conformance_formats
 
+GUARDS = ("jausml/cli/known",)
+
 HEAVY = {
     *("jinja2", "lark", "lxml", "numpy", "pyecore", "pygls"),
     *(

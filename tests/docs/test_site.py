@@ -9,6 +9,8 @@ from pathlib import Path, PurePosixPath
 import build_site
 import pytest
 
+GUARDS = ("docs/index.md", "zensical.toml")
+
 ROOT = Path(__file__).resolve().parents[2]
 _OTHER_SERVER = re.compile(r'<(?:script|link|img)[^>]+(?:src|href)="?(https?:[^" >]+)')
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -105,7 +106,7 @@ def test_a_completion_replaces_the_whole_word(bench, at):
     assert (found.start.column, found.end.column) == (23, 43)
 
 
-@pytest.mark.parametrize("unit", UNITS)
+@for_each("unit", UNITS)
 def test_offered_units_are_units(unit):
     parse_unit(unit)
 

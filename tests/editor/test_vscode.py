@@ -6,14 +6,16 @@ import json
 import re
 from pathlib import Path
 
-import pytest
 from build_grammar import GRAMMAR as GRAMMAR_FILE
 from build_grammar import grammar
+from for_each import for_each
 
 from jausml.authoring.editor.classes import keywords
 from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.text.keywords import KEYWORDS
 from jausml.language.text.notation import SUFFIX
+
+GUARDS = ("editors", "metamodels")
 
 FOLDER = Path(__file__).parents[2] / "editors" / "vscode"
 GRAMMAR = json.loads((FOLDER / "syntaxes" / "ros2jaus.tmLanguage.json").read_text("utf-8"))
@@ -42,7 +44,7 @@ def coloured(name, line):
     ]
 
 
-@pytest.mark.parametrize("pattern", sorted(set(patterns(GRAMMAR))))
+@for_each("pattern", sorted(set(patterns(GRAMMAR))))
 def test_the_patterns_are_regular_expressions(pattern):
     re.compile(pattern)
 
@@ -52,13 +54,13 @@ def test_what_is_included_is_there():
     assert included == set(GRAMMAR["repository"])
 
 
-@pytest.mark.parametrize("word", KEYWORDS)
+@for_each("word", KEYWORDS)
 def test_keywords_are_coloured(word):
     assert coloured("statements", f"  {word} x") == [word]
     assert coloured("statements", f"{word}: x `{word}` a.{word} {word}s") == []
 
 
-@pytest.mark.parametrize("name", CONVERSIONS)
+@for_each("name", CONVERSIONS)
 def test_conversions_are_coloured(name):
     assert coloured("conversions", f"a -> b : {name}(1), {name}") == [name, name]
 

@@ -13,6 +13,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from for_each import for_each
+
+GUARDS = ("metamodels", "models")
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -26,7 +29,7 @@ JUDGED = [
 ]
 
 
-@pytest.mark.parametrize("path", JUDGED, ids=lambda path: path.relative_to(ROOT).as_posix())
+@for_each("path", JUDGED, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_emf_reports_no_error(path: Path) -> None:
     verdict = VERDICTS[path.relative_to(ROOT).as_posix()]
     digest = hashlib.sha256(path.read_bytes()).hexdigest()

@@ -12,6 +12,7 @@ import warnings
 from dataclasses import replace
 from pathlib import Path
 
+import jinja2
 import pytest
 
 from jausml import __version__
@@ -45,6 +46,27 @@ def test_an_artifact_says_where_it_comes_from(workspace, vehicle):
 
 def test_rendering_twice_gives_the_same_bytes(workspace, vehicle, arm):
     assert workspace.render([vehicle, arm]) == workspace.render([vehicle, arm])
+
+
+def test_a_template_is_compiled_once_as_long_as_its_text_is_the_same(
+    workspace, templates, vehicle, monkeypatch
+):
+    compiled = []
+    compile_ = jinja2.Environment.compile
+
+    def counted(environment, source, name=None, *others, **options):
+        compiled.append(name)
+        return compile_(environment, source, name, *others, **options)
+
+    monkeypatch.setattr(jinja2.Environment, "compile", counted)
+    first = texts(workspace.render([vehicle]))
+    assert "data.json.j2" in compiled
+    compiled.clear()
+    assert texts(workspace.render([vehicle])) == first
+    assert compiled == []
+    (templates / "data.json.j2").write_text("[]\n", encoding="utf-8")
+    assert texts(workspace.render([vehicle]))["vehicle/data.json"] == "[]\n"
+    assert compiled == ["data.json.j2"]
 
 
 def test_headers_by_comment_style(workspace, vehicle):

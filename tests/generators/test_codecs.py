@@ -15,6 +15,7 @@ import pytest
 from codec_nearness import differences
 from codec_strategies import messages
 from codec_support import codec, definitions, library, listed_definitions, shipped_sets
+from for_each import for_each
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
@@ -32,9 +33,7 @@ FEW = settings(
     suppress_health_check=list(HealthCheck),
 )
 DEFINITIONS = listed_definitions()
-EVERY_DEFINITION = pytest.mark.parametrize(
-    ("set_name", "definition"), DEFINITIONS, ids=["-".join(each) for each in DEFINITIONS]
-)
+EVERY_DEFINITION = for_each(("set_name", "definition"), DEFINITIONS, ids="-".join, shards=16)
 # Python objects are larger than bytes on the wire, by about this factor.
 BASE, FACTOR = 32_768, 1024
 

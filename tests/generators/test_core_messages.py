@@ -49,6 +49,12 @@ TOO_MUCH = (
     float("nan"),
 )
 
+GUARDS = (
+    "models/library/jaus",
+    "jausml/runtime/messages.py",
+    "tools/build_core_messages.py",
+)
+
 
 def tasks(model: Model) -> list[Task]:
     services = list(model.instances(jaus.Service))

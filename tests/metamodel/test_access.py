@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from for_each import for_each
 
 from jausml.language.metamodel import load_metamodels, read_metamodels
 from jausml.language.metamodel.filling import new_object
@@ -17,7 +18,7 @@ TABLES = [
 CONCRETE = [each for each in TABLES if not each.abstract]
 
 
-@pytest.mark.parametrize("table", CONCRETE, ids=lambda each: each.qualified_name)
+@for_each("table", CONCRETE, ids=lambda each: each.qualified_name)
 def test_what_was_never_set_has_the_value_that_pyecore_gives(table):
     ours, theirs = new_object(table), table.eclass()
     for name, feature in table.features.items():
@@ -29,7 +30,7 @@ def test_what_was_never_set_has_the_value_that_pyecore_gives(table):
         assert not ours.eIsSet(feature.feature)
 
 
-@pytest.mark.parametrize("table", CONCRETE, ids=lambda each: each.qualified_name)
+@for_each("table", CONCRETE, ids=lambda each: each.qualified_name)
 def test_asking_for_one_value_leaves_no_trace(table):
     element = new_object(table)
     plain = [each for each in table.features.values() if not each.feature.derived]

@@ -12,12 +12,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from for_each import for_each
 
 from jausml.language.metamodel import ValueKind, load_jaus_metamodel, load_metamodels
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import new_object
 from jausml.language.model import read_models
+
+GUARDS = ("metamodels", "tools/build_model_types.py", "tools/templates")
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "jausml" / "language" / "metamodel" / "classes"
@@ -66,7 +69,7 @@ def test_the_stubs_are_those_that_the_tool_writes(tmp_path):
         assert path.read_text("utf-8") == (FOLDER / path.name).read_text("utf-8"), path.name
 
 
-@pytest.mark.parametrize("qualified", CLASSES)
+@for_each("qualified", CLASSES)
 def test_a_class_is_the_one_that_elements_are_made_of(qualified):
     table = METAMODELS.classes[qualified]
     kind = python_class(qualified)
@@ -79,16 +82,14 @@ def test_a_class_is_the_one_that_elements_are_made_of(qualified):
         assert type(new_object(table)) is kind
 
 
-@pytest.mark.parametrize("qualified", CLASSES)
+@for_each("qualified", CLASSES)
 def test_a_stub_declares_the_features_of_its_class(qualified):
     language, name = qualified.split(".")
     own = METAMODELS.classes[qualified].eclass.eStructuralFeatures
     assert list(stub(language)[name]) == [feature.name for feature in own]
 
 
-@pytest.mark.parametrize(
-    "qualified", [name for name in CLASSES if not METAMODELS.classes[name].abstract]
-)
+@for_each("qualified", [name for name in CLASSES if not METAMODELS.classes[name].abstract])
 def test_a_new_element_has_the_values_that_its_stub_promises(qualified):
     table = METAMODELS.classes[qualified]
     element = new_object(table)

@@ -4,9 +4,12 @@ import re
 from importlib.resources import files
 
 import pytest
+from for_each import for_each
 from pyecore.ecore import EClass, EEnum, EObject, EProxy
 
 from jausml.language.metamodel import FeatureKind, documentation, load_metamodels
+
+GUARDS = ("metamodels",)
 
 METAMODELS = load_metamodels()
 CLASSES = list(METAMODELS.classes.values())
@@ -34,7 +37,7 @@ def test_packages():
     ]
 
 
-@pytest.mark.parametrize("enumeration", ENUMERATIONS, ids=lambda each: each.name)
+@for_each("enumeration", ENUMERATIONS, ids=lambda each: each.name)
 def test_literal_equals_name(enumeration):
     # EMF writes the literal, pyecore knows the name.
     assert all(each.literal in (None, each.name) for each in enumeration.eLiterals)
@@ -93,7 +96,7 @@ def test_no_keys():
         assert "eKeys" not in text
 
 
-@pytest.mark.parametrize("table", CLASSES, ids=lambda each: each.qualified_name)
+@for_each("table", CLASSES, ids=lambda each: each.qualified_name)
 def test_class(table):
     assert documentation(table.eclass)
     assert all(not isinstance(each, EProxy) for each in table.eclass.eSuperTypes)

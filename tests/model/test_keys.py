@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
+from for_each import for_each
 
 from jausml.language.model import read_models
 from jausml.language.model.refs import LIBRARY, Keys, find, ref_of
@@ -20,7 +20,7 @@ def read(path):
     return read_models([path], notations=NOTATIONS).model
 
 
-@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+@for_each("path", SHIPPED, ids=lambda path: path.stem, shards=6)
 def test_each_element_has_a_key_and_a_reference_of_its_own(path):
     model = read(path)
     keys = Keys(model)

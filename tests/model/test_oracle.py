@@ -9,6 +9,7 @@ import re
 from urllib.parse import unquote
 
 import pytest
+from for_each import for_each
 from reader_support import EMF, ZOO_METAMODELS
 
 from jausml.language.metamodel import FeatureKind
@@ -35,7 +36,7 @@ MORE_LENIENT = {
 }
 
 
-@pytest.mark.parametrize("case", sorted(VERDICTS))
+@for_each("case", sorted(VERDICTS))
 def test_verdict(case, monkeypatch):
     monkeypatch.chdir(EMF)
     metamodels = ZOO_METAMODELS if case.startswith("zoo") else None
@@ -78,7 +79,7 @@ DUMPED = sorted(
 )
 
 
-@pytest.mark.parametrize("case", DUMPED)
+@for_each("case", DUMPED)
 def test_values(case, monkeypatch):
     monkeypatch.chdir(EMF)
     metamodels = ZOO_METAMODELS if case.startswith("zoo") else None

@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+GUARDS = (".pre-commit-hooks.yaml",)
+
 ROOT = Path(__file__).resolve().parents[2]
 HOOKS = {each["id"]: each for each in yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text())}
 RIGHT = "component vehicle { address: 1.1.1 }\n"

@@ -16,6 +16,8 @@ from click.testing import CliRunner
 from jausml.cli import main
 from jausml.language.model import LIBRARY_URI
 
+GUARDS = ("integrations", "action.yml")
+
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "integrations"
 ACTION = yaml.safe_load((ROOT / "action.yml").read_text(encoding="utf-8"))

@@ -84,14 +84,13 @@ def installed(built: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     work = tmp_path_factory.mktemp("wheel")
     (wheel,) = built.glob("jausml-*.whl")
     environment = work / "environment"
-    venv.create(environment, with_pip=True)
-    python = environment / "bin" / "python"
-    install = (python, "-m", "pip", "install", "--quiet", "--no-index", "--no-deps")
-    run(*install, wheel, cwd=work)
+    venv.create(environment)
+    pip = (sys.executable, "-m", "pip", "--python", environment / "bin" / "python")
+    run(*pip, "install", "--quiet", "--no-index", "--no-deps", wheel, cwd=work)
     (packages,) = environment.glob("lib/python*/site-packages")
     for name in needed_by(packages):
         copy_distribution(name, packages)
-    run(python, "-m", "pip", "check", cwd=work)
+    run(*pip, "check", cwd=work)
     return environment / "bin"
 
 
@@ -123,25 +122,40 @@ def test_there_is_no_ros(installed: Path, tmp_path: Path) -> None:
     assert result.returncode != 0
 
 
-@pytest.mark.parametrize(
-    "example",
-    [
-        "catvehicle/catvehicle.xmi",
-        "minimal/minimal.xmi",
-        "examples/winch/winch.xmi",
-        "examples/waypoints/waypoints.ros2jaus",
-    ],
+EXAMPLES = (
+    "catvehicle/catvehicle.xmi",
+    "minimal/minimal.xmi",
+    "examples/winch/winch.xmi",
+    "examples/waypoints/waypoints.ros2jaus",
 )
-def test_validate_and_generate(installed: Path, tmp_path: Path, example: str) -> None:
-    model = shipped(installed, tmp_path) / example
-    name = model.stem
-    run(installed / "jausml", "validate", model, cwd=tmp_path)
-    run(installed / "jausml", "generate", model, "-o", "out", cwd=tmp_path)
-    produced = sorted(path.name for path in (tmp_path / "out").iterdir())
-    assert {"jausml_runtime", f"{name}_bringup"} <= set(produced)
-    assert (tmp_path / "out" / "jausml_runtime" / "jausml_runtime" / "__init__.py").is_file()
-    run(installed / "jausml", "generate", model, "-o", "out", "--check", cwd=tmp_path)
-    run(installed / "python", "-m", "compileall", "-q", tmp_path / "out", cwd=tmp_path)
+VERBS = """
+import sys
+from jausml.cli import main
+
+def verb(*words):
+    try:
+        main(words)
+    except SystemExit as end:
+        assert not end.code, words
+
+for model in sys.argv[1:]:
+    out = model.rpartition("/")[2]
+    verb("validate", model)
+    verb("generate", model, "-o", out)
+    verb("generate", model, "-o", out, "--check")
+"""
+
+
+def test_validate_and_generate(installed: Path, tmp_path: Path) -> None:
+    """All in one process, which begins once; the command itself is run by the test below."""
+    models = [shipped(installed, tmp_path) / example for example in EXAMPLES]
+    run(installed / "python", "-c", VERBS, *models, cwd=tmp_path)
+    for model in models:
+        produced = sorted(path.name for path in (tmp_path / model.name).iterdir())
+        assert {"jausml_runtime", f"{model.stem}_bringup"} <= set(produced)
+        runtime = tmp_path / model.name / "jausml_runtime" / "jausml_runtime"
+        assert (runtime / "__init__.py").is_file()
+    run(installed / "python", "-m", "compileall", "-q", "minimal.xmi", cwd=tmp_path)
 
 
 def test_own_model_by_library_address(installed: Path, tmp_path: Path) -> None:
@@ -153,3 +167,5 @@ def test_own_model_by_library_address(installed: Path, tmp_path: Path) -> None:
         text.replace("../library/", "http://www.jausml.org/library/"), encoding="utf-8"
     )
     run(installed / "jausml", "validate", model, cwd=tmp_path)
+    run(installed / "jausml", "generate", model, "-o", "out", cwd=tmp_path)
+    assert (tmp_path / "out" / "jausml_runtime").is_dir()

@@ -9,6 +9,7 @@ import re
 from datetime import datetime, timezone
 
 import pytest
+from for_each import for_each
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from sources import ROOT, modules_below
@@ -19,6 +20,12 @@ from jausml.language.semantics.conversions import CONVERSIONS, ArgumentKind, Eff
 from jausml.language.semantics.conversions.authored import Formula
 from jausml.runtime import conversions as runtime
 
+GUARDS = (
+    "metamodels/bridge.ecore",
+    "jausml/language/semantics/conversions",
+    "jausml/runtime/conversions",
+)
+
 LITERALS = load_metamodels().package_named("bridge").enumerations["ConversionKind"].literals
 WRITTEN = (ArgumentKind.TEXT, ArgumentKind.FORMULA, ArgumentKind.METHOD)
 CALLED = [
@@ -26,7 +33,7 @@ CALLED = [
     for each in CONVERSIONS.values()
     if each.own_argument is None or each.own_argument.kind not in WRITTEN
 ]
-BY_NAME = [pytest.param(each, id=each.name) for each in CONVERSIONS.values()]
+EVERY_CONVERSION = for_each("conversion", CONVERSIONS.values(), ids=lambda each: each.name)
 
 # ------------------------------------------------------------ one of each, wherever it is told
 
@@ -36,25 +43,25 @@ def test_each_literal_has_its_class():
     assert len({type(each) for each in CONVERSIONS.values()}) == len(LITERALS)
 
 
-@pytest.mark.parametrize("conversion", BY_NAME)
+@EVERY_CONVERSION
 def test_literal_and_class_say_the_same(conversion):
     assert documentation(LITERALS[conversion.name]) == conversion.documentation
     assert conversion.documentation.endswith(".")
 
 
-@pytest.mark.parametrize("conversion", BY_NAME)
+@EVERY_CONVERSION
 def test_the_documentation_names_each_argument(conversion):
     words = re.findall(r"[a-z]+", conversion.documentation.lower())
     assert [each.name for each in conversion.arguments if each.name not in words] == []
 
 
-@pytest.mark.parametrize("conversion", BY_NAME)
+@EVERY_CONVERSION
 def test_an_argument_that_is_no_number_has_a_feature_of_its_own(conversion):
     features = load_metamodels().classes["bridge.Conversion"].features
     assert {each.feature for each in conversion.arguments} <= set(features)
 
 
-@pytest.mark.parametrize("conversion", BY_NAME)
+@EVERY_CONVERSION
 def test_a_conversion_has_no_state(conversion):
     assert vars(conversion) == {}
 
@@ -78,7 +85,7 @@ RESULTS = {
 }
 
 
-@pytest.mark.parametrize("conversion", [pytest.param(each, id=each.name) for each in CALLED])
+@for_each("conversion", CALLED, ids=lambda each: each.name)
 def test_each_class_has_its_function_in_the_runtime(conversion):
     signature = inspect.signature(getattr(runtime, conversion.name))
     inputs, arguments = conversion.inputs, conversion.arguments

@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 from browsers import PAGE, SOURCES, build_page
 
+GUARDS = ("studio",)
+
 pytestmark = pytest.mark.timeout(300)
 NPM = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
 

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
+
 import pytest
 
 from jausml.language.metamodel.classes import bridge, jaus, ros
@@ -271,15 +273,20 @@ def test_unknown_name_tells_what_makes_it_known(texts, text, hint):
 
 
 def test_every_map_of_the_library_is_found_by_its_name(texts):
+    of_modules = defaultdict(list)
     for each in library_maps():
-        text = f"import {each.module}\nbridge b {{ connection c {{ map: {each.name} }} }}"
-        [connection] = texts.one(text).model.instances(bridge.Connection)
-        used = connection.map
-        assert (used.name, used.message.name) == (each.name, each.message)
-        owner, name = used.type.eContainer(), used.type.name
-        if not isinstance(owner, ros.InterfacePackage):  # a half of a service or action
-            owner, name = owner.eContainer(), owner.name
-        assert each.type == f"{owner.name}/{name}"
+        of_modules[each.module].append(each)
+    for module, maps in of_modules.items():
+        lines = [f"connection c{i} {{ map: {each.name} }}" for i, each in enumerate(maps)]
+        text = f"import {module}\nbridge b {{ {' '.join(lines)} }}"
+        connections = list(texts.one(text).model.instances(bridge.Connection))
+        for each, connection in zip(maps, connections, strict=True):
+            used = connection.map
+            assert (used.name, used.message.name) == (each.name, each.message)
+            owner, name = used.type.eContainer(), used.type.name
+            if not isinstance(owner, ros.InterfacePackage):  # a half of a service or action
+                owner, name = owner.eContainer(), owner.name
+            assert each.type == f"{owner.name}/{name}"
 
 
 def test_index_of_the_library_has_all_its_maps(texts):

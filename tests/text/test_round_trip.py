@@ -23,6 +23,8 @@ from jausml.language.text.reading.parsing import parse
 from jausml.language.text.writing.layout import lay_out
 from jausml.language.text.writing.unparsing import to_text
 
+GUARDS = ("metamodels",)
+
 ROOT = Path(__file__).resolve().parents[2]
 SHIPPED = load_metamodels()
 SHIPPED_FILES = sorted(

@@ -7,7 +7,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from affected import affected, changed_files
+from affected import Checkout, changed_files, guards
+from quick import NEAREST
 
 ROOT = Path(__file__).resolve().parents[2]
 FILES = {
@@ -34,11 +35,15 @@ FILES = {
     "jausml/cli/__init__.py": "",
     "jausml/cli/scan.py": "",
     "tests/cli/test_scan.py": "",
-    "tests/emf/test_emf.py": "",
+    "tests/test_metals.py": 'GUARDS = ("metals", "jausml/words.py")',
+    "tests/test_iron.py": 'GUARDS = ("metals/iron.xml",)',
     "tools/press.py": "",
     "tests/tools/test_press.py": "import press",
 }
-LIST = "import sys, pathlib, affected; print(*affected.affected(pathlib.Path.cwd(), sys.argv[1:]))"
+LIST = """\
+import sys, pathlib, affected
+print(*affected.Checkout(pathlib.Path.cwd()).affected(sys.argv[1:]))
+"""
 
 
 @pytest.fixture
@@ -57,7 +62,7 @@ def listed(checkout):
         command = [
             sys.executable,
             "-c",
-            f"import sys; sys.path[:0] = ['.', 'generators']; {LIST}",
+            f"import sys; sys.path[:0] = ['.', 'generators']\n{LIST}",
             *changed,
         ]
         environment = {"PYTHONPATH": str(ROOT / "tools")}
@@ -71,7 +76,7 @@ def listed(checkout):
 
 
 def test_the_nearest_come_first_and_the_far_not_at_all(listed):
-    expected = ["test_words", "test_paper", "test_lines", "test_books"]
+    expected = ["test_metals", "test_words", "test_paper", "test_lines", "test_books"]
     assert listed("jausml/words.py") == [f"tests/{name}.py" for name in expected]
 
 
@@ -79,10 +84,18 @@ def test_a_changed_test_comes_before_all(listed):
     assert listed("jausml/words.py", "tests/test_shelves.py")[0] == "tests/test_shelves.py"
 
 
+def test_what_guards_a_change_comes_next_the_narrowest_first(listed):
+    assert listed("metals/gold.xml") == ["tests/test_metals.py"]
+    changed = ("metals/iron.xml", "jausml/words.py", "tests/test_shelves.py")
+    expected = ["test_shelves", "test_iron", "test_metals", "test_words"]
+    assert listed(*changed)[:4] == [f"tests/{name}.py" for name in expected]
+    assert listed("metals_of_others/gold.xml") == []
+
+
 def test_files_that_tests_import_count_for_them(listed):
     assert listed("tests/paper.py") == ["tests/test_paper.py"]
     assert listed("tools/press.py") == ["tests/tools/test_press.py"]
-    assert len(listed("tests/conftest.py")) == 10
+    assert len(listed("tests/conftest.py")) == 11
 
 
 def test_what_is_no_module_counts_as_its_package(listed):
@@ -95,7 +108,7 @@ def test_what_is_no_module_of_the_generators_counts_as_its_package(listed):
 
 def test_what_is_loaded_by_name_is_found_by_name(listed):
     assert listed("jausml/cli/scan.py") == ["tests/cli/test_scan.py"]
-    assert listed("models/cli/scan.xmi") == ["tests/cli/test_scan.py", "tests/emf/test_emf.py"]
+    assert listed("models/cli/scan.xmi") == ["tests/cli/test_scan.py"]
 
 
 def test_what_nothing_imports_needs_no_test(listed):
@@ -120,6 +133,26 @@ def test_changed_files_are_those_since_the_branch_left(checkout):
     assert changed_files(checkout, "HEAD") == ["jausml/lines.py", "new ones.py"]
 
 
-def test_a_change_of_units_runs_the_tests_of_units():
-    first, *_ = affected(ROOT, ["jausml/language/attributes/units.py"])
-    assert first.name == "test_units.py"
+GUARDED = {
+    "jausml/language/attributes/units.py": {"languages/test_units.py"},
+    "metamodels/bridge.ecore": {"semantics/test_conversions.py", "metamodel/test_shipped.py"},
+    "metamodels/jaus.ecore": {"metamodel/test_classes.py", "emf/test_recorded_verdicts.py"},
+    "models/library/mappings/odometry.ros2jaus": {"models/mappings/test_shipped.py"},
+    "docs/how-to/extend.md": {"docs/test_named_files.py", "docs/test_commands.py"},
+}
+
+
+def test_what_guards_a_change_of_this_project_is_run():
+    checkout = Checkout(ROOT)
+    for changed, expected in GUARDED.items():
+        near = checkout.affected([changed])[:NEAREST]
+        assert expected <= {path.relative_to(ROOT / "tests").as_posix() for path in near}, changed
+
+
+def test_what_is_guarded_is_there():
+    files = {path: guards(path) for path in (ROOT / "tests").rglob("test_*.py")}
+    assert sum(map(bool, files.values())) > 15
+    lost = [
+        (path.name, each) for path in files for each in files[path] if not (ROOT / each).exists()
+    ]
+    assert lost == []

@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from for_each import for_each
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "benchmarks"
@@ -42,7 +43,7 @@ def page(monkeypatch):
     return importlib.import_module("page")
 
 
-@pytest.mark.parametrize("path", sorted(FOLDER.glob("*.py")), ids=lambda path: path.stem)
+@for_each("path", sorted(FOLDER.glob("*.py")), ids=lambda path: path.stem)
 def test_what_it_imports_is_there(path):
     lost = []
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
@@ -66,7 +67,7 @@ def test_the_page_is_made_of_the_data(page):
         assert (ROOT / "docs" / name).read_text(encoding="utf-8") == text, name
 
 
-@pytest.mark.parametrize("path", sorted(FOLDER.glob("*.json")), ids=lambda path: path.stem)
+@for_each("path", sorted(FOLDER.glob("*.json")), ids=lambda path: path.stem)
 def test_the_data_tells_nothing_of_the_computer(path):
     text = path.read_text(encoding="utf-8")
     assert str(ROOT) not in text

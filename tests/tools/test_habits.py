@@ -14,6 +14,8 @@ try:
 except ImportError:  # Python 3.10
     tomllib = None
 
+GUARDS = (".github", ".pre-commit-config.yaml", "Makefile")
+
 ROOT = Path(__file__).resolve().parents[2]
 MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
 TARGETS = set(re.findall(r"^([a-z][a-z-]*):", MAKEFILE, re.MULTILINE))

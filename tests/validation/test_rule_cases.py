@@ -6,11 +6,14 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from for_each import for_each
 
 from jausml.language.model.diagnostics import Severity
 from jausml.language.validation.engine import validate
 from jausml.language.validation.formats import text
 from jausml.language.validation.rules import all_rules
+
+GUARDS = ("jausml/language/validation/rules", "tests/cases/rules")
 
 INSTALLED = "prefix"
 """A case may have installed ROS packages of its own below this folder."""
@@ -58,7 +61,7 @@ def test_ids_are_unique_and_in_their_groups():
     assert all(each[:4] in ("JML3", "JML4", "JML5") and len(each) == 6 for each in ids)
 
 
-@pytest.mark.parametrize("rule", all_rules(), ids=lambda rule: rule.id)
+@for_each("rule", all_rules(), ids=lambda rule: rule.id)
 def test_documentation_has_a_bad_and_a_good_example(rule):
     assert "\nBad: " in rule.documentation
     assert "\nGood: " in rule.documentation

@@ -25,6 +25,8 @@ from jausml_generators.python.codec.message_builder import build_message_map
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+GUARDS = ("models/library/mappings",)
+
 MAPS = [
     (path.stem, each) for path in FILES for each in ready_maps()[path.stem] if not is_of_call(each)
 ]

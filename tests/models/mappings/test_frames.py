@@ -10,6 +10,7 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 import pytest
+from for_each import for_each
 from geometry_msgs.msg import (
     AccelWithCovarianceStamped,
     PoseStamped,
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from mapping_support import Translator
+
+GUARDS = ("models/library/mappings",)
 
 HALF = math.sqrt(0.5)
 ANGLE_STEP = 2 * math.pi / 65535
@@ -68,7 +71,7 @@ def height_of_the_left_side(roll: float, pitch: float) -> float:
 # ------------------------------------------------------------------ attitudes
 
 
-@pytest.mark.parametrize(("roll", "pitch", "heading"), ATTITUDES)
+@for_each(("roll", "pitch", "heading"), ATTITUDES)
 def test_attitude_on_the_earth(
     translator: Callable[[str], Translator], roll: float, pitch: float, heading: float
 ) -> None:
@@ -100,7 +103,7 @@ def test_nearly_straight_up_and_down_on_the_earth(
         assert turned(again, axis) == pytest.approx(turned(orientation, axis), abs=1e-3)
 
 
-@pytest.mark.parametrize(("roll", "pitch", "yaw"), ATTITUDES)
+@for_each(("roll", "pitch", "yaw"), ATTITUDES)
 def test_attitude_in_odom(
     translator: Callable[[str], Translator], roll: float, pitch: float, yaw: float
 ) -> None:
@@ -117,7 +120,7 @@ def test_attitude_in_odom(
         assert (back.roll, back.pitch, back.yaw) == pytest.approx((roll, pitch, yaw), abs=1e-3)
 
 
-@pytest.mark.parametrize(("roll", "pitch", "yaw"), ATTITUDES)
+@for_each(("roll", "pitch", "yaw"), ATTITUDES)
 def test_odometry_has_the_pose_in_odom_and_the_twist_in_the_axes_of_the_vehicle(
     translator: Callable[[str], Translator], roll: float, pitch: float, yaw: float
 ) -> None:

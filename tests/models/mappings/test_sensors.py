@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
     from mapping_support import Translator
 
+GUARDS = ("models/library/mappings",)
+
 WIDTH_STEP = 10000 / 65535
 
 

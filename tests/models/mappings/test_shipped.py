@@ -9,6 +9,7 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from for_each import for_each
 from mapping_support import (
     MAPPINGS,
     ROOT,
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 
     from jausml.language.model.reading.reader import ReadResult
 
+GUARDS = ("models/library/mappings",)
+
 MAPS = [(stem, each) for stem, maps in ready_maps().items() for each in maps]
 
 
@@ -41,7 +44,7 @@ def test_bridges_that_use_each_map_are_free_of_findings(system: ReadResult) -> N
     assert [each for each in findings(system) if "JML367" not in each] == []
 
 
-@pytest.mark.parametrize("each", [each for _, each in MAPS], ids=[each.name for _, each in MAPS])
+@for_each("each", [each for _, each in MAPS], ids=lambda each: each.name)
 def test_each_map_has_vectors_for_each_direction_and_says_what_it_is(each: Any) -> None:
     tested = {vector.direction.name for vector in each.vectors}
     has = {"jausToRos"} if each.toRos else set()
@@ -50,7 +53,7 @@ def test_each_map_has_vectors_for_each_direction_and_says_what_it_is(each: Any) 
     assert each.documentation
 
 
-@pytest.mark.parametrize("each", [each for _, each in MAPS], ids=[each.name for _, each in MAPS])
+@for_each("each", [each for _, each in MAPS], ids=lambda each: each.name)
 def test_each_sign_that_changes_is_in_a_vector(each: Any) -> None:
     """With a figure that is not 0, which has the same sign as its opposite."""
     for way, assignments in (("jausToRos", each.toRos), ("rosToJaus", each.toJaus)):

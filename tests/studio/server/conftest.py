@@ -9,7 +9,7 @@ from studio_client import serving
 from jausml.language.model.uris import LIBRARY_URI
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from studio_client import Page, Server
 
@@ -32,15 +32,25 @@ def models() -> Path:
     return MODELS
 
 
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    """A project that may be changed."""
-    root = tmp_path / "project"
+@pytest.fixture(scope="session")
+def new_project() -> Callable[[Path], Path]:
+    """Makes a project in a folder."""
+    return made
+
+
+def made(beside: Path) -> Path:
+    root = beside / "project"
     root.mkdir()
     text = (MODELS / "catvehicle" / "catvehicle.xmi").read_text(encoding="utf-8")
     text = text.replace("../library/", LIBRARY_URI)
     (root / "catvehicle.xmi").write_text(text, encoding="utf-8")
     return root
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A project that may be changed."""
+    return made(tmp_path)
 
 
 @pytest.fixture

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from scope_support import CAR, SHIPPED, named, scope_of
+from answers_support import CAR, SHIPPED, named, scope_of
+from for_each import for_each
 
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.views.forms import form, form_of
@@ -17,7 +18,7 @@ CONCRETE = sorted(
 KINDS = {"text", "multiline", "number", "integer", "boolean", "choice", "reference"}
 
 
-@pytest.mark.parametrize("name", CONCRETE)
+@for_each("name", CONCRETE)
 def test_every_class_has_a_form(name):
     table = load_metamodels().classes[name]
     found = form_of(scope_of(CAR), table.python_class())
@@ -47,7 +48,7 @@ def test_every_class_has_a_form(name):
             assert child in table.features[each.feature].target.subtypes
 
 
-@pytest.mark.parametrize("name", SHIPPED)
+@for_each("name", SHIPPED, shards=3)
 def test_every_shipped_element_has_a_form(name):
     scope = scope_of(name)
     for element in scope.model.elements_of(scope.model.documents[0]):

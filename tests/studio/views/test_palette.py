@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import pytest
-from scope_support import CAR, SHIPPED, named, scope_of
+from answers_support import CAR, SHIPPED, named, scope_of
+from for_each import for_each
 
 from jausml.authoring.editing.commands import Add, Set
 from jausml.authoring.studio.views.palette import palette
@@ -80,7 +80,7 @@ def test_nothing_is_offered_that_cannot_be_dropped():
     assert {each.group for each in found} <= {"elements"}
 
 
-@pytest.mark.parametrize("name", SHIPPED)
+@for_each("name", SHIPPED)
 def test_every_model_has_a_palette_whose_references_are_known(name):
     scope = scope_of(name)
     for each in palette(scope, "pose", limit=20):

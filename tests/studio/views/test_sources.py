@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import pytest
-from scope_support import CAR, SHIPPED, named, scope_of
+from answers_support import CAR, SHIPPED, named, scope_of
+from for_each import for_each
 
 from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.studio.views.sources import source
@@ -55,7 +55,7 @@ def test_line_ends_and_wide_characters_are_counted_as_browsers_do(tmp_path):
     assert "\r" not in found.text
 
 
-@pytest.mark.parametrize("name", SHIPPED)
+@for_each("name", SHIPPED)
 def test_every_element_stands_somewhere(name):
     scope = scope_of(name)
     elements = list(scope.model.elements_of(scope.model.documents[0]))

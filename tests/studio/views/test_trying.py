@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
+import json
+import sys
+import tempfile
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from scope_support import CAR, SHIPPED, scope_of
 
+import jausml
 from jausml.authoring.proposals.elements import Scope
+from jausml.authoring.studio.views import trial_worker, trying
 from jausml.authoring.studio.views.trying import Trials, inputs
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model import read_models
+from jausml.live.workers.bootstrap import load_runtime
+
+if TYPE_CHECKING:
+    from jausml.live.workers.bridge_code import BridgeCode
 
 RULES = Path(__file__).resolve().parents[2] / "cases" / "rules"
 BUSY = 60.0
@@ -138,16 +148,58 @@ def test_a_map_with_errors_is_not_tried(trials, case, name, to_ros):
     assert found.error == f"'{name}' cannot be tried before its errors are fixed"
 
 
+class InThisProcess:
+    """A translation in the process of the tests: a process for each of a hundred is dear."""
+
+    is_alive = True
+
+    def __init__(self, code: BridgeCode, made_of: bridge.AttributeMap) -> None:
+        self.code, self.made_of = code, made_of
+        self._folder = tempfile.TemporaryDirectory()
+        workspace = Path(self._folder.name)
+        for path, text in code.files.items():
+            (workspace / path).parent.mkdir(parents=True, exist_ok=True)
+            (workspace / path).write_text(text, encoding="utf-8")
+        self._packages = {each.name: str(each) for each in workspace.iterdir()}
+        sys.path[:0] = self._packages.values()
+        self._translation = trial_worker.Translation()
+
+    def ask(self, request: object, _: float) -> object:
+        answer = self._translation.answer(json.loads(json.dumps(request)))
+        return json.loads(json.dumps(answer))
+
+    def close(self) -> None:
+        for name in [each for each in sys.modules if each.partition(".")[0] in self._packages]:
+            del sys.modules[name]
+        sys.path[:] = [each for each in sys.path if each not in self._packages.values()]
+        self._folder.cleanup()
+
+
+@pytest.fixture(scope="module")
+def _runtime_of_generated_code():
+    before = {name for name in sys.modules if name.partition(".")[0] == "jausml_runtime"}
+    if not before:
+        load_runtime(Path(jausml.__file__).parent / "runtime")
+    yield
+    for name in [each for each in sys.modules if each.partition(".")[0] == "jausml_runtime"]:
+        if name not in before:
+            del sys.modules[name]
+
+
 @pytest.mark.slow
+@pytest.mark.usefixtures("_runtime_of_generated_code")
 @pytest.mark.parametrize("name", [each for each in SHIPPED if "mappings" in each])
-def test_every_ready_map_can_be_tried(trials, name):
+def test_every_ready_map_can_be_tried(name, monkeypatch):
+    monkeypatch.setattr(trying, "_Process", InThisProcess)
+    monkeypatch.setattr(trying, "_MOST_PROCESSES", 1)  # all have packages of the same names
     scope = scope_of(name)
-    for used in scope.model.instances(bridge.AttributeMap):
-        for to_ros, assignments in ((True, used.toRos), (False, used.toJaus)):
-            if not assignments or scope.model.document_of(used) is not scope.model.documents[0]:
-                continue
-            given = {each.path: each.default for each in inputs(used, to_ros=to_ros)}
-            found = trials.run(scope, used, given, to_ros=to_ros)
-            assert found.bytes or found.error, used.name
-            for word in ("Traceback", "Error(", "has no attribute", "failed", "no field"):
-                assert word not in found.error, (used.name, found.error)
+    with Trials(BUSY) as trials:
+        for used in scope.model.instances(bridge.AttributeMap):
+            for to_ros, assignments in ((True, used.toRos), (False, used.toJaus)):
+                if not assignments or scope.model.document_of(used) is not scope.model.documents[0]:
+                    continue
+                given = {each.path: each.default for each in inputs(used, to_ros=to_ros)}
+                found = trials.run(scope, used, given, to_ros=to_ros)
+                assert found.bytes or found.error, used.name
+                for word in ("Traceback", "Error(", "has no attribute", "failed", "no field"):
+                    assert word not in found.error, (used.name, found.error)

@@ -107,14 +107,14 @@ def test_nothing_is_generated_elsewhere(page: Page, out: str) -> None:
 
 
 def test_an_edited_file_is_overwritten_only_when_that_was_shown(page: Page, folder: Path) -> None:
-    shown = {"file": FILE, "out": "ws/src"}
+    shown = {"file": FILE, "out": "edited/src"}
     planned = page.ask("plan", **shown)
     page.ask("generate", **shown, digest=planned["digest"])
     names = [
         each["path"] for each in page.ask("plan", **shown)["files"] if each["action"] == "same"
     ]
     edited = next(each for each in names if each.endswith(".py"))
-    path = folder / "ws" / "src" / edited
+    path = folder / "edited" / "src" / edited
     path.write_text("# mine\n", encoding="utf-8")
     refused = page.ask("plan", **shown)
     assert [each["path"] for each in refused["files"] if each["action"] == "refuse"] == [edited]

@@ -20,7 +20,7 @@ MACHINE = {"file": FILE, "view": "machine:Winch.ReceiveFSM"}
 SERVICE = {"file": FILE, "view": "service:Winch"}
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def folder(folder: Path, models: Path) -> Path:
     text = (models / "examples" / "winch" / FILE).read_text(encoding="utf-8")
     path = folder / FILE

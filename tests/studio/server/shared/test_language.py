@@ -57,6 +57,7 @@ def test_what_can_be_written_is_offered(editor: Page, folder: Path) -> None:
 @pytest.mark.parametrize("name", ["../secret.ros2jaus", "link.ros2jaus"])
 def test_a_text_elsewhere_is_not_spoken_of(editor: Page, folder: Path, name: str) -> None:
     (folder.parent / "secret.ros2jaus").write_text("/** secret */", encoding="utf-8")
+    (folder / "link.ros2jaus").unlink(missing_ok=True)
     (folder / "link.ros2jaus").symlink_to(folder.parent / "secret.ros2jaus")
     uri = f"{folder.as_uri()}/{name}"
     with pytest.raises(RefusedError, match="opened folder") as refused:

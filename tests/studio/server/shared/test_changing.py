@@ -1,0 +1,124 @@
+"""Edits by a page, and by two of them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from studio_client import RefusedError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from studio_client import Page, Server
+
+pytestmark = pytest.mark.ports
+
+FILE = "catvehicle.xmi"
+
+
+def node_of(page: Page, kind: str) -> str:
+    graph = page.ask("view", file=FILE, view="system")["graph"]
+    ref: str = next(each["element"] for each in graph["nodes"] if each["kind"] == kind)
+    return ref
+
+
+def named(element: str, name: str) -> dict[str, object]:
+    return {"kind": "set", "element": element, "feature": "documentation", "values": [name]}
+
+
+def test_an_edit_changes_the_file_and_undo_brings_it_back(page: Page, folder: Path) -> None:
+    before, log = (folder / FILE).read_bytes(), page.ask("log")
+    done = page.ask("edit", commands=[named(node_of(page, "node"), "driven")], label="describe")
+    assert b'"driven"' in (folder / FILE).read_bytes()
+    assert done["entry"]["label"] == "describe"
+    assert page.ask("log")["at"] == log["at"] + 1
+    page.ask("undo")
+    assert (folder / FILE).read_bytes() == before
+    now = page.ask("log")
+    assert (now["entries"][now["at"] :], now["at"]) == ([done["entry"]], log["at"])
+    page.ask("redo")
+    assert b'"driven"' in (folder / FILE).read_bytes()
+
+
+def test_a_dry_edit_tells_its_difference_and_writes_nothing(page: Page, folder: Path) -> None:
+    before = (folder / FILE).read_bytes()
+    commands = [named(node_of(page, "node"), "driven")]
+    told = page.ask("edit", commands=commands, label="describe", dry=True)
+    assert "+" in told["diff"]
+    assert "driven" in told["diff"]
+    assert (folder / FILE).read_bytes() == before
+
+
+def test_edits_that_are_sent_at_once_are_done_in_turn(page: Page) -> None:
+    element = node_of(page, "node")
+    edits = [
+        page.send("edit", commands=[named(element, f"text {i}")], label=f"edit {i}")
+        for i in range(20)
+    ]
+    undo = page.send("undo")
+    for each in edits:
+        page.answer(each)
+    assert page.answer(undo)["entry"]["label"] == "edit 19"
+
+
+def test_all_pages_are_told(server: Server) -> None:
+    with server.page() as one, server.page() as other:
+        one.ask("edit", commands=[named(node_of(one, "node"), "driven")], label="describe")
+        told = other.await_told("changed")
+        assert told["by"] == "edit"
+        assert told["entry"]["label"] == "describe"
+
+
+def test_an_edit_of_an_older_revision_is_a_conflict(page: Page) -> None:
+    element = node_of(page, "node")
+    base = page.ask("hello")["revision"]
+    page.ask("edit", commands=[{"kind": "remove", "element": element}], label="remove")
+    with pytest.raises(RefusedError, match="is gone meanwhile") as refused:
+        page.ask("edit", commands=[named(element, "two")], label="describe", base=base)
+    assert refused.value.data["conflict"]
+
+
+def test_what_was_copied_is_pasted_beside_it(page: Page) -> None:
+    element = node_of(page, "node")
+    commands = page.ask("copy", elements=[element])["commands"]
+    assert [(each["kind"], each["type"]) for each in commands] == [("add", "ros.Node")]
+    done = page.ask("paste", owner=element, commands=commands)
+    assert (done["entry"]["label"], len(done["created"])) == ("Paste", 1)
+
+
+def test_a_copied_bridge_stands_for_itself(page: Page) -> None:
+    element = node_of(page, "bridge")
+    commands = page.ask("copy", elements=[element])["commands"]
+    done = page.ask("paste", owner=element, commands=commands)
+    form = page.ask("form", element=done["created"][0])
+    values = {each["feature"]: each["values"] for each in form["fields"]}
+    assert values["name"] == ["bridge_2"]
+    # Two components of one address would be an error.
+    found = page.ask("problems", file=FILE)["problems"]
+    assert [each for each in found if each["severity"] == "error"] == []
+    page.ask("undo")
+    assert "bridge_2" not in page.ask("text", file=FILE)["text"]
+
+
+def test_problems_come_with_each_change(page: Page) -> None:
+    page.ask("problems", file=FILE)
+    element = node_of(page, "component")
+    clash = {"kind": "set", "element": element, "feature": "address", "values": ["0.0.0"]}
+    revision = page.ask("edit", commands=[clash], label="break")["revision"]
+    told = page.await_told("problems", lambda each: each["revision"] == revision)
+    found = [each for each in told["problems"] if each["severity"] == "error"]
+    assert any(each["element"] == element and each["file"] == FILE for each in found)
+
+
+def test_a_problem_is_cured_by_its_cure(page: Page) -> None:
+    element = node_of(page, "component")
+    before = page.ask("form", element=element)
+    address = next(each for each in before["fields"] if each["feature"] == "address")["values"]
+    bridge = node_of(page, "bridge")
+    same = {"kind": "set", "element": bridge, "feature": "address", "values": address}
+    page.ask("edit", commands=[same], label="break")
+    found = page.ask("problems", file=FILE)["problems"]
+    cure = next(each for problem in found for each in problem["cures"])
+    page.ask("edit", commands=cure["commands"], label=cure["label"])
+    assert page.ask("problems", file=FILE)["problems"] == []

@@ -1,0 +1,58 @@
+"""Many values in one test: `@for_each("path", PATHS)` in place of `@pytest.mark.parametrize`.
+
+Hundreds of tests that take a millisecond each cost more to collect, in each worker, than to run.
+Here they are one test, or some `shards` of about the same size, in which each value is a subtest:
+all that fail are named. Fixtures are made once for all values of a test.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+
+def for_each(
+    names: str | tuple[str, ...],
+    values: Iterable[Any],
+    *,
+    ids: Callable[[Any], str] = str,
+    shards: int = 1,
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Makes a function of some values a test of all of them.
+
+    Args:
+        names: The parameter that takes a value, or the parameters that take those of a tuple.
+        values: The values, of which there is at least one.
+        ids: How a value is called when it fails.
+        shards: Into how many tests they are divided, for that many workers.
+    """
+    cases = [(ids(value), _named(names, value)) for value in values]
+
+    def of_all(test: Callable[..., None]) -> Callable[..., None]:
+        assert cases, f"{test.__name__} would test nothing"
+
+        @functools.wraps(test)
+        def run(subtests: pytest.Subtests, shard: int = 0, **fixtures: Any) -> None:
+            for name, arguments in cases[shard::shards]:
+                with subtests.test(name):
+                    test(**arguments, **fixtures)
+
+        signature = inspect.signature(test)
+        fixtures = [p for p in signature.parameters.values() if p.name not in cases[0][1]]
+        own = ["subtests"] if shards == 1 else ["subtests", "shard"]
+        asked = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY) for name in own]
+        fixtures = [each.replace(kind=inspect.Parameter.KEYWORD_ONLY) for each in fixtures]
+        run.__signature__ = signature.replace(parameters=[*asked, *fixtures])  # type: ignore[attr-defined]
+        return run if shards == 1 else pytest.mark.parametrize("shard", range(shards))(run)
+
+    return of_all
+
+
+def _named(names: str | tuple[str, ...], value: Any) -> dict[str, Any]:
+    return {names: value} if isinstance(names, str) else dict(zip(names, value, strict=True))

@@ -1,0 +1,33 @@
+"""Values of one test: each is tried, and each that fails is named."""
+
+from __future__ import annotations
+
+import pytest
+from for_each import for_each
+
+pytest_plugins = ["pytester"]
+TEST = """
+import pytest
+from for_each import for_each
+
+@for_each(("number", "word"), [(1, "a"), (2, "b"), (3, "c"), (4, "d")], ids=str, shards={shards})
+def test_small(number, word, tmp_path):
+    assert tmp_path.is_dir()
+    assert number % 2 == 1, word
+"""
+
+
+@pytest.mark.parametrize(("shards", "tests", "failed"), [(1, 1, 1), (2, 2, 1), (3, 3, 2)])
+def test_all_that_fail_are_named(pytester, shards, tests, failed):
+    pytester.makepyfile(TEST.format(shards=shards))
+    done = pytester.runpytest_inprocess("-p", "no:xdist", "-rf")
+    done.assert_outcomes(passed=tests - failed, failed=failed + 2)
+    lines = "\n".join(done.outlines)
+    assert "SUBFAILED[(2, 'b')]" in lines
+    assert "SUBFAILED[(4, 'd')]" in lines
+    assert "(3, 'c')" not in lines
+
+
+def test_a_test_of_nothing_is_refused():
+    with pytest.raises(AssertionError, match="would test nothing"):
+        for_each("value", [])(print)
