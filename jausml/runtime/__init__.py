@@ -1,17 +1,19 @@
 """Runtime that ships with generated code: transports, JAUS core services, clients, bridges.
 
 Copied into a generated workspace as the package ``jausml_runtime``. It needs the standard library
-only; rclpy is imported by the ROS side of bridges, when one runs.
+only; rclpy is imported by the ROS side of bridges, when one runs, and numpy by bridges.
 
-What generated code and its users may import stands in seven modules, by name; whatever lies behind
+What generated code and its users may import stands in nine modules, by name; whatever lies behind
 them may move:
 
 - ``jausml_runtime``: components, bridges and what they are made and told of;
 - ``jausml_runtime.messages``: the messages of the core services;
 - ``jausml_runtime.conversions``: conversions of values, and the values that they know;
 - ``jausml_runtime.conversions.arithmetic``: the functions of expressions;
+- ``jausml_runtime.conversions.columns``: conversions of all elements of a list at once;
 - ``jausml_runtime.wire``: what classes of messages are made of;
 - ``jausml_runtime.bridge.light_message``: what light classes of ROS messages are made of;
+- ``jausml_runtime.bridge.messages.octets``: lists of single octets;
 - ``jausml_runtime.virtual``: virtual time, for tests.
 """
 

@@ -36,9 +36,8 @@ PUBLIC = {
     public.MESSAGES,
     public.CONVERSIONS,
     public.ARITHMETIC,
-    public.ROTATIONS,
+    public.COLUMNS,
     public.OCTETS,
-    public.STAMPS,
     public.WIRE,
     public.LIGHT,
 }

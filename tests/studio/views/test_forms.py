@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from answers_support import CAR, SHIPPED, named, scope_of
 from for_each import for_each
+from scope_support import CAR, SHIPPED, named, scope_of
 
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.views.forms import form, form_of

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from answers_support import CAR, SHIPPED, named, scope_of
 from for_each import for_each
+from scope_support import CAR, SHIPPED, named, scope_of
 
 from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.studio.views.sources import source

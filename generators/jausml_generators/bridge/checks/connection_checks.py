@@ -8,21 +8,15 @@ from jausml.generation.errors import GenerationError
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.stops import stop_assignments
 from jausml.language.semantics.paths.scopes import target_paths
-from jausml_generators.bridge.checks.check import (
-    SINGLE,
-    Check,
-    equals,
-    has_value,
-    holds,
-    is_absent,
-    store,
-    tidy,
-)
+from jausml_generators.bridge.checks.check import Check, equals, holds, store, tidy
 from jausml_generators.bridge.checks.filling import (
+    SINGLE,
     Code,
     JausMessage,
     Scalar,
     ValueTextError,
+    has_value,
+    is_absent,
     short_name,
 )
 from jausml_generators.bridge.translation.ros_fields import PathError

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml_generators.bridge.checks.check import Check, has_value, is_absent, tidy
-from jausml_generators.bridge.checks.filling import JausMessage, short_name
+from jausml_generators.bridge.checks.check import Check, tidy
+from jausml_generators.bridge.checks.filling import JausMessage, has_value, is_absent, short_name
 from jausml_generators.bridge.translation.expressions import INTEGER, REAL
 from jausml_generators.python.statements import long_string
 

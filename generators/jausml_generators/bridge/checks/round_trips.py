@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal
 from jausml.language.semantics.conversions.conversion import QUATERNION
-from jausml_generators.bridge.checks.check import Check, is_there, store, tidy
-from jausml_generators.bridge.checks.filling import Code, JausMessage, short_name
+from jausml_generators.bridge.checks.check import Check, store, tidy
+from jausml_generators.bridge.checks.filling import Code, JausMessage, is_there, short_name
 from jausml_generators.bridge.checks.limits import chain_gain
 from jausml_generators.bridge.translation.expressions import INTEGER, REAL
 from jausml_generators.bridge.translation.ros_fields import ros_field

@@ -16,7 +16,6 @@ from . import cdr
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from ..light_message import LightMessage
 
 _CODES = {
     "boolean": "?",
@@ -245,7 +244,7 @@ def _lengths(leaves: Leaves, data: bytes, offset: int, mark: str) -> tuple[int, 
     return tuple(found)
 
 
-def made(element: LightMessage, count: int) -> CdrRows:
+def made(element: Any, count: int) -> CdrRows:
     """Returns the elements that an element of columns is.
 
     Raises:
