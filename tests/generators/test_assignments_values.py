@@ -114,7 +114,9 @@ bridge valued {
   connection fix { map: fix topic f {} }
   connection counts { map: counts topic c {} }
   connection digits { map: digits topic d {} }
-  connection lamps { map: lamps direction: rosToJaus onSilence: hold holdReason: "kept" topic l {} }
+  connection lamps {
+    map: lamps direction: rosToJaus onSilence: hold holdReason: "lamps stay lit" topic l {}
+  }
 }
 """
 

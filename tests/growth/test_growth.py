@@ -14,12 +14,15 @@ from jausml.authoring.editor.hover import hover
 from jausml.authoring.editor.positions import Place
 from jausml.authoring.editor.workbench import Workbench, all_problems
 from jausml.generation import load_targets, render, select
+from jausml.language.metamodel.classes import system
 from jausml.language.model.xmi.writer import to_xmi
 from jausml.language.text.notation import NOTATIONS
 from jausml.language.text.reading.parsing import parse
 from jausml.language.text.writing.layout import lay_out
 from jausml.language.text.writing.unparsing import to_text
 from jausml.language.validation.engine import validate
+from jausml.views.analysis.assumptions import Assumptions
+from jausml.views.analysis.report import report_of
 from jausml.views.diagrams.views import graph_of
 from jausml.views.diagrams.writers import mermaid
 
@@ -142,6 +145,16 @@ def test_generation(dimension, tmp_path):
         _, report = read(tmp_path, dimension, size)
         assert not report.has_errors, report.diagnostics[:3]
         return calls(lambda: render(report.model, targets))
+
+    assert_growth(cost, 60)
+
+
+@each_of((grown.connections, grown.service_connections, grown.components, grown.nodes))
+def test_report(dimension, tmp_path):
+    def cost(size):
+        _, report = read(tmp_path, dimension, size)
+        (made,) = report.model.instances(system.System)
+        return calls(lambda: report_of(made, Assumptions()))
 
     assert_growth(cost, 60)
 

@@ -12,6 +12,7 @@ from jausml.language.semantics.connections.list_drivers import driver_messages
 from jausml.language.semantics.connections.report_joins import joined_reports
 from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.jaus.services import code
+from jausml.language.semantics.memory import remembering
 from jausml.views.analysis.budgets import Budget, asked_rate, budgets_of, warnings_of
 from jausml.views.analysis.cdr import ros_size
 from jausml.views.analysis.streams import Wire, is_to_ros
@@ -131,6 +132,11 @@ class Report:
 
 def report_of(system: System, assumptions: Assumptions) -> Report:
     """Returns the report of a system."""
+    with remembering():
+        return _report_of(system, assumptions)
+
+
+def _report_of(system: System, assumptions: Assumptions) -> Report:
     traffic = traffic_of(system, assumptions)
     elements = [*system.components, *system.bridges]
     components = tuple(_component(each, system, traffic, assumptions) for each in elements)

@@ -36,11 +36,12 @@ def is_reason(text: str) -> bool:
     """Tells whether a text can be the reason of a person why a last command may stand.
 
     Args:
-        text: The text. What tools have written is none, nor are some of its words, or nearly all.
+        text: The text. What tools have written is none, nor are some of its words, or nearly all;
+            and one word such as `todo` gives no reason.
     """
     own, of_tool = re.findall(r"\w+", text.casefold()), TOOL_REASON.split()
     likeness = SequenceMatcher(None, own, of_tool, autojunk=False).ratio()
-    return not {*own} <= {*of_tool} and likeness < _ALIKE
+    return len({*own}) > 1 and not {*own} <= {*of_tool} and likeness < _ALIKE
 
 
 def is_command(connection: bridge.Connection) -> bool:
