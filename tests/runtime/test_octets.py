@@ -17,9 +17,9 @@ def test_rows_are_reversed_as_those_of_lists(cells: bytes, columns: float) -> No
         expected = bytes(reverse_rows(cells, columns))
     except ConversionError:
         with pytest.raises(ConversionError):
-            octets.reverse_rows(cells, columns)
+            octets.reverse_rows(bytearray(cells), columns)
     else:
-        assert octets.reverse_rows(cells, columns) == expected
+        assert octets.reverse_rows(bytearray(cells), columns) == expected
 
 
 def test_a_table_has_what_the_function_gives() -> None:
