@@ -52,7 +52,7 @@ TOO_MUCH = (
 GUARDS = (
     "models/library/jaus",
     "jausml/runtime/messages.py",
-    "tools/build_core_messages.py",
+    "jausml/runtime/wire/layout.py",
 )
 
 
@@ -107,9 +107,10 @@ def filled(draw: random.Random, cls: Any, kinds: dict[str, Any], text: str) -> A
     def value(declared: str, default: Any) -> Any:
         if declared.endswith(" | None"):
             return None if draw.random() < 0.3 else value(declared[:-7], default)
-        if declared.startswith("list["):
+        if declared.startswith(("list[", "MutableSequence[")):
             count = draw.choice((0, 1, 3))
-            return [value(declared[5:-1], default) for _ in range(count)]
+            element = declared.partition("[")[2].removesuffix("]")
+            return [value(element, default) for _ in range(count)]
         if "." in declared:
             kind = kinds[declared.rsplit(".", maxsplit=1)[-1]]
             options = getattr(kind, "__args__", (kind,))

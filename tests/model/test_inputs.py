@@ -21,8 +21,8 @@ OWN_DATA = {
     "generators/jausml_generators/runtime/target.py",
     "language/model/names.py",
     "authoring/projects/creating.py",
-    "authoring/projects/first_model.py",
-    "authoring/studio/asking/reading.py",
+    "authoring/projects/places.py",
+    "authoring/studio/handlers/texts.py",
     "language/text/reading/scanning.py",
 }
 """Modules that read what is shipped with them."""

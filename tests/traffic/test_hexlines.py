@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jausml.live.traffic.captures import TrafficError
-from jausml.live.traffic.text import parse_hex
+from jausml.live.traffic.hexlines import parse_hex
 
 
 @pytest.mark.parametrize(

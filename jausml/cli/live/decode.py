@@ -260,7 +260,7 @@ class _Reading:
     def _bytes(self, lines: Iterable[Line]) -> Iterator[tuple[str, bytes]]:
         """Yields the bytes of lines that have some."""
         from jausml.live.traffic.captures import TrafficError
-        from jausml.live.traffic.text import parse_hex
+        from jausml.live.traffic.hexlines import parse_hex
 
         for place, line in lines:
             try:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, TypeGuard, TypeVar
 
 from ..wire.message import DecodeError, EncodeError
 from ..wire.records import FEWEST, Records
-from .messages import cdr, cdr_rows
+from .messages import cdr
 from .messages.errors import RosTypeError
 
 if TYPE_CHECKING:
@@ -88,9 +88,12 @@ class LightMessage:
     ) -> tuple[MutableSequence[MessageT], int]:
         """Returns messages that follow each other, and the offset behind them."""
         cdr.check_count(data, offset, count, cls.LEAST)
-        alike = cdr_rows.read(cls, data, offset, count, order) if count >= FEWEST else None
-        if alike is not None:
-            return Records(alike[0]), alike[1]
+        if count >= FEWEST:
+            from .messages import cdr_rows  # noqa: PLC0415 - numpy where lists are long
+
+            alike = cdr_rows.read(cls, data, offset, count, order)
+            if alike is not None:
+                return Records(alike[0]), alike[1]
         found = []
         for _ in range(count):
             message, offset = cls._read(data, offset, order)
@@ -102,9 +105,11 @@ class LightMessage:
         cls: type[MessageT], found: Sequence[MessageT], append: cdr.Append, offset: int
     ) -> int:
         """Appends messages, which begin at an offset; returns the offset behind them."""
-        alike = found.alike if type(found) is Records else None
-        if isinstance(alike, cdr_rows.CdrRows) and alike.message is cls:
-            return alike.write(append, offset)
+        if type(found) is Records:
+            from .messages import cdr_rows  # noqa: PLC0415 - numpy where lists are long
+
+            if isinstance(found.alike, cdr_rows.CdrRows) and found.alike.message is cls:
+                return found.alike.write(append, offset)
         for each in found:
             # An override may have put an object of ROS into the list.
             offset = cls._write(each, append, offset)

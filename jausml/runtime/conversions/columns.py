@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeGuard
 import numpy
 
 from . import numbers, orientations, times
-from .types import Angles, Quaternion, Time
+from .types import Angles, Quaternion, Time, UnevenError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -33,10 +33,6 @@ _LARGEST_SINGLE = 3.4028234663852886e38
 
 # Closer to vertical than this, roll and yaw turn about the same axis.
 _VERTICAL = 1.0 - 1e-12
-
-
-class UnevenError(Exception):
-    """Elements of a list that are not treated alike, and so not at once."""
 
 
 def is_column(value: object) -> TypeGuard[NDArray[Any]]:

@@ -202,7 +202,10 @@ class _Printer:
         else:
             made = self._names.claim("make_element")
             typed = [f"{each}: int" for each in index] + [f"{item}: {alike.item}"]
-            body.append(Return(element))
+            if isinstance(body[-1], Assign) and body[-1].place == element:
+                body[-1] = Return(body[-1].value)
+            else:
+                body.append(Return(element))
             self._made.append(Define(made, ", ".join(typed), alike.made, tuple(body)))
         verb = f"self.{step.owner}.{'each_counted' if step.is_counted else 'each'}"
         code = [python_string(alike.code)] if alike.code else []

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 import textwrap
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from jausml.generation.languages.python import Imports, offered
@@ -63,7 +64,7 @@ class MessageView:
         """What is inside the class, without what its base brings."""
         return tuple(item for item in self.nested if not getattr(item, "is_inherited", False))
 
-    @property
+    @cached_property
     def listed_rows(self) -> frozenset[str]:
         """Full names of the records of numbers that are elements of lists."""
         containers = (each for each in (self.body, *self.nested) if each.kind == "container")

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy
 
-from ...conversions.columns import UnevenError, as_column, in_range
+from ...conversions.columns import as_column, in_range
+from ...conversions.types import UnevenError
 from . import cdr
 
 if TYPE_CHECKING:

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy
 
-from ...conversions.columns import UnevenError, as_column, fit, in_range, is_column
+from ...conversions.columns import as_column, fit, in_range, is_column
+from ...conversions.types import UnevenError
 from ...wire.records import Number, Records, Rows, Stamp
 from ...wire.time_stamp import TimeStamp
 from ..light_message import LightMessage

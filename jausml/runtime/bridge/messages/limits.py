@@ -14,15 +14,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NoReturn, TypeVar
 
-from ...conversions.columns import (
-    UnevenError,
-    fit,
-    is_column,
-    listed_in,
-    not_numbers,
-    odd,
-    rounded,
-)
+from ...conversions.types import UnevenError
 from .errors import OutOfRangeError
 
 if TYPE_CHECKING:
@@ -92,6 +84,8 @@ class Limit(Generic[Absent]):
             if minimum <= value <= maximum or minimum - 0.5 < value < maximum + 0.5:
                 return round(value)
         except ValueError:
+            from ...conversions.columns import rounded  # noqa: PLC0415 - numpy where lists are gone over
+
             limited = self._column(value, minimum, maximum, self.integer, field, minimum, maximum)
             whole: int = rounded(limited)
             return whole
@@ -107,6 +101,8 @@ class Limit(Generic[Absent]):
         try:
             is_finite = math.isfinite(value)
         except TypeError:
+            from ...conversions.columns import listed_in  # noqa: PLC0415 - numpy where lists are gone over
+
             whole: int = listed_in(value, ranges)
             return whole
         if is_finite:
@@ -170,6 +166,8 @@ class Limit(Generic[Absent]):
         *bounds: float,
     ) -> Number:
         """Returns a column whose values were given to a limit one by one, where they do not fit."""
+        from ...conversions.columns import fit, odd  # noqa: PLC0415 - numpy where lists are gone over
+
         found: Any = values
         if fit(found, least, greatest):
             return values
@@ -215,10 +213,13 @@ class DropField(Limit[None]):
                 # ROS marks so what is unknown: it may be so in every message.
                 self._count(DROP_FIELD, field, "not a number")
                 return None
-        elif is_column(value) and not_numbers(value):  # and no int, which may be too large
-            for _ in range(len(value)):
-                self._count(DROP_FIELD, field, "not a number")
-            return None
+        elif not isinstance(value, int):
+            from ...conversions.columns import is_column, not_numbers  # noqa: PLC0415 - as above
+
+            if is_column(value) and not_numbers(value):
+                for _ in range(len(value)):
+                    self._count(DROP_FIELD, field, "not a number")
+                return None
         return super().__call__(field, value, minimum, maximum)
 
     def _outside(self, field: str, reason: str, nearest: T | None) -> None:

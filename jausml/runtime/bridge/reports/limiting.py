@@ -6,10 +6,9 @@ import logging
 from typing import TYPE_CHECKING, TypeVar
 
 from ...conversions import ConversionError
-from ...conversions.columns import UnevenError
+from ...conversions.types import UnevenError
 from ...wire.message import DecodeError, EncodeError
 from ...wire.records import FEWEST
-from ..messages import columns
 from ..messages.errors import AbsentFieldError, OutOfRangeError, StaleJoinError
 from ..messages.limits import CLAMP, DROP_FIELD, ERROR, Clamp, DropField, DropMessage, Error
 
@@ -75,6 +74,8 @@ class Limiting:
             code: Format character of the numbers that are made; empty for elements.
         """
         if self.goes_over_lists and len(items) >= FEWEST:
+            from ..messages import columns  # noqa: PLC0415 - numpy where lists are gone over
+
             counts = self._counts()
             try:
                 return columns.each(make, items, code)
@@ -87,6 +88,8 @@ class Limiting:
     ) -> MutableSequence[Made]:
         """Does the same with a function that is given the index of each element before it."""
         if self.goes_over_lists and len(items) >= FEWEST:
+            from ..messages import columns  # noqa: PLC0415 - numpy where lists are gone over
+
             counts = self._counts()
             try:
                 return columns.each_counted(make, items, code)
