@@ -13,20 +13,13 @@ from typing import TYPE_CHECKING, TypeAlias
 from jausml.language.attributes.expressions import Call, Operation, operands_of
 from jausml.language.cdr.layout import PRIMITIVES, fields_of
 from jausml.language.metamodel.classes import ros
+from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.semantics.conversions.angles import (
-    DegreesToRadians,
     EnuYawToNedHeading,
     NedHeadingToEnuYaw,
-    RadiansToDegrees,
     WrapAngle,
 )
-from jausml.language.semantics.conversions.numbers import (
-    Linear,
-    Negate,
-    PercentToValue,
-    Scale,
-    Square,
-)
+from jausml.language.semantics.conversions.definition import Definition
 from jausml.language.semantics.conversions.orientations import (
     EnuQuaternionToNedAngles,
     FluQuaternionToFrdAngles,
@@ -52,18 +45,6 @@ if TYPE_CHECKING:
 
 Start: TypeAlias = JausStart | RosStart
 TypeName: TypeAlias = Callable[[ros.MessageType], str]
-
-_ARITHMETIC = (
-    DegreesToRadians,
-    Linear,
-    Negate,
-    PercentToValue,
-    RadiansToDegrees,
-    Scale,
-    Square,
-)
-ARITHMETIC = frozenset(each.name for each in _ARITHMETIC)
-"""Conversions that are arithmetic alone, and so take columns as they are."""
 
 COLUMNS = frozenset(
     each.name
@@ -210,7 +191,7 @@ class _OfItems:
             case values.Cast(value=inner, kind=kind):
                 return kind == values.REAL and self.value(inner)
             case values.Convert(name=name, inputs=inputs, arguments=arguments):
-                return name in ARITHMETIC | COLUMNS and self._all((*inputs, *arguments))
+                return _takes_columns(name) and self._all((*inputs, *arguments))
             case values.Limit(how=how, value=inner, bounds=bounds):
                 return how in _LIMITS and self._all((inner, *bounds))
             case values.LookUp(key=key, kind=kind):
@@ -237,6 +218,12 @@ class _OfItems:
 
     def _condition(self, condition: Condition) -> bool:
         return isinstance(condition, There) or not self._is_of_item(condition.place)
+
+
+def _takes_columns(name: str) -> bool:
+    definition = CONVERSIONS[name].definition
+    is_polynomial = isinstance(definition, Definition) and definition.is_polynomial
+    return is_polynomial or name in COLUMNS
 
 
 def is_arithmetic(expression: authored.Expression) -> bool:
