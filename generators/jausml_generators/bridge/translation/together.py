@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias
 
-from jausml.language.attributes.expressions import Call, Operation, operands_of
+from jausml.language.attributes.expressions import FUNCTIONS, operations
 from jausml.language.cdr.layout import PRIMITIVES, fields_of
 from jausml.language.metamodel.classes import ros
 from jausml.language.semantics.conversions import CONVERSIONS
@@ -222,14 +222,9 @@ class _OfItems:
 
 def _takes_columns(name: str) -> bool:
     definition = CONVERSIONS[name].definition
-    is_polynomial = isinstance(definition, Definition) and definition.is_polynomial
-    return is_polynomial or name in COLUMNS
+    return name in COLUMNS or (isinstance(definition, Definition) and definition.is_rational)
 
 
 def is_arithmetic(expression: authored.Expression) -> bool:
     """Whether an expression is made of sums, products, comparisons and choices alone."""
-    if isinstance(expression, Call):
-        return False
-    if isinstance(expression, Operation) and expression.sign in {"/", "^"}:
-        return False
-    return all(map(is_arithmetic, operands_of(expression)))
+    return operations(expression).isdisjoint({"/", "^", *FUNCTIONS})

@@ -73,6 +73,17 @@ def operands_of(expression: Expression) -> tuple[Expression, ...]:
     return ()
 
 
+def operations(expression: Expression) -> frozenset[str]:
+    """Returns the signs of its operators and the names of its functions, `if` among them."""
+    inner = frozenset[str]().union(*map(operations, operands_of(expression)))
+    match expression:
+        case Operation(sign=name) | Call(function=name):
+            return inner | {name}
+        case Conditional():
+            return inner | {"if"}
+    return inner
+
+
 def occurrences(expression: Expression) -> Iterator[Variable]:
     """Yields the variables in the order in which they stand, each as often as it stands there."""
     if isinstance(expression, Variable):

@@ -13,15 +13,7 @@ from enum import Enum
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from jausml.language.attributes.expressions import (
-    Call,
-    Conditional,
-    Number,
-    Operation,
-    operands_of,
-    parse_expression,
-    variables,
-)
+from jausml.language.attributes.expressions import operations, parse_expression, variables
 from jausml.language.semantics.paths.attributes import TIME, TIME_STAMP
 
 if TYPE_CHECKING:
@@ -109,30 +101,15 @@ class Definition:
         return tuple(filter(None, map(str.strip, self.text.splitlines())))
 
     @property
-    def is_polynomial(self) -> bool:
-        """Whether it is sums and products alone, which hold for columns of numbers as well."""
-        return not self.refused and not self.steps and all(map(_is_polynomial, self.results))
+    def is_rational(self) -> bool:
+        """Whether it is sums, products and quotients alone, which columns of numbers have too."""
+        return not self.refused and self._operations <= {"+", "-", "*", "/"}
 
     @property
     def is_portable(self) -> bool:
         """Whether IEEE 754 fixes each bit of the results: a C library decides on those of sines."""
-        return not any(map(_asks_library, (*self.steps.values(), *self.results)))
+        return self._operations.isdisjoint(_OF_LIBRARY)
 
-
-def _is_polynomial(expression: Expression) -> bool:
-    if isinstance(expression, Call | Conditional):
-        return False
-    if isinstance(expression, Operation):
-        *_, last = expression.operands
-        is_quotient = expression.sign == "/" and isinstance(last, Number)
-        if expression.sign not in {"+", "-", "*"} and not is_quotient:
-            return False
-    return all(map(_is_polynomial, operands_of(expression)))
-
-
-def _asks_library(expression: Expression) -> bool:
-    name = expression.function if isinstance(expression, Call) else ""
-    sign = expression.sign if isinstance(expression, Operation) else ""
-    return not _OF_LIBRARY.isdisjoint({name, sign}) or any(
-        map(_asks_library, operands_of(expression))
-    )
+    @property
+    def _operations(self) -> frozenset[str]:
+        return frozenset[str]().union(*map(operations, (*self.steps.values(), *self.results)))
