@@ -20,6 +20,7 @@ from jausml.language.metamodel import (
     load_metamodels,
 )
 from jausml.language.semantics.conversions import CONVERSIONS
+from jausml.language.semantics.conversions.definition import Definition, NoArithmetic
 from jausml.language.text.rules import TEXT_RULES
 from jausml.language.validation.catalogue import catalogue
 
@@ -47,6 +48,17 @@ several, which are applied one after the other. `takes` and `yields` are the kin
 and after. [Carry a message across a bridge](../how-to/map-a-message.md) shows how to use them, and
 [Frames, signs and units](../explanation/frames.md) which ones a pair of axes needs.
 """
+
+_ARITHMETIC = """\
+## What they compute
+
+The arithmetic of each, in the language of the conversion `expression`: the parts that it takes, the
+condition under which it drops the message, local values, and a line for each part of the result.
+Numbers are real numbers of 64 bits, and so are the whole numbers of times. IEEE 754 fixes each bit
+of the results. `[C library]` marks what also calls functions of which a C library decides the last
+bit.
+
+```"""
 
 _COMMAND_LINE = """\
 # Command line
@@ -124,7 +136,19 @@ def conversions_page() -> str:
         ends = (", ".join(known.inputs), ", ".join(known.outputs))
         cells = (f"`{known.call}`", *ends, known.documentation)
         lines.append(f"| {' | '.join(cells)} |")
-    return "\n".join(lines) + "\n"
+    lines += ["", _ARITHMETIC]
+    for known in CONVERSIONS.values():
+        lines += [*_arithmetic(known.name, known.definition), ""]
+    return "\n".join([*lines[:-1], "```"]) + "\n"
+
+
+def _arithmetic(name: str, definition: Definition | NoArithmetic) -> list[str]:
+    if isinstance(definition, NoArithmetic):
+        return [f"{name} {definition.value}"]
+    head = f"{name}({definition.takes})" + ("" if definition.is_portable else "  [C library]")
+    refused = " ".join(definition.refused.split())
+    refusal = [f"  refused if {refused}: {definition.reason}"] if refused else []
+    return [head, *refusal, *(f"  {line}" for line in definition.lines)]
 
 
 def rules_page() -> str:

@@ -14,6 +14,7 @@ def test_values():
     assert a.divide(1, 4) == 0.25
     assert a.power(2, 10) == 1024.0
     assert a.modulo(-7, 3) == -1.0
+    assert a.remainder(5, 3) == -1.0
     assert a.root(9) == 3.0
     assert a.direction(1, -1) == 3 * math.pi / 4
     assert (a.least(2, 1, 3), a.greatest(2, 1, 3)) == (1.0, 3.0)
@@ -31,6 +32,8 @@ def test_values():
         (a.power, (1e200, 2.0)),
         (a.modulo, (1.0, 0.0)),
         (a.modulo, (math.inf, 1.0)),
+        (a.remainder, (1.0, 0.0)),
+        (a.remainder, (-math.inf, 1.0)),
         (a.root, (-1e-9,)),
         (a.sine, (math.inf,)),
         (a.cosine, (-math.inf,)),

@@ -403,6 +403,16 @@ def test_what_is_no_angle_has_no_direction(function, angle):
     assert math.isnan(function(angle))
 
 
+@pytest.mark.parametrize("angle", [math.inf, -math.inf])
+def test_an_infinite_angle_gives_no_orientation(angle):
+    """Not a number goes to the policy of the target field."""
+    for function in (c.frd_angles_to_flu_quaternion, c.ned_angles_to_enu_quaternion):
+        for angles in ((angle, 0.0, 0.0), (0.0, angle, 0.0), (0.0, 0.0, angle)):
+            assert all(map(math.isnan, function(*angles)))
+    for function in (c.frd_yaw_to_flu_quaternion, c.ned_heading_to_enu_quaternion):
+        assert all(map(math.isnan, function(angle)[2:]))
+
+
 # --------------------------------------------------------------- grids
 
 

@@ -41,6 +41,7 @@ _FUNCTIONS = {
     "sign": "sign",
     "hypot": "length",
     "fmod": "modulo",
+    "remainder": "remainder",
     "isfinite": "is_finite",
 }
 _CALLED_OPERATORS = {"/": "divide", "^": "power"}

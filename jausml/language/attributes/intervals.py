@@ -170,12 +170,23 @@ def length(x: Interval, y: Interval) -> Interval:
     return max(low, 0.0), high
 
 
-def remainder(a: Interval, b: Interval) -> Interval:
+def modulo(a: Interval, b: Interval) -> Interval:
     """What a division leaves, with the sign of the dividend (fmod)."""
     largest = absolute(b)[1]
     if largest == 0.0:
         return EMPTY
     return max(min(a[0], 0.0), -largest), min(max(a[1], 0.0), largest)
+
+
+def remainder(a: Interval, b: Interval) -> Interval:
+    """What a division by the nearest whole number leaves, at most half of the divisor."""
+    (_, farthest), (least, largest) = absolute(a), absolute(b)
+    if largest == 0.0:
+        return EMPTY
+    if farthest < least / 2:
+        return a
+    bound = min(farthest, largest / 2)
+    return -bound, bound
 
 
 def less(a: Interval, b: Interval) -> Interval:

@@ -34,6 +34,14 @@ def modulo(dividend: float, divisor: float) -> float:
         raise _none("fmod", dividend, divisor) from None
 
 
+def remainder(dividend: float, divisor: float) -> float:
+    """What a division by the nearest whole number leaves, at most half of the divisor."""
+    try:
+        return math.remainder(dividend, divisor)
+    except ValueError:
+        raise _none("remainder", dividend, divisor) from None
+
+
 def root(value: float) -> float:
     """The square root."""
     if value < 0:

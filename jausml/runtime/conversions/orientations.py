@@ -2,7 +2,8 @@
 
 Axes: JAUS has x forward or north, y right or east, z down, and angles that turn right-handed about
 them (AS6009, CommandClass). ROS has x forward, y left, z up on a body and x east, y north, z up on
-the earth (REP 103). Angles are radians.
+the earth (REP 103). Angles are radians. What is made of an infinite angle is not a number, which
+the out-of-range policy of the target judges.
 """
 
 from __future__ import annotations
@@ -68,7 +69,10 @@ def frd_angles_to_flu_quaternion(roll: float, pitch: float, yaw: float) -> Quate
 
 def frd_yaw_to_flu_quaternion(yaw: float) -> Quaternion:
     """Yaw about the down axis alone to the orientation in forward-left-up."""
-    return Quaternion(0.0, 0.0, math.sin(-yaw / 2), math.cos(yaw / 2))
+    try:
+        return Quaternion(0.0, 0.0, math.sin(-yaw / 2), math.cos(yaw / 2))
+    except ValueError:  # of an infinite angle
+        return Quaternion(0.0, 0.0, math.nan, math.nan)
 
 
 def flu_quaternion_to_frd_roll(orientation: QuaternionLike) -> float:
@@ -130,7 +134,10 @@ def ned_angles_to_enu_quaternion(roll: float, pitch: float, heading: float) -> Q
 def ned_heading_to_enu_quaternion(heading: float) -> Quaternion:
     """Heading clockwise from north alone to the orientation of a level body in east-north-up."""
     half_yaw = (math.pi / 2 - heading) / 2
-    return Quaternion(0.0, 0.0, math.sin(half_yaw), math.cos(half_yaw))
+    try:
+        return Quaternion(0.0, 0.0, math.sin(half_yaw), math.cos(half_yaw))
+    except ValueError:  # of an infinite angle
+        return Quaternion(0.0, 0.0, math.nan, math.nan)
 
 
 def enu_quaternion_to_ned_angles(orientation: QuaternionLike) -> Angles:
@@ -154,9 +161,12 @@ def enu_quaternion_to_ned_heading(orientation: QuaternionLike) -> float:
 
 def _from_angles(roll: float, pitch: float, yaw: float) -> Quaternion:
     """The rotation about x by roll, then about y by pitch, then about z by yaw."""
-    sr, cr = math.sin(roll / 2), math.cos(roll / 2)
-    sp, cp = math.sin(pitch / 2), math.cos(pitch / 2)
-    sy, cy = math.sin(yaw / 2), math.cos(yaw / 2)
+    try:
+        sr, cr = math.sin(roll / 2), math.cos(roll / 2)
+        sp, cp = math.sin(pitch / 2), math.cos(pitch / 2)
+        sy, cy = math.sin(yaw / 2), math.cos(yaw / 2)
+    except ValueError:  # of an infinite angle
+        return Quaternion(math.nan, math.nan, math.nan, math.nan)
     return Quaternion(
         sr * cp * cy - cr * sp * sy,
         cr * sp * cy + sr * cp * sy,

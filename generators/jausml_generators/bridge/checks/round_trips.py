@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal
-from jausml.language.semantics.conversions.conversion import QUATERNION
+from jausml.language.semantics.conversions.definition import QUATERNION
 from jausml_generators.bridge.checks.check import Check, store, tidy
 from jausml_generators.bridge.checks.filling import Code, JausMessage, is_there, short_name
 from jausml_generators.bridge.checks.limits import chain_gain

@@ -80,6 +80,8 @@ class Length:
 class Convert:
     """The result of a conversion of the catalogue, or its results.
 
+    What it computes stands in `CONVERSIONS`, by its name.
+
     Attributes:
         near: The instant near which a time is meant; None where it is not asked.
     """

@@ -10,23 +10,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias
 
-from jausml.language.attributes.expressions import Call, Operation, operands_of
+from jausml.language.attributes.expressions import FUNCTIONS, operations
 from jausml.language.cdr.layout import PRIMITIVES, fields_of
 from jausml.language.metamodel.classes import ros
+from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.semantics.conversions.angles import (
-    DegreesToRadians,
     EnuYawToNedHeading,
     NedHeadingToEnuYaw,
-    RadiansToDegrees,
     WrapAngle,
 )
-from jausml.language.semantics.conversions.numbers import (
-    Linear,
-    Negate,
-    PercentToValue,
-    Scale,
-    Square,
-)
+from jausml.language.semantics.conversions.definition import Definition
 from jausml.language.semantics.conversions.orientations import (
     EnuQuaternionToNedAngles,
     FluQuaternionToFrdAngles,
@@ -52,18 +45,6 @@ if TYPE_CHECKING:
 
 Start: TypeAlias = JausStart | RosStart
 TypeName: TypeAlias = Callable[[ros.MessageType], str]
-
-_ARITHMETIC = (
-    DegreesToRadians,
-    Linear,
-    Negate,
-    PercentToValue,
-    RadiansToDegrees,
-    Scale,
-    Square,
-)
-ARITHMETIC = frozenset(each.name for each in _ARITHMETIC)
-"""Conversions that are arithmetic alone, and so take columns as they are."""
 
 COLUMNS = frozenset(
     each.name
@@ -210,7 +191,7 @@ class _OfItems:
             case values.Cast(value=inner, kind=kind):
                 return kind == values.REAL and self.value(inner)
             case values.Convert(name=name, inputs=inputs, arguments=arguments):
-                return name in ARITHMETIC | COLUMNS and self._all((*inputs, *arguments))
+                return _takes_columns(name) and self._all((*inputs, *arguments))
             case values.Limit(how=how, value=inner, bounds=bounds):
                 return how in _LIMITS and self._all((inner, *bounds))
             case values.LookUp(key=key, kind=kind):
@@ -239,10 +220,11 @@ class _OfItems:
         return isinstance(condition, There) or not self._is_of_item(condition.place)
 
 
+def _takes_columns(name: str) -> bool:
+    definition = CONVERSIONS[name].definition
+    return name in COLUMNS or (isinstance(definition, Definition) and definition.is_rational)
+
+
 def is_arithmetic(expression: authored.Expression) -> bool:
     """Whether an expression is made of sums, products, comparisons and choices alone."""
-    if isinstance(expression, Call):
-        return False
-    if isinstance(expression, Operation) and expression.sign in {"/", "^"}:
-        return False
-    return all(map(is_arithmetic, operands_of(expression)))
+    return operations(expression).isdisjoint({"/", "^", *FUNCTIONS})

@@ -22,6 +22,7 @@ from .tree import (
     Variable,
     occurrences,
     operands_of,
+    operations,
     source_names,
     variables,
 )
@@ -49,6 +50,7 @@ __all__ = [
     "interval",
     "occurrences",
     "operands_of",
+    "operations",
     "parse_expression",
     "source_names",
     "variables",

@@ -73,6 +73,17 @@ def operands_of(expression: Expression) -> tuple[Expression, ...]:
     return ()
 
 
+def operations(expression: Expression) -> frozenset[str]:
+    """Returns the signs of its operators and the names of its functions, `if` among them."""
+    inner = frozenset[str]().union(*map(operations, operands_of(expression)))
+    match expression:
+        case Operation(sign=name) | Call(function=name):
+            return inner | {name}
+        case Conditional():
+            return inner | {"if"}
+    return inner
+
+
 def occurrences(expression: Expression) -> Iterator[Variable]:
     """Yields the variables in the order in which they stand, each as often as it stands there."""
     if isinstance(expression, Variable):
@@ -156,10 +167,15 @@ FUNCTIONS: dict[str, Function] = {
     "round": Function(_ROUND, spans.increasing(_ROUND, exact=True)),
     "sign": Function(_sign, spans.increasing(_sign, exact=True)),
     "hypot": Function(math.hypot, spans.length, 2, 2),
-    "fmod": Function(math.fmod, spans.remainder, 2, 2),
+    "fmod": Function(math.fmod, spans.modulo, 2, 2),
+    "remainder": Function(math.remainder, spans.remainder, 2, 2),
     "isfinite": Function(math.isfinite, lambda _: spans.EITHER),
 }
-"""The functions by name. Angles are radians; `round` takes the even one of two neighbours."""
+"""The functions by name. Angles are radians; `round` takes the even one of two neighbours.
+
+What `fmod` leaves has the sign of the dividend; what `remainder` leaves, the nearest multiple being
+taken away, lies within half of the divisor: `remainder(angle, 2 * pi)` is the same direction.
+"""
 
 OPERATORS: dict[tuple[str, int], Function] = {
     ("-", 1): Function(operator.neg, spans.negated),

@@ -15,6 +15,7 @@ from jausml.language.semantics.conversions.conversion import (
     Effect,
     linear_interval,
 )
+from jausml.language.semantics.conversions.definition import Definition
 
 if TYPE_CHECKING:
     from jausml.language.attributes.intervals import Interval
@@ -31,10 +32,10 @@ class DegreesToRadians(Conversion):
     """Degrees to radians."""
 
     name = "degrees_to_radians"
-    formula = "math.radians({0})"
     units = (DEGREE, RADIAN)
     inverse = "radians_to_degrees"
     effect = Effect.LINEAR
+    definition = Definition("value", "value * (pi / 180)")
 
     def forward(self, value: float) -> float:
         """By half a turn."""
@@ -49,10 +50,10 @@ class RadiansToDegrees(Conversion):
     """Radians to degrees."""
 
     name = "radians_to_degrees"
-    formula = "math.degrees({0})"
     units = (RADIAN, DEGREE)
     inverse = "degrees_to_radians"
     effect = Effect.LINEAR
+    definition = Definition("value", "value * (180 / pi)")
 
     def forward(self, value: float) -> float:
         """By half a turn."""
@@ -72,6 +73,13 @@ class NedHeadingToEnuYaw(Conversion):
     takes_axes = gives_axes = ("z",)
     inverse = "enu_yaw_to_ned_heading"
     limits = (TURN,)
+    definition = Definition(
+        "value",
+        """
+        yaw = pi / 2 - value
+        if(isfinite(yaw), remainder(yaw, 2 * pi), nan)
+        """,
+    )
 
     def forward(self, value: float) -> float:
         """The rest to a quarter turn."""
@@ -87,6 +95,13 @@ class EnuYawToNedHeading(Conversion):
     takes_axes = gives_axes = ("z",)
     inverse = "ned_heading_to_enu_yaw"
     limits = (TURN,)
+    definition = Definition(
+        "value",
+        """
+        heading = pi / 2 - value
+        if(isfinite(heading), remainder(heading, 2 * pi), nan)
+        """,
+    )
 
     def forward(self, value: float) -> float:
         """The rest to a quarter turn."""
@@ -100,6 +115,7 @@ class WrapAngle(Conversion):
     units = (RADIAN, RADIAN)
     limits = (TURN,)
     effect = Effect.SAME
+    definition = Definition("value", "if(isfinite(value), remainder(value, 2 * pi), nan)")
 
     def forward(self, value: float) -> float:
         """The angle of the vector that it points to."""

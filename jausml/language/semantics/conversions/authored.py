@@ -23,6 +23,7 @@ from jausml.language.semantics.conversions.conversion import (
     NoValueError,
     UnitEffect,
 )
+from jausml.language.semantics.conversions.definition import Definition, NoArithmetic
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -56,6 +57,7 @@ class WithUnits(Conversion):
     units = UnitEffect.STATED
     inverse = "with_units"
     effect = Effect.SAME
+    definition = Definition("value", "value")
 
     def forward(self, value: float, _units: str = "") -> float:
         """The value itself."""
@@ -76,6 +78,7 @@ class LookUp(Conversion):
     name = "look_up"
     inputs = outputs = (VALUE,)
     arguments = (Argument("table", ArgumentKind.TABLE),)
+    definition = NoArithmetic.TABLE
 
     def forward(self, value: Scalar, table: Pairs) -> Scalar:
         """The other one of the first pair that has the value."""
@@ -99,6 +102,7 @@ class Expression(Conversion):
     name = "expression"
     inputs = ("number+",)
     arguments = (Argument("expression", ArgumentKind.FORMULA),)
+    definition = NoArithmetic.AUTHORED
 
     def forward(self, *given: Any) -> float:
         """The value for the inputs, then the formula."""
@@ -132,6 +136,7 @@ class User(Conversion):
     inputs = (f"{ANY}+",)
     outputs = (ANY,)
     arguments = (Argument("method", ArgumentKind.METHOD),)
+    definition = NoArithmetic.USER
 
     def forward(self, *_given: Any) -> Any:
         """Nobody but the user knows."""

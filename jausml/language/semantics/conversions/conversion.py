@@ -21,6 +21,7 @@ from jausml.language.semantics.paths.attributes import BOOL, LIST, NUMBER, NUMBE
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from jausml.language.semantics.conversions.definition import Definition, NoArithmetic
 
 FLU, FRD = "forwardLeftUp", "forwardRightDown"
 ENU, NED = "eastNorthUp", "northEastDown"
@@ -29,7 +30,6 @@ UP, DOWN = "localUp", "localDown"
 
 ANY = "any"
 VALUE = "value"
-QUATERNION = "geometry_msgs/Quaternion"
 RADIAN, DEGREE, PERCENT, ONE = "radian", "degree", "percent", "1"
 TURN = (-math.pi, math.pi)
 """One turn, within which an angle is given."""
@@ -125,12 +125,11 @@ class Conversion(ABC):
         effect: What becomes of a number, its unit left aside.
         inverse: Name of the conversion that leads back, with the same arguments; may be empty.
         limits: Ranges of the results when they do not depend on the inputs, else empty.
-        formula: The arithmetic of the runtime's function, as Python text with `{0}` for the first
-            of its parameters; empty where that is more than an expression.
+        definition: What the function of the runtime computes.
     """
 
     name: ClassVar[str]
-    formula: ClassVar[str] = ""
+    definition: ClassVar[Definition | NoArithmetic]
     inputs: ClassVar[tuple[str, ...]] = (NUMBER,)
     outputs: ClassVar[tuple[str, ...]] = (NUMBER,)
     arguments: ClassVar[tuple[Argument, ...]] = ()

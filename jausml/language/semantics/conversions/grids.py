@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from jausml.language.semantics.conversions.conversion import Conversion, NoValueError, UnitEffect
+from jausml.language.semantics.conversions.definition import Definition, NoArithmetic
 from jausml.language.semantics.paths.attributes import NUMBER, NUMBERS
 
 if TYPE_CHECKING:
@@ -24,6 +25,12 @@ class OccupancyToCost(Conversion):
 
     name = "occupancy_to_cost"
     limits = ((0.0, 255.0),)
+    definition = Definition(
+        "value",
+        "if(value == -1, 255, round(value * (254 / 100)))",
+        refused="not (value == -1 or value >= 0 and value <= 100)",
+        reason="is no occupancy",
+    )
 
     def forward(self, value: float) -> float:
         """The nearest cost."""
@@ -44,6 +51,12 @@ class CostToOccupancy(Conversion):
 
     name = "cost_to_occupancy"
     limits = ((-1.0, 100.0),)
+    definition = Definition(
+        "value",
+        "if(value == 255, -1, round(value / (254 / 100)))",
+        refused="not (value >= 0 and value <= 255)",
+        reason="is no cost",
+    )
 
     def forward(self, value: float) -> float:
         """The nearest occupancy."""
@@ -67,6 +80,7 @@ class ReverseRows(Conversion):
     inputs = (NUMBERS, NUMBER)
     outputs = (NUMBERS,)
     units = UnitEffect.SAME
+    definition = NoArithmetic.ORDER
 
     def forward(self, cells: Sequence[float], columns: float) -> list[float]:
         """The rows from the last to the first."""

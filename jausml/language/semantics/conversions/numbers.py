@@ -17,6 +17,7 @@ from jausml.language.semantics.conversions.conversion import (
     UnitEffect,
     linear_interval,
 )
+from jausml.language.semantics.conversions.definition import Definition
 from jausml.language.semantics.paths.attributes import NUMBER
 
 
@@ -28,10 +29,10 @@ class Negate(Conversion):
     """
 
     name = "negate"
-    formula = "-{0}"
     units = UnitEffect.SAME
     inverse = "negate"
     effect = Effect.NEGATED
+    definition = Definition("value", "-value")
 
     def forward(self, value: float) -> float:
         """-1 times the value."""
@@ -46,9 +47,9 @@ class Scale(Conversion):
     """The value times a factor."""
 
     name = "scale"
-    formula = "{0} * {1}"
     arguments = (Argument("factor"),)
     effect = Effect.LINEAR
+    definition = Definition("value, factor", "value * factor")
 
     def forward(self, value: float, factor: float) -> float:
         """The product."""
@@ -75,9 +76,9 @@ class Linear(Conversion):
     """The value times a factor plus an offset."""
 
     name = "linear"
-    formula = "{0} * {1} + {2}"
     arguments = (Argument("factor"), Argument("offset"))
     effect = Effect.LINEAR
+    definition = Definition("value, factor, offset", "value * factor + offset")
 
     def forward(self, value: float, factor: float, offset: float) -> float:
         """The sum."""
@@ -107,6 +108,10 @@ class Clamp(Conversion):
     arguments = (Argument("minimum"), Argument("maximum"))
     units = UnitEffect.SAME
     effect = Effect.SAME
+    definition = Definition(
+        "value, minimum, maximum",
+        "if(value < minimum, minimum, if(value > maximum, maximum, value))",
+    )
 
     def forward(self, value: float, minimum: float, maximum: float) -> float:
         """The one in the middle; not a number stays so."""
@@ -134,6 +139,9 @@ class Limit(Conversion):
     arguments = (MAXIMUM,)
     units = (OWN, OWN)
     effect = Effect.SAME
+    definition = Definition(
+        "value, maximum", "if(value < -maximum, -maximum, if(value > maximum, maximum, value))"
+    )
 
     def forward(self, value: float, maximum: float) -> float:
         """The one in the middle; not a number stays so."""
@@ -162,6 +170,7 @@ class Deadband(Conversion):
     arguments = (Argument("width"),)
     units = UnitEffect.SAME
     effect = Effect.SAME
+    definition = Definition("value, width", "if(abs(value) < width, 0, value)")
 
     def forward(self, value: float, width: float) -> float:
         """The value, unless it is near zero."""
@@ -185,8 +194,8 @@ class Square(Conversion):
     """The value squared: root mean square to variance."""
 
     name = "square"
-    formula = "{0} * {0}"
     units = UnitEffect.SQUARE
+    definition = Definition("value", "value * value")
 
     def forward(self, value: float) -> float:
         """The product with itself."""
@@ -205,6 +214,7 @@ class SquareRoot(Conversion):
 
     name = "square_root"
     units = UnitEffect.ROOT
+    definition = Definition("value", "if(value >= 0, sqrt(value), nan)")
 
     def forward(self, value: float) -> float:
         """The power of one half; not a number for negative ones."""
@@ -227,6 +237,13 @@ class CovarianceToRms(Conversion):
     name = "covariance_to_rms"
     inputs = (NUMBER, NUMBER, NUMBER)
     units = UnitEffect.ROOT
+    definition = Definition(
+        "x, y, z",
+        """
+        is_known = x >= 0 and y >= 0 and z >= 0 and not (x == 0 and y == 0 and z == 0)
+        if(is_known, sqrt((x + y + z) / 3), nan)
+        """,
+    )
 
     def forward(self, x: float, y: float, z: float) -> float:
         """The length of the vector of deviations by the root of three."""
@@ -249,6 +266,12 @@ class ValueToPercent(Conversion):
     units = (OWN, PERCENT)
     inverse = "percent_to_value"
     effect = Effect.LINEAR
+    definition = Definition(
+        "value, maximum",
+        "value / maximum * 100",
+        refused="maximum == 0",
+        reason="nothing is a percentage of zero",
+    )
 
     def forward(self, value: float, maximum: float) -> float:
         """A hundred times the part of the maximum."""
@@ -273,11 +296,11 @@ class PercentToValue(Conversion):
     """Percent of a maximum to the value."""
 
     name = "percent_to_value"
-    formula = "{0} / 100.0 * {1}"
     arguments = (MAXIMUM,)
     units = (PERCENT, OWN)
     inverse = "value_to_percent"
     effect = Effect.LINEAR
+    definition = Definition("value, maximum", "value / 100 * maximum")
 
     def forward(self, value: float, maximum: float) -> float:
         """The hundredth of the product."""

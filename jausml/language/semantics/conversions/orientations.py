@@ -15,12 +15,12 @@ from jausml.language.semantics.conversions.conversion import (
     FRD,
     NED,
     ONE,
-    QUATERNION,
     RADIAN,
     TURN,
     Conversion,
     Effect,
 )
+from jausml.language.semantics.conversions.definition import QUATERNION, Definition
 from jausml.language.semantics.paths.attributes import NUMBER
 
 QUARTER = (-math.pi / 2, math.pi / 2)
@@ -32,6 +32,46 @@ _ORIENTATION = ("",)
 _ANGLES = ("x", "y", "z")
 # Closer to vertical than this, roll and yaw turn about the same axis, and roll is taken as zero.
 _VERTICAL = 1.0 - 1e-12
+
+# The turn about one axis, or about all of them, by half angles; an infinite angle gives none.
+_TURN = """
+        half_z = if(isfinite(about_z), about_z / 2, nan)
+        0
+        0
+        sin(half_z)
+        cos(half_z)
+        """
+_TURNS = """
+        half_x = if(isfinite(about_x), about_x / 2, nan)
+        half_y = if(isfinite(about_y), about_y / 2, nan)
+        half_z = if(isfinite(about_z), about_z / 2, nan)
+        sin_x = sin(half_x)
+        cos_x = cos(half_x)
+        sin_y = sin(half_y)
+        cos_y = cos(half_y)
+        sin_z = sin(half_z)
+        cos_z = cos(half_z)
+        sin_x * cos_y * cos_z - cos_x * sin_y * sin_z
+        cos_x * sin_y * cos_z + sin_x * cos_y * sin_z
+        cos_x * cos_y * sin_z - sin_x * sin_y * cos_z
+        cos_x * cos_y * cos_z + sin_x * sin_y * sin_z
+        """
+# Roll, pitch and yaw of the same turn about right and down, the axes of forward-right-down.
+_ANGLES_OF = """
+        right = -y
+        down = -z
+        squared_length = x * x + right * right + down * down + w * w
+        sine = if(squared_length == 0, nan, 2 * (w * right - down * x) / squared_length)
+        vertical = 1 - 1e-12
+        is_level = sine >= -vertical and sine <= vertical
+        up_left = 2 * (w * x + right * down)
+        up_up = w * w - x * x - right * right + down * down
+        roll = if(is_level, atan2(up_left, up_up), if(sine == sine, 0, nan))
+        pitch = asin(max(-1, min(1, sine)))
+        level = atan2(2 * (w * down + x * right), w * w + x * x - right * right - down * down)
+        steep = atan2(-2 * (x * right - w * down), w * w - x * x + right * right - down * down)
+        yaw = if(is_level, level, if(sine == sine, steep, nan))
+        """
 
 
 def orientation(roll: float, pitch: float, yaw: float) -> Parts:
@@ -95,6 +135,15 @@ class OrientationIfKnown(Conversion):
     inputs = (QUATERNION, NUMBER)
     outputs = (QUATERNION,)
     effect = Effect.SAME
+    definition = Definition(
+        "x, y, z, w, variance",
+        """
+        if(variance < 0, 0, x)
+        if(variance < 0, 0, y)
+        if(variance < 0, 0, z)
+        if(variance < 0, 0, w)
+        """,
+    )
 
     def forward(self, parts: Parts, variance: float) -> Parts:
         """All parts, or none of them."""
@@ -111,6 +160,15 @@ class FrdAnglesToFluQuaternion(Conversion):
     frames = (FRD, FLU)
     takes_axes, gives_axes = _ANGLES, _ORIENTATION
     inverse = "flu_quaternion_to_frd_angles"
+    definition = Definition(
+        "roll, pitch, yaw",
+        """
+        about_x = roll
+        about_y = -pitch
+        about_z = -yaw
+        """
+        + _TURNS,
+    )
 
     def forward(self, roll: float, pitch: float, yaw: float) -> Parts:
         """The product of the three turns, two of them the other way round."""
@@ -126,6 +184,7 @@ class FrdYawToFluQuaternion(Conversion):
     frames = (FRD, FLU)
     takes_axes, gives_axes = ("z",), _ORIENTATION
     inverse = "flu_quaternion_to_frd_yaw"
+    definition = Definition("yaw", "about_z = -yaw" + _TURN)
 
     def forward(self, yaw: float) -> Parts:
         """The turn the other way round."""
@@ -141,6 +200,7 @@ class FluQuaternionToFrdRoll(Conversion):
     frames = (FLU, FRD)
     takes_axes, gives_axes = _ORIENTATION, ("x",)
     limits = (TURN,)
+    definition = Definition("x, y, z, w", _ANGLES_OF + "roll")
 
     def forward(self, parts: Parts) -> float:
         """How far left is above right."""
@@ -156,6 +216,7 @@ class FluQuaternionToFrdPitch(Conversion):
     frames = (FLU, FRD)
     takes_axes, gives_axes = _ORIENTATION, ("y",)
     limits = (QUARTER,)
+    definition = Definition("x, y, z, w", _ANGLES_OF + "pitch")
 
     def forward(self, parts: Parts) -> float:
         """How far forward points up."""
@@ -172,6 +233,7 @@ class FluQuaternionToFrdYaw(Conversion):
     takes_axes, gives_axes = _ORIENTATION, ("z",)
     inverse = "frd_yaw_to_flu_quaternion"
     limits = (TURN,)
+    definition = Definition("x, y, z, w", _ANGLES_OF + "yaw")
 
     def forward(self, parts: Parts) -> float:
         """How far forward points to the right."""
@@ -189,6 +251,15 @@ class FluQuaternionToFrdAngles(Conversion):
     takes_axes, gives_axes = _ORIENTATION, _ANGLES
     inverse = "frd_angles_to_flu_quaternion"
     limits = (TURN, QUARTER, TURN)
+    definition = Definition(
+        "x, y, z, w",
+        _ANGLES_OF
+        + """
+        roll
+        pitch
+        yaw
+        """,
+    )
 
     def forward(self, parts: Parts) -> Triple:
         """The three angles, two of them the other way round."""
@@ -206,6 +277,15 @@ class NedAnglesToEnuQuaternion(Conversion):
     frames = (NED, ENU)
     takes_axes, gives_axes = _ANGLES, _ORIENTATION
     inverse = "enu_quaternion_to_ned_angles"
+    definition = Definition(
+        "roll, pitch, heading",
+        """
+        about_x = roll
+        about_y = -pitch
+        about_z = pi / 2 - heading
+        """
+        + _TURNS,
+    )
 
     def forward(self, roll: float, pitch: float, heading: float) -> Parts:
         """The product of the three turns, the last one from east."""
@@ -221,6 +301,7 @@ class NedHeadingToEnuQuaternion(Conversion):
     frames = (NED, ENU)
     takes_axes, gives_axes = ("z",), _ORIENTATION
     inverse = "enu_quaternion_to_ned_heading"
+    definition = Definition("heading", "about_z = pi / 2 - heading" + _TURN)
 
     def forward(self, heading: float) -> Parts:
         """The turn from east."""
@@ -237,6 +318,7 @@ class EnuQuaternionToNedHeading(Conversion):
     takes_axes, gives_axes = _ORIENTATION, ("z",)
     inverse = "ned_heading_to_enu_quaternion"
     limits = (TURN,)
+    definition = Definition("x, y, z, w", _ANGLES_OF + "remainder(pi / 2 + yaw, 2 * pi)")
 
     def forward(self, parts: Parts) -> float:
         """How far forward points east of north."""
@@ -257,6 +339,15 @@ class EnuQuaternionToNedAngles(Conversion):
     takes_axes, gives_axes = _ORIENTATION, _ANGLES
     inverse = "ned_angles_to_enu_quaternion"
     limits = (TURN, QUARTER, TURN)
+    definition = Definition(
+        "x, y, z, w",
+        _ANGLES_OF
+        + """
+        roll
+        pitch
+        remainder(pi / 2 + yaw, 2 * pi)
+        """,
+    )
 
     def forward(self, parts: Parts) -> Triple:
         """Roll, pitch the other way round, and the heading."""
