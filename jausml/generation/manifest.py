@@ -58,12 +58,18 @@ class Manifest:
         models: What other verbs want to know of each model (JSON values), by the model's name, e.g.
             `processes` for `jausml run`.
         problem: Why nothing is known of earlier runs (missing, conflicted), or empty.
+        unfinished: What a killed run has begun: the hash of each file that it meant to write.
     """
 
     files: Mapping[str, Entry] = field(default_factory=dict)
     models: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     problem: str = ""
-    unfinished: tuple[str, ...] = ()
+    unfinished: Mapping[str, str] = field(default_factory=dict)
+
+    def hashes(self, path: str) -> tuple[str, ...]:
+        """Returns the hashes of a file, one of which it has unless somebody edited it."""
+        entry = self.files.get(path)
+        return entry.sha256 if entry else "", self.unfinished.get(path, "")
 
     def strangers(self, source: str) -> list[str]:
         """Returns the model files of which the schema knew no model's name, but for one.
@@ -106,7 +112,8 @@ def read_manifest(out: Path) -> Manifest:
     if pending.problem:
         return manifest
     files = {**pending.files, **manifest.files}
-    return replace(manifest, files=files, unfinished=(*sorted(pending.files), MANIFEST_PATH))
+    unfinished = {path: entry.sha256 for path, entry in sorted(pending.files.items())}
+    return replace(manifest, files=files, unfinished={**unfinished, MANIFEST_PATH: ""})
 
 
 def temporary(path: str) -> str:

@@ -123,7 +123,7 @@ def make_plan(
         if problem:
             actions.append(Action(ActionKind.REFUSE, path, problem))
         else:
-            actions.append(_compare(artifact, state, entry, out, force=force))
+            actions.append(_compare(artifact, state, manifest, out, force=force))
             files[path] = new_entry(artifact, entry, model)
     shared = {artifact.target for artifact in artifacts if artifact.is_shared}
     for path, entry in manifest.files.items():
@@ -136,7 +136,7 @@ def make_plan(
         if others and entry.target not in shared:
             files[path] = replace(entry, models=others)
             continue
-        action = _gone(path, entry, inspect(out, path), _successor(entry, artifacts))
+        action = _gone(path, manifest, inspect(out, path), _successor(entry, artifacts))
         actions += [action] if action else []
         if action and action.kind is ActionKind.ORPHAN:
             files[path] = entry
@@ -171,9 +171,10 @@ def _claimed(entry: Entry | None, artifact: Artifact, state: FileState, model: s
 
 
 def _compare(
-    artifact: Artifact, state: FileState, entry: Entry | None, out: Path, *, force: bool
+    artifact: Artifact, state: FileState, manifest: Manifest, out: Path, *, force: bool
 ) -> Action:
     path = artifact.path
+    entry = manifest.files.get(path)
     if state.obstacle:
         return Action(ActionKind.REFUSE, path, state.obstacle)
     if not state.exists:
@@ -184,7 +185,7 @@ def _compare(
         return Action(ActionKind.KEEP, path, "unchanged")
     if entry is not None and entry.kind is Kind.SKELETON:
         return Action(ActionKind.REFUSE, path, "this was a skeleton and is yours; move it away")
-    if _is_untouched(state, entry):
+    if _is_untouched(state, manifest.hashes(path)):
         return _write(ActionKind.UPDATE, artifact, state, "the model or jausml changed")
     if force:
         backup = _backup_path(out, path)
@@ -208,7 +209,7 @@ def _write(
     )
 
 
-def _is_untouched(state: FileState, entry: Entry | None) -> bool:
+def _is_untouched(state: FileState, hashes: Collection[str]) -> bool:
     """Whether a file is as some run wrote it.
 
     The header tells it, where the file has one: after a merge the manifest may be of one branch
@@ -216,13 +217,12 @@ def _is_untouched(state: FileState, entry: Entry | None) -> bool:
     """
     if state.text is None:
         return False
-    if has_valid_header(state.text):
-        return True
-    return entry is not None and entry.sha256 == text_digest(state.text)
+    return has_valid_header(state.text) or text_digest(state.text) in hashes
 
 
-def _gone(path: str, entry: Entry, state: FileState, successor: str) -> Action | None:
+def _gone(path: str, manifest: Manifest, state: FileState, successor: str) -> Action | None:
     """Returns what happens to a file that is no longer produced; None when it is not there."""
+    entry = manifest.files[path]
     if state.obstacle:
         return Action(ActionKind.ORPHAN, path, f"no longer produced; {state.obstacle}")
     if not state.exists:
@@ -230,7 +230,7 @@ def _gone(path: str, entry: Entry, state: FileState, successor: str) -> Action |
     if entry.kind is Kind.SKELETON:
         moved = f", whose code is now expected in {successor}" if successor else ""
         return Action(ActionKind.ORPHAN, path, f"yours; was for '{entry.element}'{moved}")
-    if not _is_untouched(state, entry):
+    if not _is_untouched(state, manifest.hashes(path)):
         return Action(ActionKind.ORPHAN, path, "no longer produced, but edited by hand")
     return Action(ActionKind.DELETE, path, "no longer produced", old=state.text)
 

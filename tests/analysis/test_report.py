@@ -146,6 +146,30 @@ def test_a_command_that_is_acknowledged_is_repeated(system):
     assert (step.name, step.seconds) == ("repetition of the packet", 0.1)
 
 
+@pytest.mark.parametrize(
+    ("qos", "depth"),
+    [
+        ("depth: 5", 100),
+        ("depth: 120", 120),
+        ("durability: transient_local  depth: 1", 1),
+        ("durability: transient_local  depth: 120", 120),
+    ],
+)
+def test_a_queue_of_a_volatile_topic_has_a_least_depth(system, qos, depth):
+    text = PAIR.replace("RATE", "25").replace("ACK", "false")
+    text = text.replace("topic stick", f"topic stick {{ qos: {{ {qos} }} }}")
+    report = report_of(system(text), Assumptions())
+    (wanted,) = (
+        connection
+        for owner in report.bridges
+        for connection in owner.connections
+        if connection.name == "wanted"
+    )
+    queue = budgets(wanted)["queue_full"].steps[-1]
+    assert queue.name.replace(",", "").split()[:3] == ["queue", "of", str(depth)]
+    assert queue.seconds == min(depth / 10, 2)
+
+
 def test_budgets_of_a_report(system):
     _, found = pair(system, rate="20", rates={"velocity": 200.0})
     velocity = budgets(found["vehicle.velocity"])

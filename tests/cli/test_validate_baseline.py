@@ -41,6 +41,15 @@ def test_a_new_finding_counts(jausml, folder, baseline):
     assert {line.split()[2] for line in result.stdout.splitlines() if "error" in line} == {"JML302"}
 
 
+def test_a_new_warning_counts_where_warnings_do(jausml, baseline):
+    content = json.loads(baseline.read_text())
+    del content["findings"][1]
+    baseline.write_text(json.dumps(content))
+    words = ("validate", "doubtful.xmi", "--baseline", baseline)
+    assert jausml(*words).exit_code == 0
+    assert jausml(*words, "--strict").exit_code == 1
+
+
 def test_moved_lines_and_earlier_elements_are_no_news(jausml, folder, baseline):
     for name in ("bad.xmi", "doubtful.xmi"):
         text = (folder / name).read_text()

@@ -6,7 +6,7 @@ import codecs
 
 import pytest
 
-from jausml.authoring.editing.splices import FileText, applied, common_ends
+from jausml.authoring.editing.splices import FileText, Splice, applied, common_ends, merged
 
 TEXT = "größe = 1\r\n\u2028weg: \U0001f916 → x\r\nletzte"
 
@@ -33,3 +33,9 @@ def test_a_splice_puts_a_text_in_place_of_any_characters(encoding, mark, text):
 )
 def test_common_ends_never_overlap(old, new, ends):
     assert common_ends(old, new) == ends
+
+
+def test_what_is_put_in_before_bytes_that_go_away_stays():
+    gone, put = Splice("f", 3, b"old", b""), Splice("f", 3, b"", b"new ")
+    assert merged([gone, put]) == [put, gone]
+    assert applied(b"an old man", merged([gone, put])) == b"an new  man"

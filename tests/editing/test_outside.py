@@ -99,6 +99,14 @@ def test_a_program_that_goes_on_from_the_last_edit_makes_none(project):
     assert [each.is_conflict for each in project.refresh()] == [False]
 
 
+def test_a_program_that_has_both_lines_has_seen_the_last_edit(project):
+    project.do([Rename(NODE, "pilot")], "rename")
+    both = '<nodes name="driver"/>\n  <nodes name="pilot"/>'
+    save(project, MODEL.replace('<nodes name="driver"/>', both))
+    (change,) = project.refresh()
+    assert not change.is_conflict
+
+
 def test_undoing_over_a_change_that_nobody_told_is_refused(project):
     project.do([Rename(NODE, "captain")], "rename")
     save(project, OTHER)

@@ -9,12 +9,12 @@ import pytest
 
 from jausml import generation as gen
 
-RUNTIME = "runtime/core.py"
+RUNTIME, MORE = "runtime/core.py", "runtime/x.py"
 
 
-def runtime(text):
+def runtime(text, paths=(RUNTIME, MORE)):
     """A target whose files all models share."""
-    files = [gen.TextFile(path, text, "runtime", "jausml") for path in (RUNTIME, "runtime/x.py")]
+    files = [gen.TextFile(path, text, "runtime", "jausml") for path in paths]
     task = gen.TextTask(files)
     return gen.Target("runtime", "Shared.", lambda _: [task], is_shared=True)
 
@@ -83,6 +83,26 @@ def test_a_newer_runtime_is_newer_for_all(shared, second, vehicle, arm):
 
     assert b"A = 2" in second.path(RUNTIME).read_bytes()
     assert owners(shared, RUNTIME) == ("second", "toy")
+
+
+def test_what_a_newer_runtime_lacks_is_gone_for_all(shared, second, vehicle, arm):
+    shared.write([vehicle])
+    second.write([arm])
+    second.targets[-1] = runtime("A = 1\n", [RUNTIME])
+
+    second.write([arm])
+
+    assert not shared.path(MORE).exists()
+    assert shared.plan([vehicle]).is_up_to_date
+
+
+def test_what_a_runtime_never_had_is_left_to_the_model_that_has_it(shared, second, vehicle, arm):
+    shared.write([vehicle])
+
+    replace(second, targets=[*second.targets[:-1], runtime("A = 1\n", [RUNTIME])]).write([arm])
+
+    assert owners(shared, MORE) == ("toy",)
+    assert shared.plan([vehicle]).is_up_to_date
 
 
 def test_two_models_may_not_want_one_file_with_different_texts(shared, second, vehicle, rename):

@@ -108,6 +108,17 @@ def test_force_overwrites_an_edited_file_after_a_copy(workspace, vehicle):
     assert workspace.plan([vehicle]).is_up_to_date
 
 
+def test_a_copy_does_not_go_where_a_link_leads(workspace, vehicle, tmp_path):
+    workspace.write([vehicle])
+    append(workspace.path(BASE), b"# edited\n")
+    workspace.path(f"{BASE}.orig").symlink_to(tmp_path / "elsewhere")
+
+    workspace.write([vehicle], force=True)
+
+    assert not (tmp_path / "elsewhere").exists()
+    assert workspace.path(f"{BASE}.orig2").read_bytes().endswith(b"# edited\n")
+
+
 def test_a_file_without_header_is_guarded_by_the_manifest(workspace, vehicle, rename):
     workspace.write([vehicle])
     changed = rename(vehicle, messages=vehicle.messages[:1])

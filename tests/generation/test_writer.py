@@ -79,6 +79,20 @@ def test_a_failure_between_any_two_files_is_healed_by_a_rerun(
         assert workspace.plan(new_model).is_up_to_date
 
 
+@pytest.mark.parametrize("failing_call", range(1, 4))
+def test_after_a_killed_run_another_model_may_be_written(workspace, vehicle, rename, failing_call):
+    """No file counts as edited by hand, whether the killed run has written it or not."""
+    workspace.write([vehicle])
+    plan = workspace.plan([rename(vehicle, messages=vehicle.messages[:1])])
+
+    with pytest.MonkeyPatch.context() as patch:
+        FailingReplace(patch, failing_call, Killed(), after=True)
+        with pytest.raises(Killed):
+            gen.apply(plan)
+
+    assert not workspace.write([rename(vehicle, messages=vehicle.messages[1:])]).refused
+
+
 def test_a_failed_first_run_leaves_no_temporary_file(workspace, vehicle):
     plan = workspace.plan([vehicle])
 

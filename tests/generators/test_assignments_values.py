@@ -12,7 +12,7 @@ pytest.importorskip("rclpy")
 
 from geometry_msgs.msg import PoseStamped, Quaternion, Twist
 from nav_msgs.msg import Odometry
-from std_msgs.msg import UInt8
+from std_msgs.msg import UInt8, UInt16
 
 TEXT = """
 attitude {
@@ -91,6 +91,48 @@ digits {
   JAUS->ROS ( digits -> data : clamp(0, 1e19) )
 }
 
+area {
+  JAUS Area ( uint64 edge )
+  ROS std_msgs/UInt64
+  JAUS->ROS ( edge -> data : square )
+}
+
+mark {
+  JAUS Mark ( uint16 mark )
+  ROS std_msgs/UInt8
+  JAUS->ROS ( mark -> data )
+}
+
+marking {
+  JAUS Marking ( uint8 mark )
+  ROS std_msgs/UInt16
+  ROS->JAUS ( data -> mark )
+}
+
+depth {
+  JAUS Depth ( uint16 depth { units: "meter" } )
+  ROS std_msgs/UInt8
+  JAUS->ROS ( depth -> data )
+}
+
+sounding {
+  JAUS Sounding ( uint8 depth { units: "meter" } )
+  ROS std_msgs/UInt16
+  ROS->JAUS ( data -> depth )
+}
+
+height {
+  JAUS Height ( uint16 height )
+  ROS std_msgs/Int8
+  JAUS->ROS ( height -> data : user(fold) )
+}
+
+echo {
+  JAUS Echo ( float64 level )
+  ROS std_msgs/Float32
+  JAUS->ROS ( level -> data : negate )
+}
+
 lamps {
   JAUS SetIlluminationState
   ROS std_msgs/UInt8
@@ -114,6 +156,13 @@ bridge valued {
   connection fix { map: fix topic f {} }
   connection counts { map: counts topic c {} }
   connection digits { map: digits topic d {} }
+  connection area { map: area topic areas {} }
+  connection mark { map: mark topic marks {} }
+  connection marking { map: marking direction: rosToJaus topic markings {} }
+  connection depth { map: depth topic depths {} }
+  connection sounding { map: sounding direction: rosToJaus topic soundings {} }
+  connection height { map: height topic heights {} }
+  connection echo { map: echo topic echoes {} }
   connection lamps {
     map: lamps direction: rosToJaus onSilence: hold holdReason: "lamps stay lit" topic l {}
   }
@@ -267,9 +316,51 @@ def test_integers_keep_their_digits_on_their_way_to_integers(made):
     assert made.bridge.translate_digits(source).data == 2**53 + 1
 
 
+def test_products_of_integers_are_real_numbers_on_their_way_to_integers_too(made):
+    """So they are as long as a number, however many conversions follow each other."""
+    source = made.messages.Area(edge=2**31 + 1)
+    assert made.bridge.translate_area(source).data == 2**62 + 2**32
+
+
+def test_what_measures_is_clamped_and_what_identifies_drops_the_message(made):
+    """A clamped number of a waypoint is that of another one."""
+
+    class Mine(type(made.bridge)):
+        def convert_fold(self, value):
+            return -value
+
+    bridge, messages = Mine(), made.messages
+    assert bridge.translate_depth(messages.Depth(depth=300)).data == 255
+    assert bridge.translate_sounding(UInt16(data=300)).depth == 255
+    assert bridge.translate_height(messages.Height(height=300)).data == -128
+    for identifies in (
+        lambda: bridge.translate_mark(messages.Mark(mark=300)),
+        lambda: bridge.translate_marking(UInt16(data=300)),
+    ):
+        with pytest.raises(made.error("OutOfRangeError"), match="300"):
+            identifies()
+    assert bridge.translate_mark(messages.Mark(mark=255)).data == 255
+    assert bridge.translate_marking(UInt16(data=255)).mark == 255
+
+
+def test_what_a_peer_sends_that_is_no_number_drops_the_message(made):
+    """The codec hands it on, and a conversion would make a plausible number of some of it."""
+    for rate in (math.inf, -math.inf, math.nan):
+        with pytest.raises(made.error("OutOfRangeError"), match="rate"):
+            made.bridge.translate_turn(made.messages.Turning(rate=rate))
+
+
+def test_what_a_conversion_makes_fits_single_precision(made):
+    largest = 3.4028234663852886e38
+    for level in (1e300, 1.0, -1e300):
+        target = made.bridge.translate_echo(made.messages.Echo(level=level))
+        assert target.data == max(-largest, min(-level, largest))
+
+
 def test_user_conversions_stand_in_the_skeleton(made):
-    method = made.skeleton.contract.methods[-2]
-    assert (method.name, method.parameters) == ("convert_choose_mode", ("value",))
+    methods = {each.name: each for each in made.skeleton.contract.methods}
+    method = methods["convert_choose_mode"]
+    assert method.parameters == ("value",)
     assert not method.optional
     assert method.identity == "conversion:choose_mode"
     assert "    def convert_choose_mode(self, value: int) -> int:\n" in made.skeleton.text

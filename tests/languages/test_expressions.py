@@ -308,6 +308,7 @@ def test_bounds(text, expected):
         ("tan(x)", (-INF, INF)),
         ("atan2(x, 1)", (-math.pi / 4, math.atan(2.0))),
         ("atan2(x, -1)", (-math.pi, math.pi)),
+        ("atan2(max(x, 0), -1)", (-math.pi, math.pi)),  # 0 may be -0
         ("hypot(x, 1)", (1.0, math.sqrt(5.0))),
         ("asin(x)", (-math.pi / 2, math.pi / 2)),
         ("acos(x)", (0.0, math.pi)),

@@ -12,6 +12,7 @@ from click.testing import CliRunner
 from ports import free_port
 
 from jausml.cli import main
+from jausml.runtime.base.settings import TransportSettings
 
 CATVEHICLE = Path(__file__).resolve().parents[2] / "models" / "catvehicle" / "catvehicle.xmi"
 ROS_VARIABLES = (
@@ -80,6 +81,18 @@ def test_a_port_that_is_held(doctor, kind, name):
     assert status == 0
     assert checks["network", f"{name} {port}"]["verdict"] == "warning"
     assert checks["network", f"{name} {port}"]["text"].startswith("held by")
+
+
+@pytest.mark.parametrize(("missing", "verdict"), [(-1, "ok"), (0, "ok"), (1, "note")])
+def test_a_receive_buffer_that_the_kernel_does_not_grant(
+    doctor, monkeypatch, tmp_path, missing, verdict
+):
+    limit = tmp_path / "rmem_max"
+    limit.write_text(f"{TransportSettings().receive_buffer - missing}\n")
+    monkeypatch.setattr("jausml.live.machine.network._LIMIT", limit)
+    status, checks = doctor("--port", free_port())
+    assert status == 0
+    assert checks["network", "receive buffer"]["verdict"] == verdict
 
 
 def test_an_interface_of_another_host(doctor):

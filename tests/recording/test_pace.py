@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 from threading import Event, Thread
+from types import SimpleNamespace
 
 import pytest
 from click.testing import CliRunner
@@ -16,6 +17,7 @@ from recordings import by_mcap, by_rosbags, frame, nano_pcap, velocity
 from terminal import at_terminal
 
 from jausml.cli import main
+from jausml.live.recording import to_wire
 from jausml.live.recording.bags import Bag, RosMessage
 from jausml.live.recording.filters import TimeSpan
 from jausml.live.recording.to_wire import ReplayPace
@@ -105,6 +107,20 @@ def test_nothing_passes_in_a_pause():
     finally:
         stop.set()
         reader.join(60)
+
+
+def test_what_comes_faster_than_anybody_can_take_it_is_late(monkeypatch):
+    now = [0.0]
+
+    class Clock(Event):
+        def wait(self, timeout=None):
+            now[0] += timeout
+            return False
+
+    monkeypatch.setattr(to_wire, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    pace = ReplayPace(1.0, 4.0, Clock())
+    times = [now[0] for _ in pace.messages(messages(0, 0, 0, 2))]
+    assert times == pytest.approx([0.0, 0.25, 0.5, 2.0])
 
 
 def test_the_end_comes_in_the_midst_of_waiting():

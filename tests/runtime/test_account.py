@@ -185,6 +185,13 @@ def test_what_was_lost_is_an_upper_bound_until_a_packet_to_everybody_came() -> N
     assert account_of(window).is_exact
 
 
+def test_the_numbers_of_packets_to_everybody_may_be_the_smaller_ones() -> None:
+    window = DuplicateWindow()
+    hear(window, 30_000, 0.0)
+    hear(window, 5, 0.1, BROADCAST)
+    assert account_of(window).is_exact
+
+
 @given(st.integers(0, 0xFFFF), st.integers(1, SPAN // 4), st.integers(0, 2**32))
 def test_a_sender_with_one_count_for_all_is_never_taken_for_exact(
     first: int, stride: int, seed: int

@@ -191,10 +191,12 @@ def test_contradicting_fragments_never_raise_and_leave_nothing_behind(
     assert not reassembly._held
 
 
-def test_a_full_circle_of_numbers_does_not_close(counters: Counters) -> None:
+@pytest.mark.parametrize("begin", [DataFlags.FIRST, DataFlags.MIDDLE])
+def test_a_full_circle_of_numbers_does_not_close(counters: Counters, begin: DataFlags) -> None:
     reassembly = Reassembly(3.0, 1 << 30, counters)
     for number in range(65536):
-        packet = Packet(ROBOT, OCU, b"", number, data_flags=DataFlags.MIDDLE)
+        flags = DataFlags.MIDDLE if number else begin
+        packet = Packet(ROBOT, OCU, b"", number, data_flags=flags)
         assert reassembly.add(packet, 0.0) is None
     assert counters.snapshot()["transport.reassembly_overflow"] == 1
     reassembly.expire(9.0)

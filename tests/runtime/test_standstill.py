@@ -4,10 +4,17 @@ from __future__ import annotations
 
 import os
 import time
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from jausml.runtime.base.loop import Loop
+from jausml.runtime.bridge.connections.backlog import Backlog
+from jausml.runtime.bridge.reports.diagnostics import TOO_OLD, Statistics
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 STILL = 0.3
 
@@ -75,3 +82,32 @@ def test_only_those_are_told_whose_time_has_passed(loop: Loop) -> None:
     time.sleep(STILL)
     turn(loop, 0.1)
     assert told == ["short"]
+
+
+def test_commands_that_may_have_waited_too_long_are_refused_until_all_was_served(
+    loop: Loop, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    obeyed: list[bytes] = []
+    refused: list[str] = []
+    watched: list[Callable[..., None]] = []
+
+    def watch(_limit: float, *told: Callable[..., None]) -> SimpleNamespace:
+        watched.extend(told)
+        return SimpleNamespace(cancel=watched.clear)
+
+    ends: Any = SimpleNamespace(loop=loop, clock=loop)
+    monkeypatch.setattr(loop, "standstill", SimpleNamespace(watch=watch))
+    counts = Statistics()
+    backlog = Backlog(counts, lambda name, _: refused.append(name), lambda _: None)
+    backlog.open(ends, 1.0, lambda: None)
+    take = backlog.before(lambda data, _: obeyed.append(data))
+    began, caught_up = watched
+    for still in (0.9, 1.1):
+        began(still)
+        take(b"waited", None)
+    caught_up()
+    take(b"fresh", None)
+    assert obeyed == [b"waited", b"fresh"]
+    assert (refused, counts.arrivals) == ([TOO_OLD], 1)
+    backlog.close()
+    assert not backlog.is_there

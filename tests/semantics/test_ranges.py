@@ -10,11 +10,13 @@ from hypothesis import strategies as st
 
 from jausml.language.attributes import intervals
 from jausml.language.attributes.expressions import evaluate, parse_expression
+from jausml.language.metamodel.classes import bridge
 from jausml.language.model import read_models
 from jausml.language.semantics.assignments.ranges import sent_through
 from jausml.language.semantics.assignments.steps import steps_of
 from jausml.language.semantics.conversions import NoValueError
 from jausml.language.semantics.paths.scopes import place
+from jausml.language.text.notation import NOTATIONS
 from jausml.runtime import conversions as runtime
 
 NUMBERS = st.floats(-1e6, 1e6, allow_nan=False)
@@ -129,6 +131,18 @@ def test_numbers_are_sent_through_as_the_runtime_sends_them(model, value, chain)
         assert {kind for kind, *_ in chain} & {"clamp", "limit", "deadband", "square_root"}
     else:
         assert found == pytest.approx(expected, rel=1e-9, abs=1e-9)
+
+
+def test_numbers_are_sent_through_to_the_unit_of_the_target(tmp_path):
+    path = tmp_path / "turn.ros2jaus"
+    path.write_text(
+        'turn {\n  JAUS Turning ( float32 rate { units: "degree per second" } )\n'
+        "  ROS geometry_msgs/Twist\n  JAUS->ROS ( rate -> angular.z )\n}\n",
+        encoding="utf-8",
+    )
+    model = read_models([path], notations=NOTATIONS).model
+    (turn,) = [each for each in model.instances(bridge.AttributeMap) if each.name == "turn"]
+    assert sent_through(place(turn, turn.toRos[0], to_ros=True), 180.0) == pytest.approx(math.pi)
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,9 @@ from jausml.language.text.notation import NOTATIONS
 if TYPE_CHECKING:
     from pathlib import Path
 
+SPEED = "X -> twist.twist.linear.x"
+TIME = "TimeStamp -> header.stamp : timestamp_to_time"
+
 
 @pytest.mark.parametrize(
     ("name", "expected"),
@@ -32,26 +35,40 @@ def test_of_ready_maps(tmp_path: Path, name: str, expected: bool) -> None:
 
 
 @pytest.mark.parametrize(
-    ("more", "expected"),
+    ("speed", "more", "expected"),
     [
-        ("", True),
-        ("TimeStamp -> header.stamp : timestamp_to_time", True),
-        ("Roll, Pitch, Yaw -> pose.pose.orientation : frd_angles_to_flu_quaternion", False),
-        ("X -> pose.pose.position.x", False),
-        ("Rates -> twist.covariance { . -> . }", False),
+        (SPEED, "", True),
+        (SPEED, TIME, True),
+        (SPEED, "Roll, Pitch, Yaw -> pose.pose.orientation : frd_angles_to_flu_quaternion", False),
+        (SPEED, "X -> pose.pose.position.x", False),
+        (SPEED, "Rates -> twist.covariance { . -> . }", False),
+        ("", TIME, False),
     ],
 )
 def test_a_speed_beside_other_numbers_is_not_alone(
-    tmp_path: Path, more: str, expected: bool
+    tmp_path: Path, speed: str, more: str, expected: bool
 ) -> None:
     """A quaternion of zeros is no orientation, and an attitude of zeros no standstill."""
     path = tmp_path / "m.ros2jaus"
     path.write_text(
         "import jaus.mobility\n"
         "own {\n  JAUS ReportLocalPose\n  ROS nav_msgs/Odometry\n  JAUS->ROS (\n"
-        f"    X -> twist.twist.linear.x\n    {more}\n  )\n}}\n",
+        f"    {speed}\n    {more}\n  )\n}}\n",
         encoding="utf-8",
     )
     model = read_models([path], notations=NOTATIONS).model
     [used] = [each for each in model.instances(bridge.AttributeMap) if each.name == "own"]
     assert fills_rates_alone(used, to_ros=True) is expected
+
+
+def test_a_number_of_no_unit_is_what_its_source_is(tmp_path: Path) -> None:
+    path = tmp_path / "m.ros2jaus"
+    path.write_text(
+        "import jaus.mobility\n"
+        "speed {\n  JAUS ReportVelocityState\n  ROS std_msgs/Float64\n"
+        "  JAUS->ROS ( Velocity_X -> data )\n}\n",
+        encoding="utf-8",
+    )
+    model = read_models([path], notations=NOTATIONS).model
+    [used] = [each for each in model.instances(bridge.AttributeMap) if each.name == "speed"]
+    assert fills_rates_alone(used, to_ros=True)

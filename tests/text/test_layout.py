@@ -35,6 +35,7 @@ from jausml.language.text.tree import (
 )
 from jausml.language.text.writing.layout import WIDTH, lay_out
 from jausml.language.text.writing.spelling import can_document
+from jausml.language.text.writing.spelling import documentation as comment_lines
 
 
 def without_spans(value):
@@ -357,3 +358,10 @@ def test_documentation_that_a_comment_holds(text):
     back = parse(lay_out(SyntaxTree([item]))).document.items[0]
     assert (back.documentation == text) == (can_document(text) or not text)
     assert can_document(text) == (text not in ("", " a", "a ", "\na", "a\nb"))
+
+
+def test_documentation_fills_its_lines_and_goes_no_further():
+    for room in range(20, 40):
+        sizes = [len(each) for each in comment_lines("one two six ten " * 20, room)]
+        assert max(sizes) <= room
+        assert min(sizes[1:-2]) >= room - len(" two")

@@ -153,6 +153,11 @@ def test_what_has_no_layout_says_where(tmp_path: Path, body: str, reason: str) -
             '<values xsi:type="jaus:EnumeratedValue" name="nine" value="9"/>',
             ((2, 5), (9, 9)),
         ),
+        (
+            '<values xsi:type="jaus:ValueRange" lower="0.5" upper="2.5" lowerInclusive="false"'
+            ' upperInclusive="false"/>',
+            ((1, 2),),
+        ),
     ],
 )
 def test_legal_integers(tmp_path: Path, values: str, ranges: wire.Ranges) -> None:
@@ -163,16 +168,29 @@ def test_legal_integers(tmp_path: Path, values: str, ranges: wire.Ranges) -> Non
     assert kind.legal.ranges == ranges
 
 
-def test_limits_of_single_reals_are_singles(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("limits", "legal"),
+    [
+        ('lower="0.1" upper="1" upperInclusive="false"', (0.1, 1.0 - 2.0**-24)),
+        ('lower="-1" lowerInclusive="false" upper="-0.1"', (-1.0 + 2.0**-24, -0.1)),
+        (
+            'lower="-2" upper="-1" lowerInclusive="false" upperInclusive="false"',
+            (-2.0 + 2.0**-23, -1.0 - 2.0**-23),
+        ),
+    ],
+)
+def test_limits_of_single_reals_are_singles(
+    tmp_path: Path, limits: str, legal: tuple[float, float]
+) -> None:
     layout = resolved(
         tmp_path,
         '<body xsi:type="jaus:FixedField" name="F" type="float32"><values>'
-        '<values xsi:type="jaus:ValueRange" lower="0.1" upper="1" upperInclusive="false"/>'
+        f'<values xsi:type="jaus:ValueRange" {limits}/>'
         "</values></body>",
     )
     kind = layout.members[0].kind
     assert isinstance(kind, wire.Real)
-    assert (kind.legal.lower, kind.legal.upper) == (0.1, 1.0 - 2.0**-24)
+    assert (kind.legal.lower, kind.legal.upper) == legal
 
 
 def test_layouts_compare_by_what_matters(tmp_path: Path) -> None:

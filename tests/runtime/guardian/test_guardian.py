@@ -147,6 +147,15 @@ def test_the_stop_is_said_when_the_bridge_stands_still(bridge):
     assert halted.has_guardian()
 
 
+def test_the_stop_is_said_thrice_of_a_bridge_that_stands_still(bridge):
+    halted = bridge()
+    halted.process.send_signal(signal.SIGSTOP)
+    assert [halted.stop(), halted.stop(), halted.stop()] == [STOP] * 3
+    assert halted.stop(1.0) is None
+    halted.process.send_signal(signal.SIGCONT)
+    assert halted.said() == "taken"
+
+
 def test_the_stop_is_said_of_a_bridge_that_stands_still_before_its_loop_ran(bridge):
     halted = bridge("halted")
     assert halted.stop() == STOP

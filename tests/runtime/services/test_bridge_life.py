@@ -112,6 +112,17 @@ def test_control_ends_and_is_not_to_be_had(world, setting):
     assert connection.stopped is None
 
 
+def test_what_stands_stands_for_the_latest_reason(world, setting):
+    options = {"safe_value": safe, "is_command": True, "silence_timeout": 1.0}
+    connection = setting.open(command(**options), services=CORE)
+    setting.ros.deliver["numbers"](Number(5.0))
+    world.run(1.1)
+    assert connection.stopped is StopReason.SILENCE
+    world.probe("5.1.1").send(SetEmergency(emergency_code=1), OWN)
+    world.settle()
+    assert connection.stopped is StopReason.EMERGENCY
+
+
 def test_an_emergency_is_one_while_inactive_too(world, setting):
     setting.open(command(safe_value=safe, is_command=True), services=CORE)
     setting.bridge.set_active(False)

@@ -88,6 +88,17 @@ def test_a_pause_is_no_silence_but_a_lost_clock_stops(world, setting, simulation
     assert peer.take() == [minutes(6)]
 
 
+def test_a_lost_clock_stops_commands_that_may_be_silent_for_ever(world, setting, simulation):
+    peer = world.probe(str(PEER))
+    connection = setting.open(command(is_command=True, safe_value=safe))
+    simulation.run(0.1)
+    setting.ros.deliver["numbers"](Number(5.0))
+    peer.take()
+    simulation.run(CLOCK_TIMEOUT + 0.1, None)
+    assert peer.take() == [minutes(0)]
+    assert connection.stopped is StopReason.CLOCK
+
+
 def test_a_clock_that_nobody_speaks_on_is_told(world, setting):
     setting.ros.is_simulated = True
     setting.open(command(silence_timeout=1.0, safe_value=safe))

@@ -10,6 +10,7 @@ from jausml.runtime import ComponentSettings
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.budgets import Held, fair_rates, who_gives_way
 from jausml.runtime.messages import (
+    CancelEvent,
     ConfirmEventRequest,
     CreateEvent,
     Event,
@@ -99,6 +100,17 @@ class TestService:
         world.run(10.0)
         assert reports(client) == 0
         assert world.counters.snapshot()["events.never_proved"] == 1
+
+    def test_an_event_that_has_ended_is_judged_no_more(self, world):
+        tested, client = world.component("1.1.1"), world.probe("3.1.1")
+        tested.start()
+        world.unproved.add(client.address)
+        (confirmed,) = (
+            each for each in client.ask(create(), tested) if isinstance(each, ConfirmEventRequest)
+        )
+        client.ask(CancelEvent(request_id=2, event_id=confirmed.event_id), tested)
+        world.run(10.0)
+        assert "events.never_proved" not in world.counters.snapshot()
 
     def test_proof_gives_it_its_rate_at_once(self, world):
         tested, client = world.component("1.1.1"), world.probe("3.1.1")

@@ -75,6 +75,16 @@ def test_freshness_ends_when_it_says(world, setting):
     assert present(setting) == (3, 8)
 
 
+def test_what_came_before_the_bridge_was_closed_is_not_fresh(world, setting):
+    setting.open(report(angle_join()))
+    setting.ros.deliver["angles"](Angle(7.0))
+    setting.bridge.close()
+    setting.ros.made.clear()
+    setting.bridge.open(setting.ros, world)
+    setting.ros.deliver["numbers"](Number(1.0))
+    assert present(setting) == (1, 0)
+
+
 def test_nothing_yet_is_nothing_fresh(setting):
     connection = setting.open(report(angle_join()))
     setting.ros.deliver["numbers"](Number(5.0))

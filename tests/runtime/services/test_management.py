@@ -337,6 +337,30 @@ class TestControlThatSurvivesAnEmergency:
         client.ask(Resume(), ready)
         assert ready.status is Status.READY
 
+    def test_after_that_of_version_1_0_it_has_what_it_asked_for_meanwhile(
+        self, world, client, other
+    ):
+        services = tuple(
+            ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 0)
+            for name in ("Transport", "Events", "AccessControl", "Management")
+        )
+        robot = world.component("1.1.1", services=services, control_survives_emergency=True)
+        robot.start()
+        client.ask(RequestControl(authority_code=100), robot)
+        other.ask(SetEmergency(emergency_code=1), robot)
+        client.ask(RequestControl(authority_code=120), robot)
+        other.ask(ClearEmergency(emergency_code=1), robot)
+        assert (robot.controller, robot.authority) == (client.address, 120)
+
+    def test_it_ends_when_the_emergency_is_lifted(self, world, ready, client, other):
+        other.ask(SetEmergency(emergency_code=1), ready)
+        client.take()
+        world.run(10.1)
+        ready.lift_emergency(other.address)
+        assert ready.status is Status.STANDBY
+        assert ready.controller is None
+        assert client.take() == [RELEASED]
+
     def test_a_controller_that_is_gone_loses_control_after_it(self, world, ready, other):
         other.ask(SetEmergency(emergency_code=1), ready)
         world.run(20.0)
@@ -376,6 +400,18 @@ class TestFloodOfRequests:
         assert other.take() == [ACCEPTED]
         assert robot.controller == other.address
 
+    def test_another_reason_is_told_at_once(self, world, ready, other):
+        def flood():
+            for _ in range(30):
+                other.send(RequestControl(authority_code=1), ready)
+            return other.take()
+
+        assert flood() == [ConfirmControl(response_code=2)] * 10
+        ready.control_available = False
+        assert flood() == [ConfirmControl(response_code=1)] * 10
+        world.run(1.1)
+        assert other.take() == [ConfirmControl(response_code=1)]
+
     def test_the_controller_is_confirmed_however_often_it_asks(self, ready, client):
         for _ in range(100):
             client.send(RequestControl(authority_code=100), ready)
@@ -403,6 +439,14 @@ class TestLift:
             stopped.lift_emergency(other.address)
         assert stopped.status is Status.EMERGENCY
         assert stopped.take() == []
+
+    def test_a_flood_of_emergencies_is_not_remembered(self, world, stopped):
+        for number in range(1100):
+            flood = world.probe(f"{number + 10}.1.1")
+            flood.send(SetEmergency(emergency_code=1), stopped)
+        world.settle()
+        with pytest.raises(JausError, match=f"no emergency was set by {flood.address}"):
+            stopped.lift_emergency(flood.address)
 
     def test_that_of_one_who_is_gone_ends_in_standby(self, world, stopped, other):
         world.run(10.1)

@@ -250,6 +250,15 @@ def test_time_is_set(world, row, told):
     assert stage.component.host_time() == START + timedelta(seconds=2), "the host's is left alone"
 
 
+def test_a_time_alone_may_be_of_the_month_before(world):
+    """One that was sent just before midnight comes just after it."""
+    late = set_time((23, 59, 59, 0, 31))
+    new_month = set_time((0, 0, 1, 0, 1), (1, 2, 26))
+    row = Row("SetTime, the last month's", (*controlled(), new_month), when=late)
+    stage = play(world, row, Robot)
+    assert stage.component.told[-1] == datetime(2026, 1, 31, 23, 59, 59, tzinfo=UTC)
+
+
 @rows(*TIME_REFUSALS)
 def test_time_is_not_set(world, row):
     stage = play(world, row, Robot)
