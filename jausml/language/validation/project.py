@@ -12,8 +12,8 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.model.files import InputError, files_at, shown, walk
 from jausml.language.model.reading.reader import read_models
 from jausml.language.model.uris import shipped_as
-from jausml.language.text.bridge_options import BridgeOfMaps
 from jausml.language.text.notation import NOTATIONS, SUFFIX, Ros2Jaus
+from jausml.language.text.reading.bridge_of_maps import BridgeOfMaps
 from jausml.language.validation.engine import check
 
 if TYPE_CHECKING:
