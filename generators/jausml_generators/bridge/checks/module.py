@@ -1,6 +1,6 @@
 """The module of the generated tests of a bridge.
 
-Bridges that use both directions of a map are also tested for values of JAUS that come back from ROS.
+Where both directions of a map are used, values of JAUS are also tested to come back from ROS.
 """
 
 from __future__ import annotations

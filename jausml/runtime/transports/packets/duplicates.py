@@ -1,4 +1,4 @@
-"""Duplicates by source, destination, sequence number and content, and what the numbers say is lost."""
+"""Duplicates by source, destination, number and content, and what the numbers say is lost."""
 
 from __future__ import annotations
 
