@@ -11,7 +11,7 @@ from jausml.generation.docstrings import clean
 from jausml.generation.errors import GenerationError
 from jausml.generation.languages.python import Imports, Origin, offered
 from jausml.generation.literals import python_literal, python_string
-from jausml.language.cdr.layout import PRIMITIVES, CdrError, Sizes, fields_of, nested, types_within
+from jausml.language.cdr import PRIMITIVES, CdrError, Sizes, fields_of, nested, types_within
 from jausml_generators.bridge.light.serializing import Runs, reading_lines, writing_lines
 from jausml_generators.common import runtime
 from jausml_generators.common.ros import local_names, ros_type
@@ -21,7 +21,7 @@ from jausml_generators.python.statements import call, tuple_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from jausml.language.cdr.layout import FieldLayout
+    from jausml.language.cdr import FieldLayout
     from jausml.language.metamodel.classes import ros
     from jausml_generators.bridge.ros_classes import RosClasses
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.literals import printable
-from jausml.language.cdr.layout import full_name
+from jausml.language.cdr import full_name
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.stops import stop_assignments
 from jausml_generators.bridge.translation.body import Body
