@@ -9,7 +9,7 @@ import pytest
 
 from jausml.generation import GenerationError, load_targets
 from jausml.language.model.diagnostics import Severity
-from jausml.language.validation.engine import validate
+from jausml.language.validation.project import check_project
 
 JAUS = {
     "scaled": '<fields xsi:type="jaus:FixedField" name="A" type="uint16">'
@@ -200,7 +200,7 @@ def in_body(jaus_field):
 
 def accepted(path, pairs, assigned, suffix=""):
     path.write_text(model(pairs, assigned, suffix), encoding="utf-8")
-    errors = [each for each in validate([path]).diagnostics if each.severity is Severity.ERROR]
+    errors = [each for each in check_project([path]).diagnostics if each.severity is Severity.ERROR]
     refused = {each.element.split("/")[2] for each in errors if "/" in each.element}
     return {pair for pair in pairs if "_".join(pair) + suffix not in refused}, errors
 

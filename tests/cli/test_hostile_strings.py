@@ -14,7 +14,7 @@ from for_each import for_each
 from jausml.generation import GenerationError, load_targets
 from jausml.language.metamodel import ValueKind, load_metamodels
 from jausml.language.model import read_models
-from jausml.language.validation.engine import validate
+from jausml.language.validation.project import check_project
 
 MODEL = Path(__file__).parents[1] / "cases" / "hostile_strings" / "model.xmi"
 TEXT = MODEL.read_text(encoding="utf-8")
@@ -120,7 +120,7 @@ FREE_FEATURES = [
 def errors_of(features, folder):
     path = folder / "model.xmi"
     path.write_text(with_payload(features), encoding="utf-8")
-    return [each for each in validate([path]).diagnostics if each.severity.value == "error"]
+    return [each for each in check_project([path]).diagnostics if each.severity.value == "error"]
 
 
 def test_texts_that_are_free_are_free_together(tmp_path):

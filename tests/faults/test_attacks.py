@@ -17,9 +17,9 @@ from jausml.runtime import ComponentSettings, JausComponent, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.component.process import create_transport
 from jausml.runtime.messages import QueryStatus, ReportStatus, SetEmergency
 from jausml.runtime.services.definitions import Status
-from jausml.runtime.transports.selecting import create_transport
 from jausml.runtime.transports.udp import datagrams
 from tests.live.bridge_support import wait_for
 

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any
 from workspaces import packages_of, python_path
 
 from jausml.generation import render
-from jausml.language.text.notation import NOTATIONS
-from jausml.language.validation.engine import validate
+from jausml.language.validation.project import check_project
 from jausml_generators.bridge.target import TARGET
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.runtime.target import TARGET as RUNTIME
@@ -88,7 +87,7 @@ def artifacts_of(text: str, folder: Path, name: str) -> dict[str, Any]:
     """Returns the files of the bridge of a model."""
     path = folder / f"{name}.ros2jaus"
     path.write_text(text, encoding="utf-8")
-    result = validate([path], notations=NOTATIONS)
+    result = check_project([path])
     errors = [each for each in result.diagnostics if each.severity.name == "ERROR"]
     # The bridges here have nobody to talk to; all else must be accepted.
     refusals = [each for each in errors if each.rule not in {"JML422", "JML423"}]

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from jausml.generation import render
 from jausml.generation.target import Target
 from jausml.generation.tasks import FileTask, templates_beside
-from jausml.language.cdr.layout import fields_of
+from jausml.language.cdr import fields_of
 from jausml.language.metamodel.classes import ros
 from jausml.language.model import read_models
 from jausml_generators.bridge import target as bridge_target

@@ -26,8 +26,7 @@ from workspaces import packages_of, python_path
 from jausml.generation import GenerationError, NoSystemError, load_targets, render
 from jausml.generation.checks import find_problems
 from jausml.language.interfaces.parsing import PARTS, parse_definition
-from jausml.language.text.notation import NOTATIONS
-from jausml.language.validation.engine import validate
+from jausml.language.validation.project import check_project
 from jausml_generators.deployment.target import TARGET as DEPLOYMENT
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "12"))
@@ -84,7 +83,7 @@ def make_a_workspace(targets, choose, text, file_name):
         folder = Path(name)
         model = folder / file_name
         model.write_text(text, encoding="utf-8")
-        report = validate([model], notations=NOTATIONS)
+        report = check_project([model])
         if report.has_errors:
             return
         try:
@@ -141,7 +140,7 @@ def test_neither_mutants_nor_compositions_are_all_refused():
             refused = 0
             for text in drawn:
                 model.write_text(text, encoding="utf-8")
-                refused += validate([model], notations=NOTATIONS).has_errors
+                refused += check_project([model]).has_errors
             assert 0 < refused < 8
 
 

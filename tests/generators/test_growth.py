@@ -9,7 +9,7 @@ import pytest
 from counting import calls as counted
 
 from jausml.generation import load_targets, render, select
-from jausml.language.validation.engine import validate
+from jausml.language.validation.project import check_project
 from jausml_generators.bringup.target import processes
 
 TARGETS = ("bridge", "jaus_component", "messages", "bringup")
@@ -35,7 +35,7 @@ def calls(text, folder, work=rendering):
     """Returns how many calls some work with a model takes, by default its rendering."""
     model = folder / "grown.xmi"
     model.write_text(text, encoding="utf-8")
-    report = validate([model])
+    report = check_project([model])
     assert not report.has_errors, report.diagnostics[:3]
     return counted(lambda: work(report.model))
 

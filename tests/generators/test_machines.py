@@ -19,7 +19,7 @@ from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component.modelled import ModelledComponent
-from jausml.runtime.transports.selecting import create_transport
+from jausml.runtime.component.process import create_transport
 from jausml_generators.jaus_component.machine_views import guard_text
 from jausml_generators.jaus_component.machines import COMPONENT_NAMES, STANDARD_GUARDS
 from jausml_generators.jaus_component.target import TARGET

@@ -11,8 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from jausml.generation.system import system_of
-from jausml.language.text.notation import NOTATIONS
-from jausml.language.validation.engine import validate
+from jausml.language.validation.project import check_project
 from jausml.views.analysis.assumptions import Assumptions
 from jausml.views.analysis.formats import html, json, text
 from jausml.views.analysis.report import report_of
@@ -27,7 +26,7 @@ def test_each_connection_has_loads_and_times(data):
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "model.ros2jaus")
         path.write_text(model, encoding="utf-8")
-        found = validate([path], notations=NOTATIONS)
+        found = check_project([path])
     if found.has_errors:
         return
     report = report_of(system_of(found.model), Assumptions())

@@ -16,11 +16,10 @@ from jausml.authoring.editor.workbench import Workbench, all_problems
 from jausml.generation import load_targets, render, select
 from jausml.language.metamodel.classes import system
 from jausml.language.model.xmi.writer import to_xmi
-from jausml.language.text.notation import NOTATIONS
 from jausml.language.text.reading.parsing import parse
 from jausml.language.text.writing.layout import lay_out
 from jausml.language.text.writing.unparsing import to_text
-from jausml.language.validation.engine import validate
+from jausml.language.validation.project import check_project
 from jausml.views.analysis.assumptions import Assumptions
 from jausml.views.analysis.report import report_of
 from jausml.views.diagrams.views import graph_of
@@ -66,7 +65,7 @@ def each_of(dimensions):
 def read(folder, dimension, size):
     path = folder / f"grown_{size}.xmi"
     path.write_text(grown.model(dimension(size)), "utf-8")
-    return path, validate([path])
+    return path, check_project([path])
 
 
 def as_text(folder, dimension, size):
@@ -90,7 +89,7 @@ def assert_growth(cost, small):
 def test_validation(dimension, tmp_path):
     def cost(size):
         path, _ = read(tmp_path, dimension, size)
-        return calls(lambda: validate([path]))
+        return calls(lambda: check_project([path]))
 
     assert_growth(cost, 100)
 
@@ -99,7 +98,7 @@ def test_validation(dimension, tmp_path):
 def test_text(dimension, tmp_path):
     def cost(size):
         path = as_text(tmp_path, dimension, size)
-        return calls(lambda: validate([path], notations=NOTATIONS))
+        return calls(lambda: check_project([path]))
 
     assert_growth(cost, 50)
 
@@ -188,7 +187,7 @@ def test_documents_that_refer_to_each_other(tmp_path):
                 f' urn="urn:example:a:S{i}" version="1.0">{following}</services></serviceSets>'
             )
             (tmp_path / f"s{i}.xmi").write_text(grown.model(inner), "utf-8")
-        return calls(lambda: validate([tmp_path / "s0.xmi"]))
+        return calls(lambda: check_project([tmp_path / "s0.xmi"]))
 
     assert_growth(cost, 25)
 
@@ -200,6 +199,6 @@ def test_imports_of_a_text(tmp_path):
         imports = "".join(f'import "t{i}.ros2jaus"\n' for i in range(size))
         path = tmp_path / "all.ros2jaus"
         path.write_text(f"{imports}system all {{ }}\n", "utf-8")
-        return calls(lambda: validate([path], notations=NOTATIONS))
+        return calls(lambda: check_project([path]))
 
     assert_growth(cost, 25)

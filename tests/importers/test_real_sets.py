@@ -16,7 +16,7 @@ from jausml.language.importers.jsidl.scopes import pick_version
 from jausml.language.model import read_models
 from jausml.language.model.comparison import ON_THE_WIRE, compare
 from jausml.language.model.xmi.writer import write_model
-from jausml.language.validation.engine import validate
+from jausml.language.validation.project import Reading, check_project
 
 JSIDL = SHARED / "jsidl"
 SETS = sorted(path.name for path in JSIDL.glob("urn.*")) if JSIDL.exists() else []
@@ -81,7 +81,7 @@ def write_set(name, place):
 def test_the_model_is_sound(name, tmp_path):
     path = write_set(name, tmp_path)
     assert read_models([path], project_root=tmp_path).diagnostics == []
-    assert not validate([path], project_root=tmp_path).has_errors
+    assert not check_project([path], Reading(project_root=tmp_path)).has_errors
 
 
 @EMF

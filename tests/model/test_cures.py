@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from jausml.language.model.xmi import parsing
-from jausml.language.text.notation import NOTATIONS
-from jausml.language.validation.engine import validate
+from jausml.language.validation.project import check_project
 
 SYSTEM = (
     '<system:System xmlns:system="http://www.jausml.org/system/1.0" name="robot">{}</system:System>'
@@ -40,7 +39,7 @@ MAP = """velocity {
 def test_of_two_maps_of_one_name_one_is_renamed(tmp_path):
     path = tmp_path / "model.ros2jaus"
     path.write_text(f"{MAP}{MAP}bridge b {{ address: 1.1.1 connection c {{ map: velocity }} }}\n")
-    found = validate([path], notations=NOTATIONS).diagnostics
+    found = check_project([path]).diagnostics
     (ambiguous,) = [each for each in found if each.rule == "JML216"]
     assert ambiguous.hint == "rename one of them"
 
@@ -57,7 +56,7 @@ def test_the_places_of_many_unknown_attributes_are_found_in_one_walk(tmp_path, m
     path = tmp_path / "model.xmi"
     unknown = " ".join(f'bogus{number}="1"' for number in range(500))
     path.write_text(SYSTEM.format(f'<components name="a" address="1.1.1" {unknown}/>'))
-    report = validate([path])
+    report = check_project([path])
     assert [each.rule for each in report.diagnostics] == ["JML103"] * 500
     columns = [each.location.column for each in report.diagnostics]
     assert columns == sorted(set(columns))
@@ -75,7 +74,7 @@ def test_an_empty_source_is_no_name_that_an_expression_may_use(tmp_path):
         '<toRos xsi:type="bridge:FieldAssignment" target="linear.x" source="">'
         '<conversions kind="expression" expression="x"/></toRos></maps></bridge:MapLibrary>'
     )
-    (unknown,) = [each for each in validate([path]).diagnostics if each.rule == "JML441"]
+    (unknown,) = [each for each in check_project([path]).diagnostics if each.rule == "JML441"]
     assert unknown.hint == "there is value"
 
 
@@ -83,6 +82,6 @@ def test_the_name_of_a_new_message_has_ascii_letters(tmp_path):
     path = tmp_path / "model.ros2jaus"
     text = "size {\n    JAUS Größe (\n        uint16 a\n    )\n    ROS std_msgs/Float64\n}\n"
     path.write_text(text, encoding="utf-8")
-    found = [e for e in validate([path], notations=NOTATIONS).diagnostics if e.rule == "JML215"]
+    found = [e for e in check_project([path]).diagnostics if e.rule == "JML215"]
     assert [each.location.line for each in found] == [2]
     assert "letters from A to z, digits and underscores" in found[0].hint

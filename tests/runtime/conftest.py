@@ -12,8 +12,8 @@ import pytest
 from jausml.runtime.base.counters import Counters
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.component.process import create_transport
 from jausml.runtime.transports.packets.packet import Packet, parse_datagram
-from jausml.runtime.transports.selecting import create_transport
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -9,8 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jausml.runtime.base.address import BROADCAST, JausAddress
-from jausml.runtime.transports.packets.account import SPAN, Account
-from jausml.runtime.transports.packets.duplicates import DuplicateWindow
+from jausml.runtime.transports.packets.duplicates import SPAN, Account, DuplicateWindow
 from jausml.runtime.transports.packets.packet import Packet
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ import pytest
 from jausml.language.metamodel.classes import jaus, system
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
-from jausml.language.validation.engine import validate
+from jausml.language.validation.project import check_project
 from jausml_generators.common.components import component_settings, service_identities
 
 CORE_1_1 = {"Transport", "Events", "Discovery", "Liveness", "AccessControl", "Management"}
@@ -116,11 +116,11 @@ def test_own_messages_of_a_core_code_are_told_of(tmp_path):
         </system:System>""",
         encoding="utf-8",
     )
-    [finding] = validate([path]).diagnostics
+    [finding] = check_project([path]).diagnostics
     assert finding.rule == "JML313"
     assert "QueryStatus" in finding.message
     assert "QueryLamp" in finding.message
     assert "coreServices" in finding.hint
     text = path.read_text(encoding="utf-8").replace("1.1.1", '1.1.1" coreServices="none')
     path.write_text(text, encoding="utf-8")
-    assert [each.rule for each in validate([path]).diagnostics] == ["JML357"]
+    assert [each.rule for each in check_project([path]).diagnostics] == ["JML357"]

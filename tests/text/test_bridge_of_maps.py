@@ -9,8 +9,8 @@ from test_figure_5 import FIGURE_5
 from jausml.cli import main
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model import read_models
-from jausml.language.text.bridge_options import BridgeOfMaps
 from jausml.language.text.notation import Ros2Jaus
+from jausml.language.text.reading.bridge_of_maps import BridgeOfMaps
 from jausml.language.validation.engine import check
 
 LIBRARY = """\

@@ -5,14 +5,13 @@ from __future__ import annotations
 import pytest
 
 from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
-from jausml.language.validation.engine import validate
+from jausml.language.validation.project import check_project
 
 
 def rules(folder, data, name="robot.ros2jaus"):
     path = folder / name
     path.write_bytes(data)
-    return [each.rule for each in validate([path], notations=NOTATIONS).diagnostics]
+    return [each.rule for each in check_project([path]).diagnostics]
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
@@ -20,7 +19,7 @@ def test_a_comment_ends_with_its_line_whatever_ends_lines(tmp_path, end):
     text = f"// robot{end}component v {{ address: 0.0.0 }}{end}"
 
     assert "JML301" in rules(tmp_path, text.encode())
-    found = validate([tmp_path / "robot.ros2jaus"], notations=NOTATIONS).diagnostics
+    found = check_project([tmp_path / "robot.ros2jaus"]).diagnostics
     assert {each.location.line for each in found} == {2}
 
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.language.text.notation import NOTATIONS
-from jausml.language.validation.engine import validate
+from jausml.language.validation.project import check_project
 
 HEAD = (
     '<system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"'
@@ -20,7 +19,7 @@ TYPE = '<type href="http://www.jausml.org/library/ros/geometry_msgs.xmi#{}"/>'
 def rules_of(tmp_path, text, name="model.xmi"):
     path = tmp_path / name
     path.write_text(text, encoding="utf-8")
-    return [each.rule for each in validate([path], notations=NOTATIONS).diagnostics]
+    return [each.rule for each in check_project([path]).diagnostics]
 
 
 def system(*elements):

@@ -11,7 +11,8 @@ from jausml.language.metamodel.classes import jaus
 from jausml.language.model import Severity, library_root, read_models
 from jausml.language.semantics.jaus.machines import behaviours
 from jausml.language.semantics.subject import Subject
-from jausml.language.validation.engine import RuleError, check, validate
+from jausml.language.validation.engine import RuleError, check
+from jausml.language.validation.project import check_project
 from jausml.language.validation.rule import Finding, rule
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -41,7 +42,7 @@ def test_what_could_not_be_read_causes_no_findings_of_rules(mutation, tmp_path):
     _, start, end, new = mutation
     path = tmp_path / "model.xmi"
     path.write_text(PORTABLE[:start] + new + PORTABLE[end:], encoding="utf-8")
-    rules = {each.rule for each in validate([path]).diagnostics}
+    rules = {each.rule for each in check_project([path]).diagnostics}
     assert rules
     assert all(each < "JML3" for each in rules)
 
@@ -54,7 +55,7 @@ FAULTS_OF_PUBLISHED_SETS = {("iop.xmi", "JML312"), ("iop.xmi", "JML323")}
 def test_shipped_models_keep_all_rules():
     models = sorted(MODELS.rglob("*.xmi"))
     assert len(models) > 5
-    report = validate(models)
+    report = check_project(models)
     found = {(Path(each.location.path).name, each.rule) for each in report.diagnostics}
     assert found == FAULTS_OF_PUBLISHED_SETS
     assert not report.count(Severity.ERROR)
@@ -70,7 +71,7 @@ def test_a_service_with_published_faults_can_be_provided(tmp_path):
         "</components></system:System>",
         encoding="utf-8",
     )
-    (found,) = validate([path]).diagnostics
+    (found,) = check_project([path]).diagnostics
     assert (found.rule, found.severity) == ("JML313", Severity.WARNING)
     assert "0xF932" in found.message
 
@@ -91,13 +92,13 @@ def test_all_shipped_services_fit_into_one_component(tmp_path):
         encoding="utf-8",
     )
     assert len(hrefs) > 10
-    assert validate([path]).diagnostics == ()
+    assert check_project([path]).diagnostics == ()
 
 
 def test_systems_of_several_files_do_not_disturb_each_other(tmp_path):
     for name in ("first.xmi", "second.xmi"):
         (tmp_path / name).write_text(PORTABLE, encoding="utf-8")
-    report = validate([tmp_path / "first.xmi", tmp_path / "second.xmi"])
+    report = check_project([tmp_path / "first.xmi", tmp_path / "second.xmi"])
     assert report.diagnostics == ()
     assert len(report.files) == 2
 
@@ -107,8 +108,8 @@ def test_findings_are_in_one_order_whatever_the_order_of_files(tmp_path):
         bad = PORTABLE.replace('rate="10.0"', 'rate="-1"').replace("Velocity_X", "Velocity")
         (tmp_path / name).write_text(bad, encoding="utf-8")
     paths = [tmp_path / "first.xmi", tmp_path / "second.xmi"]
-    findings = validate(paths).diagnostics
-    assert validate(paths[::-1]).diagnostics == findings
+    findings = check_project(paths).diagnostics
+    assert check_project(paths[::-1]).diagnostics == findings
     assert [each.rule for each in findings] == ["JML411", "JML425"] * 2
 
 
@@ -144,7 +145,7 @@ def test_rule_that_fails_is_named(tmp_path):
 def test_finding_names_element_and_fragment(tmp_path):
     path = tmp_path / "model.xmi"
     path.write_text(PORTABLE.replace('rate="10.0"', 'rate="-1"'), encoding="utf-8")
-    (finding,) = validate([path]).diagnostics
+    (finding,) = check_project([path]).diagnostics
     assert finding.element == "minimal/sensor_bridge/velocity"
     assert finding.fragment == "//@bridges.0/@bridgeConnections.0"
     assert finding.location.path == str(path)

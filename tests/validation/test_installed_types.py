@@ -10,7 +10,7 @@ from jausml.language.interfaces import Installation
 from jausml.language.metamodel.classes import ros
 from jausml.language.model.uris import library_root
 from jausml.language.semantics.installed import InstalledTypes
-from jausml.language.validation.engine import validate
+from jausml.language.validation.project import check_project
 
 MODEL = """<?xml version="1.0" encoding="UTF-8"?>
 <ros:Node xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
@@ -41,7 +41,9 @@ def install(tmp_path, monkeypatch):
 def findings(tmp_path):
     path = tmp_path / "node.xmi"
     path.write_text(MODEL, encoding="utf-8")
-    return [(each.rule, each.location.line, each.message) for each in validate([path]).diagnostics]
+    return [
+        (each.rule, each.location.line, each.message) for each in check_project([path]).diagnostics
+    ]
 
 
 TWIST_STAMPED = "std_msgs/Header header\nTwist twist\n"
@@ -93,7 +95,7 @@ def test_the_shipped_library_is_what_is_installed():
     if Installation().folder("geometry_msgs") is None:
         pytest.skip("no ROS message packages in this environment")
     installed = InstalledTypes(Installation())
-    model = validate(sorted((library_root() / "ros").glob("*.xmi"))).model
+    model = check_project(sorted((library_root() / "ros").glob("*.xmi"))).model
     kinds = (ros.MessageType, ros.ServiceType)
     types = [each for kind in kinds for each in model.instances(kind)]
     tops = [each for each in types if isinstance(each.eContainer(), ros.InterfacePackage)]

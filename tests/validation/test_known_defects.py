@@ -9,7 +9,7 @@ import pytest
 
 from jausml.language.model import read_models
 from jausml.language.semantics.assignments.units import unit_step
-from jausml.language.validation.engine import validate
+from jausml.language.validation.project import check_project
 
 JAUS = "http://www.jausml.org/library/jaus/"
 ROS = "http://www.jausml.org/library/ros/"
@@ -164,7 +164,7 @@ def test_defect_is_found(name, tmp_path):
     found, (rule, words) = DEFECTS[name]
     path = tmp_path / "model.xmi"
     path.write_text(library(found), encoding="utf-8")
-    findings = [each for each in validate([path]).diagnostics if each.rule != "JML416"]
+    findings = [each for each in check_project([path]).diagnostics if each.rule != "JML416"]
     assert [each.rule for each in findings] == [rule], [each.message for each in findings]
     assert words in f"{findings[0].message} ({findings[0].hint})"
 
@@ -189,7 +189,7 @@ def test_the_right_maps_are_clean(tmp_path):
     )
     path = tmp_path / "model.xmi"
     path.write_text(right, encoding="utf-8")
-    assert [each.message for each in validate([path]).diagnostics] == []
+    assert [each.message for each in check_project([path]).diagnostics] == []
 
 
 def test_a_ratio_becomes_percent_by_itself(tmp_path):
@@ -203,4 +203,4 @@ def test_a_ratio_becomes_percent_by_itself(tmp_path):
     result = read_models([path])
     (found,) = result.model.documents[0].roots[0].maps
     assert unit_step(found, found.toJaus[0], to_ros=False) == (pytest.approx(100.0), 0.0)
-    assert validate([path]).diagnostics == ()
+    assert check_project([path]).diagnostics == ()

@@ -9,8 +9,8 @@ import pytest
 from for_each import for_each
 
 from jausml.language.model.diagnostics import Severity
-from jausml.language.validation.engine import validate
 from jausml.language.validation.formats import text
+from jausml.language.validation.project import check_project
 from jausml.language.validation.rules import all_rules
 
 GUARDS = ("jausml/language/validation/rules", "tests/cases/rules")
@@ -26,7 +26,7 @@ def findings_of(case, name):
 
     A case is small: what others would only like to see in it is no concern here.
     """
-    report = validate([name])
+    report = check_project([name])
     kept = [
         each
         for each in report.diagnostics

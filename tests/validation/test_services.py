@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from jausml.language.validation.engine import validate
+from jausml.language.validation.project import check_project
 
 SERVICE = """  <services name="S{n}" urn="urn:example:S{n}" version="1.0"{inherits}>
     <inputs name="Set{n}" code="0x{code:04X}"/>
@@ -30,7 +30,7 @@ def write(path, parents, codes):
 
 def found(path):
     """Returns rule and line of each finding."""
-    return [(each.rule, each.location.line) for each in validate([path]).diagnostics]
+    return [(each.rule, each.location.line) for each in check_project([path]).diagnostics]
 
 
 def test_a_deep_line_of_inheritance_is_judged_in_one_walk(tmp_path):

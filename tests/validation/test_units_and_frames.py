@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.language.text.notation import NOTATIONS
-from jausml.language.validation.engine import validate
+from jausml.language.validation.project import check_project
 
 
 def findings(folder, text):
     """Returns the rules that find something in a model, with their messages."""
     path = folder / "model.ros2jaus"
     path.write_text(text, encoding="utf-8")
-    found = validate([path], notations=NOTATIONS).diagnostics
+    found = check_project([path]).diagnostics
     return [(each.rule, each.message) for each in found if each.rule != "JML711"]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, TypeVar
@@ -113,6 +113,11 @@ class Opened:
     def scope(self) -> Scope:
         """The model as proposals see it."""
         return Scope(self.project.model(self.place.file).model, self.place.root)
+
+    @property
+    def scope_without_maps(self) -> Scope:
+        """The same for what needs no ready maps, which take most of the time to read."""
+        return replace(self.scope, with_maps=False)
 
     @property
     def home_of_services(self) -> system.System | jaus.ServiceSet:

@@ -34,31 +34,41 @@ class AnswerError(Exception):
 
 @dataclass(frozen=True)
 class Scope:
-    """A model as answers see it."""
+    """A model as answers see it.
+
+    Attributes:
+        with_maps: Whether ready maps are wanted: they are text, and half of reading the library.
+    """
 
     model: Model
     root: Path
     others: tuple[Model, ...] = ()
+    with_maps: bool = True
+
+    @property
+    def library(self) -> Model:
+        """The shipped library as far as it is wanted."""
+        return library(with_maps=self.with_maps)
 
     def ref(self, element: EObject | None) -> str:
         """Returns the text that names an element, empty for none and for what was not read."""
         for each in (self.model, *self.others):
             if found := refs.ref_of(element, each, self._top):
                 return found
-        return refs.ref_of(element, library(), self._top)
+        return refs.ref_of(element, self.library, self._top)
 
     def find(self, ref: str) -> EObject:
         """Returns the element of a text, which may be one of the library that nobody uses yet."""
         found = refs.find(ref, self.model, self._top)
         if found is None and ref.startswith(refs.LIBRARY):
-            found = refs.find(ref, library(), self._top)
+            found = refs.find(ref, self.library, self._top)
         if found is not None:
             return found
         raise AnswerError(f"there is no element {ref!a} any more")
 
     def model_of(self, element: EObject) -> Model:
         """Returns the model that has an element: this one, or that of the library."""
-        return self.model if self.model.document_of(element) is not None else library()
+        return self.model if self.model.document_of(element) is not None else self.library
 
     def find_in(self, document: Document, fragment: str) -> EObject:
         """Returns the element of a fragment in a document."""
@@ -79,17 +89,20 @@ class Scope:
         return self.model.documents[0].notation is not None
 
 
-def library() -> Model:
-    """Returns the whole shipped library, read at the first call; all threads get the same."""
+def library(*, with_maps: bool = True) -> Model:
+    """Returns the shipped library, read at the first call; all threads get the same.
+
+    Elements of the library with its ready maps are others than those of the one without.
+    """
     with _READING:
-        return _library()
+        return _library(with_maps=with_maps)
 
 
 @cache
-def _library() -> Model:
+def _library(*, with_maps: bool) -> Model:
     folder = library_root()
-    suffixes = (".xmi", *(suffix for each in NOTATIONS for suffix in each.suffixes))
-    paths = sorted(each for each in folder.rglob("*") if each.name.endswith(suffixes))
+    maps = [suffix for each in NOTATIONS for suffix in each.suffixes] if with_maps else []
+    paths = sorted(each for each in folder.rglob("*") if each.name.endswith((".xmi", *maps)))
     return read_models(paths, project_root=folder, notations=NOTATIONS).model
 
 
@@ -174,7 +187,7 @@ def _all(scope: Scope, kind: Callable[..., FoundT]) -> list[FoundT]:
         for model in (scope.model, *scope.others)
         for each in model.instances(kind, library=False)  # type: ignore[arg-type]
     ]
-    return [*own, *library().instances(kind)]  # type: ignore[arg-type]
+    return [*own, *scope.library.instances(kind)]  # type: ignore[arg-type]
 
 
 def _version(service: jaus.Service) -> tuple[int, ...]:

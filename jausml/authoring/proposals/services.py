@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child
-from jausml.authoring.proposals.elements import AnswerError, label_of, library, service_of
+from jausml.authoring.proposals.elements import AnswerError, label_of, service_of
 from jausml.authoring.proposals.fresh import free_name
 from jausml.authoring.proposals.message_words import (
     COMMAND,
@@ -70,7 +70,7 @@ def new_service(
     urn = urn or f"urn:example:{name_of(whole)}:{name}"
     known = [
         each
-        for model in (scope.model, *others, library())
+        for model in (scope.model, *others, scope.library)
         for each in model.instances(jaus.Service)
     ]
     fault = urn_fault(urn)

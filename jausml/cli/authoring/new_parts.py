@@ -63,9 +63,9 @@ def service(
     made: list[Add] = []
 
     def commands(at: Opened) -> list[Command]:
-        own, others = at.home_of_services, models_beside(at)
+        scope, own, others = at.scope_without_maps, at.home_of_services, models_beside(at)
         made.append(
-            new_service(at.scope, own, name, messages, urn=urn, inherits=inherits, others=others)
+            new_service(scope, own, name, messages, urn=urn, inherits=inherits, others=others)
         )
         return [*made]
 
@@ -117,8 +117,9 @@ def component(
 
     def commands(at: Opened) -> list[Command]:
         check_name(name, at.system)
+        scope = at.scope_without_maps
         made = new_component(
-            at.scope, at.system, name, provides=provides, uses=uses, address=address or ""
+            scope, at.system, name, provides=provides, uses=uses, address=address or ""
         )
         return [made]
 
@@ -154,7 +155,8 @@ def node(
 
     def commands(at: Opened) -> list[Command]:
         check_name(name, at.system)
-        return [new_node(at.scope, at.system, name, publishes=published, subscribes=heard)]
+        scope = at.scope_without_maps
+        return [new_node(scope, at.system, name, publishes=published, subscribes=heard)]
 
     with stopping():
         place = place_for(model)

@@ -1,7 +1,8 @@
 """Targets of hrefs: files under the project root and models of the shipped library.
 
 EMF resolves relative hrefs against the file in which they stand, and percent-decodes them. Here
-nothing leads to the network, and nothing out of the project unless allowed.
+nothing leads to the network, and nothing out of the project unless allowed. Eclipse projects are
+folders with a file `.project`, which tells their name.
 """
 
 from __future__ import annotations
@@ -14,14 +15,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import unquote, urlsplit
 
-from jausml.language.model.inputs import read_input
+from lxml import etree
+
+from jausml.language.model.inputs import open_input, read_input
 from jausml.language.model.values import suggest
-from jausml.language.model.xmi.eclipse import enclosing_project, projects_around, projects_in
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterable, Mapping
+    from collections.abc import Container, Iterable, Iterator, Mapping
 
     from jausml.language.model.documents import Document
+
 
 LIBRARY_URI = "http://www.jausml.org/library/"
 
@@ -245,3 +248,60 @@ class UriResolver:
 def _shown(path: Path) -> str:
     here = Path.cwd()
     return str(path.relative_to(here)) if path.is_relative_to(here) else str(path)
+
+
+_FILE = ".project"
+_LONGEST_FILE = 1_000_000
+_MOST_FOLDERS = 10_000
+
+
+def enclosing_project(path: Path) -> Path | None:
+    """Returns the nearest folder above a file that is an Eclipse project, None without one."""
+    return next((each for each in path.parents if (each / _FILE).is_file()), None)
+
+
+def projects_around(path: Path) -> dict[str, Path]:
+    """Returns the project that holds a file, and those beside it, by name.
+
+    Args:
+        path: The file, with links resolved.
+    """
+    project = enclosing_project(path)
+    return {} if project is None else projects_in(project.parent)
+
+
+def projects_in(folder: Path) -> dict[str, Path]:
+    """Returns the projects among the folders of a folder, and itself when it is one, by name.
+
+    A name is that which the file says; it may differ from that of the folder.
+    """
+    found: dict[str, Path] = {}
+    for each in (folder, *_folders(folder)):
+        name = _name_of(each)
+        if name:
+            found.setdefault(name, each)
+    return found
+
+
+def _folders(folder: Path) -> Iterator[Path]:
+    try:
+        with os.scandir(folder) as entries:
+            names = sorted(each.name for each in entries if each.is_dir())
+    except OSError:
+        return
+    for name in names[:_MOST_FOLDERS]:
+        yield folder / name
+
+
+def _name_of(folder: Path) -> str:
+    """The name of a project; empty for a folder that is none, or whose file cannot be read."""
+    try:
+        with open_input(folder / _FILE) as file:
+            content = file.read(_LONGEST_FILE)
+        parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
+        root = etree.fromstring(content, parser)
+    except (OSError, etree.XMLSyntaxError, ValueError):
+        return ""
+    if root.tag != "projectDescription":
+        return ""
+    return (root.findtext("name") or "").strip()

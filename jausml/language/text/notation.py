@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel import ClassTable, FeatureTable, Metamodels
     from jausml.language.model.rules import RuleInfo
-    from jausml.language.text.bridge_options import BridgeOfMaps
+    from jausml.language.text.reading.bridge_of_maps import BridgeOfMaps
     from jausml.language.text.reading.document import TextDocument
     from jausml.language.text.reading.parsing import Parsed
 

@@ -1,10 +1,10 @@
-"""Engine of validation: reads models and runs the rules over them."""
+"""Engine of validation: runs the rules over a model."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.language.model import Diagnostic, ReadResult, Related, read_models
+from jausml.language.model import Diagnostic, Related
 from jausml.language.model.collector import without_collector
 from jausml.language.semantics.memory import remembering
 from jausml.language.semantics.subject import Subject
@@ -13,10 +13,9 @@ from jausml.language.validation.report import Report
 from jausml.language.validation.rules import all_rules
 
 if TYPE_CHECKING:
-    import os
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Sequence
 
-    from jausml.language.model.notation import Notation
+    from jausml.language.model import ReadResult
     from jausml.language.validation.rule import Finding, Rule
 
 
@@ -26,33 +25,6 @@ class RuleError(Exception):
     def __init__(self, rule: Rule, error: Exception) -> None:
         super().__init__(f"rule {rule.id} ({rule.title}) failed: {type(error).__name__}: {error}")
         self.rule = rule
-
-
-def validate(
-    paths: Sequence[str | os.PathLike[str]],
-    *,
-    project_root: str | os.PathLike[str] | None = None,
-    allow_outside: bool = False,
-    projects: Mapping[str, str | os.PathLike[str]] | None = None,
-    notations: Sequence[Notation] = (),
-) -> Report:
-    """Reads model files with all that they refer to and checks them.
-
-    Args:
-        project_root: The folder that references may not leave; found by itself when None.
-        allow_outside: True to let references leave it.
-
-    Returns:
-        All findings of one run.
-    """
-    result = read_models(
-        paths,
-        project_root=project_root,
-        allow_outside=allow_outside,
-        projects=projects,
-        notations=notations,
-    )
-    return check(result)
 
 
 def check(result: ReadResult, rules: Sequence[Rule] | None = None) -> Report:

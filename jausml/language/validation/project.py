@@ -12,8 +12,8 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.model.files import InputError, files_at, shown, walk
 from jausml.language.model.reading.reader import read_models
 from jausml.language.model.uris import shipped_as
-from jausml.language.text.bridge_options import BridgeOfMaps
 from jausml.language.text.notation import NOTATIONS, SUFFIX, Ros2Jaus
+from jausml.language.text.reading.bridge_of_maps import BridgeOfMaps
 from jausml.language.validation.engine import check
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class Reading:
 
 
 def check_project(
-    paths: Iterable[str],
+    paths: Iterable[str | os.PathLike[str]],
     reading: Reading | None = None,
     *,
     is_one: bool = False,
@@ -72,7 +72,10 @@ def check_project(
 
 
 def read_project(
-    paths: Iterable[str], reading: Reading | None = None, *, is_one: bool = False
+    paths: Iterable[str | os.PathLike[str]],
+    reading: Reading | None = None,
+    *,
+    is_one: bool = False,
 ) -> ReadResult:
     """Reads models with all that they refer to: files, and those below folders.
 
@@ -80,7 +83,8 @@ def read_project(
         InputError: A path cannot be read, a folder holds no model, or there can be no such bridge.
     """
     reading = reading or Reading()
-    files = [_one_model(each) for each in paths] if is_one else find_models(paths)
+    named = [os.fspath(each) for each in paths]
+    files = [_one_model(each) for each in named] if is_one else find_models(named)
     return read_models(
         files,
         project_root=reading.project_root,

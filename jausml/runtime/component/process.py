@@ -1,4 +1,4 @@
-"""Process of JAUS components: command line, log, signals, clean shutdown, exit code."""
+"""Process of JAUS components: command line, transport, log, signals, clean shutdown, exit code."""
 
 from __future__ import annotations
 
@@ -15,9 +15,11 @@ from typing import TYPE_CHECKING
 
 from ..base.address import JausAddress
 from ..base.loop import Loop
-from ..base.settings import TransportSettings, add_arguments, from_arguments
+from ..base.settings import TransportKind, TransportSettings, add_arguments, from_arguments
 from ..services.definitions import ComponentSettings, Scope
-from ..transports.selecting import create_transport
+from ..transports.node_manager import NodeManagerTransport
+from ..transports.tcp.jtcp import JtcpTransport
+from ..transports.udp.judp import JudpTransport
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -27,6 +29,8 @@ if TYPE_CHECKING:
     from .component import JausComponent
 
     Factory = Callable[[Transport, JausAddress, ComponentSettings], JausComponent]
+    from ..base.settings import TransportSettings
+
 
 LOGGER = logging.getLogger("jausml")
 
@@ -232,3 +236,12 @@ def _address(text: str) -> JausAddress:
     if not address.is_concrete:
         raise argparse.ArgumentTypeError(f"{text} does not name one component")
     return address
+
+
+def create_transport(settings: TransportSettings, loop: Loop) -> Transport:
+    """Return the transport that the settings name, not yet open."""
+    if settings.transport is TransportKind.JTCP:
+        return JtcpTransport(settings, loop)
+    if settings.transport is TransportKind.NODE_MANAGER:
+        return NodeManagerTransport(settings, loop)
+    return JudpTransport(settings, loop)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.language.cdr.layout import PRIMITIVES
+from jausml.language.cdr import PRIMITIVES
 from jausml.language.metamodel.classes import ros
 from jausml.views.analysis.sizes import TEXT_LENGTH, Size
 

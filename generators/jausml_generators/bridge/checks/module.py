@@ -1,14 +1,21 @@
-"""The module of the generated tests of a bridge."""
+"""The module of the generated tests of a bridge.
+
+Where both directions of a map are used, values of JAUS are also tested to come back from ROS.
+"""
 
 from __future__ import annotations
 
 import functools
+import math
+from collections import defaultdict
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.generation.languages.python import Imports, Origin, offered
-from jausml_generators.bridge.checks.check import NAME, Check
+from jausml.generation.literals import python_literal
+from jausml.language.semantics.conversions.definition import QUATERNION
+from jausml_generators.bridge.checks.check import NAME, Check, store, tidy
 from jausml_generators.bridge.checks.connection_checks import (
     absences,
     examples,
@@ -17,17 +24,22 @@ from jausml_generators.bridge.checks.connection_checks import (
     vectors,
 )
 from jausml_generators.bridge.checks.ends import Ends
-from jausml_generators.bridge.checks.limits import limits
-from jausml_generators.bridge.checks.round_trips import round_trips
+from jausml_generators.bridge.checks.filling import Code, JausMessage, is_there, short_name
+from jausml_generators.bridge.checks.limits import chain_gain, limits
 from jausml_generators.bridge.checks.samples import sample_of
 from jausml_generators.bridge.translation import AssignmentError
-from jausml_generators.bridge.translation.ros_fields import PathError
+from jausml_generators.bridge.translation.expressions import INTEGER, REAL
+from jausml_generators.bridge.translation.ros_fields import PathError, ros_field
 from jausml_generators.common import runtime
 from jausml_generators.python.names import Scope
+from jausml_generators.python.statements import call
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
+    from jausml.language.metamodel.classes import bridge
+    from jausml_generators.bridge.checks.figures import Chain
+    from jausml_generators.bridge.checks.filling import Place
     from jausml_generators.bridge.checks.samples import Sample
     from jausml_generators.bridge.connections import ConnectionView
     from jausml_generators.bridge.ros_classes import RosClasses
@@ -126,8 +138,8 @@ class TestModule:
                 sampled.append((ends, sample))
             yield from safe_values(ends)
         yield from round_trips(sampled, self.class_name)
-        for call in self.bridge.calls:
-            for half in call.halves.values():
+        for each in self.bridge.calls:
+            for half in each.halves.values():
                 yield from self._translation(self._ends(half, half.name))[1]
 
     def _ends(self, view: ConnectionView, name: str) -> Ends:
@@ -159,3 +171,159 @@ class TestModule:
             about,
             (f"assert len(bridge.connections) == {count}",),
         )
+
+
+_EXAMPLES = 50
+# Near the vertical, roll and yaw turn about the same axis and cannot be told apart.
+_STEEPEST, _UPWARD = 1.5, "y"
+_SINGLE_PRECISION = 2.0**-23
+_LARGEST_EXACT = 2.0**53
+_NOTHING = {"self", "bridge", "source", "there", "back", "math", "pytest", "st"}
+
+
+@dataclass(frozen=True)
+class _Returning:
+    """A value that returns.
+
+    Attributes:
+        tolerance: How far off it may return.
+    """
+
+    place: Place
+    low: float
+    high: float
+    tolerance: float
+    is_angle: bool = False
+
+
+def round_trips(sampled: Sequence[tuple[Ends, Sample]], class_name: str) -> Iterator[Check]:
+    """Yields a check for each two connections that carry a message there and back by one map."""
+    homeward: dict[bridge.AttributeMap, list[Ends]] = defaultdict(list)
+    for ends, _ in sampled:
+        if not ends.to_ros:
+            homeward[ends.map].append(ends)
+    for there, sample in sampled:
+        for back in homeward[there.map] if there.to_ros else ():
+            returning = _returning(there, back, sample)
+            if returning:
+                yield _check(there, back, sample, returning, class_name)
+
+
+def _returning(there: Ends, back: Ends, sample: Sample) -> list[_Returning]:
+    found: dict[str, _Returning] = {}
+    homewards: defaultdict[object, list[Chain]] = defaultdict(list)
+    for homeward in back.chains:
+        homewards[tuple(homeward.targets), tuple(homeward.sources)].append(homeward)
+    for outward in there.chains:
+        for homeward in homewards[tuple(outward.sources), tuple(outward.targets)]:
+            for each in (*_number(there, outward, homeward), *_angles(there, outward, homeward)):
+                if each.place.path in sample.values:
+                    found.setdefault(each.place.path, each)
+    return list(found.values())
+
+
+def _number(there: Ends, outward: Chain, homeward: Chain) -> Iterator[_Returning]:
+    both = [each.conversion for each in (*outward.steps, *homeward.steps)]
+    is_angle = any(each.is_of_turns for each in both)
+    if is_angle and not all(each.is_of_turns or each.changes_nothing for each in both):
+        return
+    if not is_angle and not (outward.leads_back and homeward.leads_back):
+        return
+    place, middle = there.source.place(outward.sources[0]), there.target.place(outward.targets[0])
+    low, high = _range(place)
+    if place.kind == REAL and middle.kind == REAL and math.isfinite(high - low):
+        tolerance = _tolerance(there, outward, place, is_angle=is_angle)
+        yield _Returning(place, low, high, tolerance, is_angle)
+    elif place.kind == INTEGER and middle.kind == INTEGER and not both:
+        least, greatest = max(low, middle.limits[0]), min(high, middle.limits[1])
+        if least < greatest:
+            yield _Returning(place, least, greatest, 0.0)
+
+
+def _range(place: Place) -> tuple[float, float]:
+    """The limits of a field, or its widest legal range."""
+    if not place.ranges:
+        return place.limits
+    return max(place.ranges, key=lambda ends: ends[1] - ends[0])
+
+
+def _tolerance(there: Ends, outward: Chain, place: Place, *, is_angle: bool) -> float:
+    """A step of the field, and what the ROS type on the way rounds off."""
+    largest = max(map(abs, place.limits))
+    field = ros_field(there.map.type, outward.targets[0])
+    relative = _SINGLE_PRECISION if field.type == "float32" else 2 / _LARGEST_EXACT
+    gain = 1.0 if is_angle else abs(chain_gain(outward))
+    offset = 0.0 if is_angle else abs((outward.forward([0.0]) or 0.0) / gain)
+    return place.step + (largest + offset) * relative
+
+
+def _angles(there: Ends, outward: Chain, homeward: Chain) -> Iterator[_Returning]:
+    """Roll, pitch and yaw by an orientation."""
+    if len(outward.steps) != 1:
+        return
+    conversion = outward.steps[0].conversion
+    is_undone = conversion.inverse in [each.name for each in homeward.steps]
+    if conversion.outputs != (QUATERNION,) or not is_undone:
+        return
+    for path, axis in zip(outward.sources, conversion.takes_axes, strict=True):
+        steepest = _STEEPEST if axis == _UPWARD else math.pi
+        place = there.source.place(path)
+        low, high = max(place.limits[0], -steepest), min(place.limits[1], steepest)
+        # The steps of all three angles change each of the three.
+        tolerance = 4 * place.step if steepest == _STEEPEST else 40 * place.step
+        yield _Returning(place, low, high, max(tolerance, 1e-9), is_angle=True)
+
+
+def _check(
+    there: Ends,
+    back: Ends,
+    sample: Sample,
+    returning: Sequence[_Returning],
+    class_name: str,
+) -> Check:
+    source = JausMessage(there.map.message, there.view.message, "source")
+    scope = Scope(frozenset(_NOTHING))
+    names = [scope.claim(short_name(each.place.path)) for each in returning]
+    jaus = there.view.source_name
+    varied = {each.place.path: Code(name) for name, each in zip(names, returning, strict=True)}
+    lines = [f"bridge = {class_name}()", *source.fill({**sample.values, **varied})]
+    lines += [
+        f"source = {jaus}.decode(source.encode())",
+        store("there", there.call("source")),
+        f"assert isinstance(there, {there.view.target_name})",
+        *back.joined(),
+        store("back", back.call("there")),
+        f"assert isinstance(back, {jaus})",
+        f"back = {jaus}.decode(back.encode())",
+    ]
+    for name, each in zip(names, returning, strict=True):
+        place = back.message("back", is_ros=False).place(each.place.path)
+        lines += [*is_there(place), _returned(place.code, name, each)]
+    strategies = tuple(_strategy(name, each) for name, each in zip(names, returning, strict=True))
+    decorators = (
+        f"@settings(deadline=None, derandomize=True, database=None, max_examples={_EXAMPLES})",
+        f"@{call('given', *strategies)}",
+    )
+    parameters = tuple(
+        f"{name}: {'int' if each.place.kind == INTEGER else 'float'}"
+        for name, each in zip(names, returning, strict=True)
+    )
+    about = f"What {there.name} gives to ROS comes back by {back.name}, within a step."
+    return Check(f"{there.name}_and_back", about, tidy(lines), decorators, parameters)
+
+
+def _strategy(name: str, each: _Returning) -> str:
+    if each.place.kind == INTEGER:
+        return call(f"{name}=st.integers", str(int(each.low)), str(int(each.high)))
+    ends = (python_literal(float(end)) for end in (each.low, each.high))
+    return call(f"{name}=st.floats", *ends)
+
+
+def _returned(code: str, name: str, each: _Returning) -> str:
+    if each.place.kind == INTEGER:
+        return f"assert {code} == {name}"
+    tolerance = python_literal(float(each.tolerance))
+    if each.is_angle:
+        return f"assert abs(math.remainder({code} - {name}, math.tau)) <= {tolerance}"
+    approx = call("pytest.approx", name, "rel=0.0", f"abs={tolerance}")
+    return f"assert {code} == {approx}"

@@ -1,17 +1,24 @@
-"""Whole maps as the statements of methods."""
+"""Whole maps as the statements of methods, and messages inside messages by methods of their own."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from jausml.generation.literals import printable
-from jausml.language.cdr.layout import full_name
-from jausml.language.metamodel.classes import bridge, ros
+from jausml.language.cdr import full_name
+from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.stops import stop_assignments
 from jausml_generators.bridge.translation.body import Body
-from jausml_generators.bridge.translation.expressions import New
+from jausml_generators.bridge.translation.expressions import (
+    FORMAT,
+    OCTETS,
+    Decode,
+    Encode,
+    New,
+    Read,
+    Translate,
+)
 from jausml_generators.bridge.translation.lists import add_list
-from jausml_generators.bridge.translation.messages import add_message
 from jausml_generators.bridge.translation.places import Equal, Place
 from jausml_generators.bridge.translation.printing import printed
 from jausml_generators.bridge.translation.ros_fields import RosStart
@@ -20,6 +27,7 @@ from jausml_generators.bridge.translation.steps import Require, Write
 from jausml_generators.bridge.translation.surroundings import NestedTranslation
 from jausml_generators.bridge.translation.targets import JausTarget, RosTarget
 from jausml_generators.bridge.translation.translation import Translation, paths_of
+from jausml_generators.bridge.translation.values import NO_POLICY
 from jausml_generators.python.codec.jaus_fields import JausStart
 from jausml_generators.python.guards import CURRENT_COMMAND, may_set_limits
 from jausml_generators.python.names import snake_case
@@ -27,8 +35,11 @@ from jausml_generators.python.names import snake_case
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from jausml.language.metamodel.classes import ros
     from jausml_generators.bridge.translation.surroundings import Surroundings
+    from jausml_generators.bridge.translation.values import Value
     from jausml_generators.python.codec.messages import MessageView
+
 
 TARGET = Place("target")
 """The message that is made."""
@@ -208,3 +219,42 @@ def _refuse_limits(body: Body, attribute_map: bridge.AttributeMap) -> None:
     if "CommandType" not in carried:
         current = Equal(Place("source", ("command_type",)), CURRENT_COMMAND)
         body.add(Require(current, "ConversionError", "a limit, not the current command"))
+
+
+def add_message(translation: Translation, assignment: bridge.MessageAssignment) -> None:
+    """Adds the statements that translate a message which a JAUS field carries.
+
+    Raises:
+        AssignmentError: A value does not fit its target.
+        PathError: A path leads nowhere.
+    """
+    (_to_ros if translation.to_ros else _to_jaus)(translation, assignment)
+
+
+def _to_ros(translation: Translation, assignment: bridge.MessageAssignment) -> None:
+    body, source = translation.body, translation.source
+    surroundings = translation.surroundings
+    field: Any = source.carried(assignment.source.strip())  # type: ignore[union-attr]
+    message = surroundings.view_of(assignment.map.message)
+    method = translation.nested_method(translation, assignment.map)
+    with body.given(field.conditions):
+        data = field.place
+        if field.kind == FORMAT:
+            text = f"{field.path} carries no JAUS message"
+            body.add(Require(Equal(data.at("format_index"), 0), "ConversionError", text))
+            data = data.at("data")
+        decoded = Decode(message.class_name, Read(data, OCTETS))
+        path = assignment.target.strip()
+        translation.target.put(body, path, Translate(method, decoded))
+
+
+def _to_jaus(translation: Translation, assignment: bridge.MessageAssignment) -> None:
+    body = translation.body
+    path = assignment.target.strip()
+    target: Any = translation.target
+    target.prepare(body, path)
+    value: Value = translation.source.value(assignment.source.strip(), NO_POLICY)
+    method = translation.nested_method(translation, assignment.map)
+    with body.given(value.conditions):
+        payload = Encode(Translate(method, value.expression))
+        target.put(body, path, target.carrier(path, payload, body.whole_policy))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from jausml.language.cdr.layout import full_name
+from jausml.language.cdr import full_name
 from jausml.language.metamodel.classes import ros
 from jausml.language.semantics.paths.ros_paths import fields_by_name, named_constants
 from jausml_generators.bridge.translation.places import Local, Place

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.language.attributes.expressions import FUNCTIONS, operations
-from jausml.language.cdr.layout import PRIMITIVES, fields_of
+from jausml.language.cdr import PRIMITIVES, fields_of
 from jausml.language.metamodel.classes import ros
 from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.semantics.conversions.angles import (

@@ -1,4 +1,9 @@
-"""EditedText: what the planner of a text has before it while it plans."""
+"""EditedText: what the planner of a text has before it while it plans.
+
+Detached elements are as a command leaves them, to be written and named like any element. They refer
+to elements of the model and have an owner there, or one that is detached itself; the model knows
+nothing of them.
+"""
 
 from __future__ import annotations
 
@@ -8,29 +13,32 @@ from typing import TYPE_CHECKING, Any, cast
 
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.text.blocks import Blocks
-from jausml.authoring.editing.text.detached import detached, settle_new
 from jausml.authoring.editing.text.naming import Naming
 from jausml.authoring.editing.text.outline import Outline
 from jausml.authoring.editing.text.source import Edits, TextSource
 from jausml.language.metamodel import FeatureKind
-from jausml.language.metamodel.filling import hang
+from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.filling import hang, link, new_object, point, set_value, set_values
 from jausml.language.model.names import name_of
+from jausml.language.model.values import convert
+from jausml.language.semantics.connections.exchanges import FEATURES, infer
 from jausml.language.text.tree import Direction, Element, End, Feature, Import, Item, Table, Vector
 from jausml.language.text.writing.elements import ElementWriter
 from jausml.language.text.writing.layout import lines_of
 from jausml.language.text.writing.maps import MAP, MapWriter
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from jausml.authoring.editing.planning import Context
     from jausml.authoring.editing.text.outline import Body, Part
     from jausml.authoring.editing.working_copy import ElementCopy
-    from jausml.language.metamodel import ClassTable, FeatureTable
+    from jausml.language.metamodel import ClassTable, DataTypeTable, FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.refs import Ref
     from jausml.language.model.xmi.parsing import Node
     from jausml.language.text.reading.document import TextDocument
+
 
 _MAP_ORDER = (
     *("tables", "quantities", "joins", "reportJoins", "stopRos", "stopJaus"),
@@ -259,3 +267,51 @@ def _rank(table: ClassTable, name: str) -> int:
     if table.qualified_name == MAP and name in _MAP_ORDER:
         return len(features) + _MAP_ORDER.index(name)
     return len(features) + features.index(name)
+
+
+def detached(copy: ElementCopy, find: Callable[[ElementCopy | Ref], EObject]) -> EObject:
+    """Returns an element of a working copy with all that it owns, without an owner.
+
+    Args:
+        find: Returns the element of the model that a reference means.
+    """
+    made: Any = new_object(copy.table)
+    features = copy.table.features
+    for name, texts in copy.values.items():
+        feature = features[name]
+        data_type = cast("DataTypeTable", feature.data_type)
+        values = [None if text is None else convert(text, data_type)[0] for text in texts]
+        if not feature.settable:
+            continue
+        if feature.many:
+            set_values(made, feature, values)
+        elif values:
+            set_value(made, feature, values[0])
+    for name, targets in copy.references.items():
+        if features[name].settable:
+            for each in targets:
+                point(made, features[name], find(each))
+    for name, owned in copy.owned.items():
+        for each in owned:
+            link(made, features[name], detached(each, find))
+    return made  # type: ignore[no-any-return]
+
+
+def settle_new(made: EObject, copy: ElementCopy) -> None:
+    """Gives new connections the way that follows from all else, where a command leaves it open.
+
+    So the text leaves it open too.
+    """
+    if isinstance(made, bridge.Connection) and copy.open:
+        stated = [None if each in copy.open else getattr(made, each).name for each in FEATURES]
+        inferred = infer(made, *stated)
+        for name in FEATURES:
+            feature = copy.table.features[name]
+            literals = cast("DataTypeTable", feature.data_type).literals
+            set_value(made, feature, literals[getattr(inferred, name)])
+    for name, owned in copy.owned.items():
+        elements = getattr(made, name)
+        for each, inner in zip(
+            elements if copy.table.features[name].many else [elements], owned, strict=True
+        ):
+            settle_new(each, inner)

@@ -16,15 +16,29 @@ from jausml.language.text.root_names import system_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
+    from pathlib import Path
 
     from jausml.language.metamodel import Metamodels
     from jausml.language.model.notation import Known
     from jausml.language.model.xmi.parsing import Node
-    from jausml.language.text.bridge_options import BridgeOfMaps
     from jausml.language.text.reading.declarations.declarer import Declarer
     from jausml.language.text.reading.maps import WrittenEnd
     from jausml.language.text.reading.nodes import NodeMaker
     from jausml.language.text.tree import Span
+
+
+@dataclass(frozen=True, slots=True)
+class BridgeOfMaps:
+    """What a bridge of all maps of a file is, besides the maps.
+
+    Attributes:
+        frequency: Messages each second of its events, None for the default of bridges.
+    """
+
+    path: Path
+    address: str
+    frequency: float | None = None
+
 
 DISCOVERY = f"{LIBRARY_URI}jaus/core-1.1.xmi#Discovery"
 """What every such bridge provides, so that those which search its services find it."""

@@ -1,33 +1,43 @@
-"""Text documents: parsed texts on their way to elements."""
+"""Text documents: parsed texts on their way to elements.
+
+What nobody writes is added: implied root elements, and the direction and exchange of connections
+that leave them open.
+"""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
+from jausml.language.metamodel import FeatureKind
+from jausml.language.metamodel.filling import set_value
 from jausml.language.model.notation import Fault, ImportedDocument
+from jausml.language.semantics.connections.exchanges import CONNECTION, FEATURES, infer
+from jausml.language.semantics.memory import remembering
 from jausml.language.text.reading import imports
 from jausml.language.text.reading.bridge_of_maps import add_bridge
 from jausml.language.text.reading.declarations.declarer import Declarer
 from jausml.language.text.reading.elements import ElementReader
-from jausml.language.text.reading.exchanges import infer_exchanges
 from jausml.language.text.reading.imports import explain
 from jausml.language.text.reading.maps import MapReader
 from jausml.language.text.reading.members import MemberCheck
 from jausml.language.text.reading.nodes import NodeMaker
-from jausml.language.text.reading.roots import RootReader
-from jausml.language.text.tree import Element, End, Import, Span, lists_of
+from jausml.language.text.root_names import package_name, system_name
+from jausml.language.text.tree import Element, End, Feature, Import, Member, Span, is_map, lists_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
     from pathlib import Path
+    from typing import Any
 
-    from jausml.language.metamodel import Metamodels
+    from jausml.language.metamodel import ClassTable, DataTypeTable, Metamodels
     from jausml.language.model.notation import Explanation, Known
     from jausml.language.model.xmi.parsing import Node
-    from jausml.language.text.bridge_options import BridgeOfMaps
+    from jausml.language.semantics.connections.exchanges import Inferred
+    from jausml.language.text.reading.bridge_of_maps import BridgeOfMaps
     from jausml.language.text.reading.nodes import Source
     from jausml.language.text.tree import Item, SyntaxTree
+
 
 SERVICE = "service"
 """The keyword of services, one of which may take the messages that a text declares."""
@@ -149,3 +159,166 @@ def _lists_members(items: Sequence[Item]) -> bool:
             return True
         pending += [each for inner, _ in lists_of(item) for each in inner]
     return False
+
+
+_SERVICES, _PEERS = ("provides", "uses"), ("map", "peers", "query")
+
+
+def infer_exchanges(classes: Iterable[tuple[Node, ClassTable]]) -> list[Fault]:
+    """Gives connections what follows from all else; returns what would have several options."""
+    wanted = [
+        (node, table)
+        for node, table in classes
+        if table.qualified_name == CONNECTION and node.obj is not None
+    ]
+    # What services have does not change while exchanges are inferred.
+    with remembering():
+        return [fault for node, table in wanted for fault in _settle(node, table)]
+
+
+def _settle(node: Node, table: ClassTable) -> Iterator[Fault]:
+    connection: Any = node.obj
+    written = {child.tag for child in node.children}
+    unstated = [name for name in FEATURES if name not in written]
+    if not unstated or connection.map is None:
+        return
+    stated = {
+        name: getattr(getattr(connection, name), "name", None)
+        for name in FEATURES
+        if name in written
+    }
+    is_known = _is_read(node, _PEERS) and (node.parent is None or _is_read(node.parent, _SERVICES))
+    inferred = infer(connection, **stated, is_known=is_known)
+    for name in unstated:
+        feature = table.features[name]
+        literals = cast("DataTypeTable", feature.data_type).literals
+        set_value(connection, feature, literals[getattr(inferred, name)])
+    if len(inferred.options) > 1:
+        yield _ambiguous(node, inferred)
+
+
+def _is_read(node: Node, features: Iterable[str]) -> bool:
+    """Tells whether all references that a text has of some features were resolved."""
+    for name in features:
+        written = sum(child.tag == name for child in node.children)
+        value = getattr(node.obj, name)
+        read = len(value) if hasattr(value, "__len__") else int(value is not None)
+        if read < written:
+            return False
+    return True
+
+
+def _ambiguous(node: Node, inferred: Inferred) -> Fault:
+    connection: Any = node.obj
+    message = f"'{connection.name}' may carry {connection.map.message.name} in several ways"
+    telling = [
+        name for name in FEATURES if len({getattr(each, name) for each in inferred.options}) > 1
+    ]
+    ways = [
+        f"{'  '.join(f'{name}: {getattr(each, name)}' for name in telling)} ({each.meaning})"
+        for each in inferred.options
+    ]
+    hint = f"write {', or '.join(ways)}"
+    return Fault("JML715", message, hint, node.line, node.column, node)
+
+
+_ROOTS = ("system.System", "bridge.MapLibrary", "jaus.ServiceSet", "ros.InterfacePackage")
+_ROOT_FEATURE = "root"
+
+
+class RootReader:
+    """Makes the root elements of a document."""
+
+    def __init__(
+        self, metamodels: Metamodels, nodes: NodeMaker, elements: ElementReader, path: Path
+    ) -> None:
+        self._metamodels = metamodels
+        self._nodes = nodes
+        self._elements = elements
+        self._path = path
+        self._implicit: dict[str, Node] = {}
+        self.roots: list[Node] = []
+        self.types: dict[str, Member] = {}
+        """The named types that members of messages may have, by name."""
+
+    def add(self, item: Item) -> None:
+        """Builds an item of the top level."""
+        if isinstance(item, Element):
+            self._element(item)
+        elif isinstance(item, Feature):
+            self._feature(item)
+        elif isinstance(item, Member):
+            self._type(item)
+        else:
+            self._elements.misplaced(item)
+
+    def _element(self, block: Element) -> None:
+        table = self._elements.class_of(block)
+        if block.keyword is None and is_map(block.items):
+            owner = self._owner("bridge.MapLibrary", block.span)
+            self._elements.owned_map(owner, block)
+        elif table is None:
+            self._elements.report_unknown(block)
+        elif table.qualified_name in _ROOTS:
+            self._explicit(table, block)
+        else:
+            taking = next((each for each in _ROOTS if self._takes(each, table)), None)
+            if taking is None:
+                message = f"a {table.name} does not stand alone"
+                hint = f"write it where it belongs, or root: new {block_words(block)} {{ ... }}"
+                self._nodes.fault("JML702", block.span, message, hint)
+            else:
+                self._elements.element(self._owner(taking, block.span), block)
+
+    def _explicit(self, table: ClassTable, block: Element, item: Item | None = None) -> None:
+        node = self._nodes.root(table, block.span, block)
+        self.roots.append(node)
+        self._elements.fill(node, block, item)
+
+    def _feature(self, item: Feature) -> None:
+        """Takes `root: new component x { ... }`, which makes a root of any element."""
+        blocks = [each for each in item.values if isinstance(each, Element)]
+        if item.name.text != _ROOT_FEATURE or len(blocks) != len(item.values):
+            message = f"feature '{item.name.text}' stands in no element"
+            hint = "features stand in blocks: bridge front { address: 100.1.2 }"
+            self._nodes.fault("JML702", item.span, message, hint)
+            return
+        for each in blocks:
+            table = self._elements.class_of(each)
+            if table is None:
+                self._elements.report_unknown(each)
+            else:
+                self._explicit(table, each, item)
+
+    def _type(self, member: Member) -> None:
+        if member.name is None:
+            message = "a struct without a name declares nothing"
+            hint = "write a name behind it: struct [ ... ] pose"
+            self._nodes.fault("JML706", member.span, message, hint)
+        elif member.name.text in self.types:
+            message = f"type '{member.name.text}' is declared twice"
+            self._nodes.fault("JML707", member.span, message)
+        else:
+            self.types[member.name.text] = member
+
+    def _takes(self, root: str, table: ClassTable) -> bool:
+        features = self._metamodels.classes[root].features.values()
+        kind = FeatureKind.CONTAINMENT
+        return any(each.kind is kind and each.target in table.supertypes for each in features)
+
+    def _owner(self, qualified_class: str, span: Span) -> Node:
+        """Returns the implicit root of a class, made at the first call."""
+        node = self._implicit.get(qualified_class)
+        if node is None:
+            node = self._nodes.root(self._metamodels.classes[qualified_class], span)
+            is_package = qualified_class == "ros.InterfacePackage"
+            name = package_name(self._path) if is_package else system_name(self._path)
+            self._nodes.value(node, "name", name, span)
+            self._implicit[qualified_class] = node
+            self.roots.append(node)
+        return node
+
+
+def block_words(block: Element) -> str:
+    """Returns the words before a block."""
+    return " ".join(each.text for each in (block.keyword, block.name) if each is not None)

@@ -1,4 +1,4 @@
-"""Topics of a bridge on rclpy: publishers, subscriptions, and what waits for both.
+"""Topics of a bridge on rclpy: publishers, subscriptions, what waits for both, and who is there.
 
 They are made below the classes `Publisher` and `Subscription` of rclpy: the executor would look at
 each of those whenever it wakes up.
@@ -15,6 +15,12 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.duration import Duration
+from rclpy.event_handler import (
+    QoSPublisherEventType,
+    QoSSubscriptionEventType,
+    UnsupportedEventTypeError,
+)
+from rclpy.qos import qos_policy_name_from_kind
 from rclpy.type_support import check_is_valid_msg_type
 
 from ...base.counters import LOGGER
@@ -22,7 +28,6 @@ from ..ends.parameters import ParameterError
 from ..ends.quality import EndpointHealth
 from ..ends.topics import Published, Qos, Topic, TopicCounts
 from .codec import message_class
-from .events import matched_event, publisher_events, subscription_events
 from .internals import internals
 from .listener import Listener, NoListenerError
 from .parameters import as_parameter_error, tell_unknown
@@ -36,6 +41,89 @@ if TYPE_CHECKING:
     from ...base.loop import Loop
     from ..ends.quality import TopicFault
     from .parameters import NodeParameters
+
+    Told = Callable[[Any], None]
+
+
+def matched_event(subscription: Any) -> Any:
+    """Returns the event of a subscription that tells of publishers that come and go."""
+    with subscription:
+        return internals.EventHandle(
+            subscription, QoSSubscriptionEventType.RCL_SUBSCRIPTION_MATCHED
+        )
+
+
+def publisher_events(
+    handle: Any, health: EndpointHealth, matched: Told
+) -> Iterator[tuple[Any, Callable[[], None]]]:
+    """Yields the events of a publisher, and what takes each."""
+    kinds = QoSPublisherEventType
+    yield from _event(handle, kinds.RCL_PUBLISHER_MATCHED, matched)
+    yield from _event(handle, kinds.RCL_PUBLISHER_OFFERED_INCOMPATIBLE_QOS, _incompatible(health))
+    # ROS waits for each event apart, so only for those that may come.
+    if health.qos.deadline > 0:
+        missed = _more(health.note_missed_deadline)
+        yield from _event(handle, kinds.RCL_PUBLISHER_OFFERED_DEADLINE_MISSED, missed)
+    if health.qos.lease_duration > 0:
+        lost = _more(health.note_lost_liveliness)
+        yield from _event(handle, kinds.RCL_PUBLISHER_LIVELINESS_LOST, lost)
+
+
+def subscription_events(
+    handle: Any, health: EndpointHealth
+) -> Iterator[tuple[Any, Callable[[], None]]]:
+    """Yields the events of a subscription, and what takes each."""
+
+    def liveliness(state: Any) -> None:
+        if not (state.alive_count_change or state.not_alive_count_change):
+            return
+        if state.alive_count > 0:
+            health.note_liveliness()
+        elif state.not_alive_count > 0:
+            health.note_lost_liveliness()
+
+    kinds = QoSSubscriptionEventType
+    found = _incompatible(health)
+    yield from _event(handle, kinds.RCL_SUBSCRIPTION_REQUESTED_INCOMPATIBLE_QOS, found)
+    if health.qos.deadline > 0:
+        missed = _more(health.note_missed_deadline)
+        yield from _event(handle, kinds.RCL_SUBSCRIPTION_REQUESTED_DEADLINE_MISSED, missed)
+    if health.qos.lease_duration > 0:
+        yield from _event(handle, kinds.RCL_SUBSCRIPTION_LIVELINESS_CHANGED, liveliness)
+
+
+def _event(handle: Any, kind: Any, tell: Told) -> Iterator[tuple[Any, Callable[[], None]]]:
+    """Yields one event; nothing where the middleware does not know it."""
+    try:
+        with handle:
+            event = internals.EventHandle(handle, kind)
+    except UnsupportedEventTypeError:
+        return
+
+    def read() -> None:
+        state = event.take_event()
+        if state is not None:
+            tell(state)
+
+    yield event, read
+
+
+def _more(note: Callable[[], None]) -> Told:
+    """Notes what happened since the last time; an event may be read when nothing did."""
+
+    def tell(state: Any) -> None:
+        if state.total_count_change > 0:
+            note()
+
+    return tell
+
+
+def _incompatible(health: EndpointHealth) -> Told:
+    def tell(state: Any) -> None:
+        if state.total_count_change > 0:
+            health.note_incompatible(str(qos_policy_name_from_kind(state.last_policy_kind)))
+
+    return tell
 
 
 class NodePublisher:

@@ -3,13 +3,26 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.language.model.uris import library_root
+from jausml.language.model.words import words
 from jausml.language.text.reading.declarations.messages import OwnService
-from jausml.language.text.reading.declarations.ros import RosFields
-from jausml.language.text.reading.declarations.types import Types
+from jausml.language.text.reading.declarations.types import (
+    BOOL,
+    DEEPEST,
+    NUMBERS,
+    STRING,
+    MemberBuilder,
+    Size,
+    Types,
+    TypeWord,
+    size_of,
+    type_word,
+)
 from jausml.language.text.root_names import package_name
+from jausml.language.text.tree import Name
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -21,7 +34,8 @@ if TYPE_CHECKING:
     from jausml.language.text.reading.elements import ElementReader
     from jausml.language.text.reading.maps import WrittenEnd
     from jausml.language.text.reading.nodes import NodeMaker
-    from jausml.language.text.tree import End, Member
+    from jausml.language.text.tree import End, Feature, Member
+
 
 _NAME = re.compile("[A-Za-z][A-Za-z0-9_]*")
 
@@ -95,3 +109,129 @@ class Declarer:
             self._nodes.value(root, "name", name, end.type.span)
             self.roots.append(root)
         return root
+
+
+_PRIMITIVES = NUMBERS | {BOOL, STRING, "wstring"}
+_LIMITS = {"lower": "minimum", "upper": "maximum"}
+
+
+class RosFields(MemberBuilder):
+    """Builds new ROS types."""
+
+    def message(self, package: Node, name: str, end: End) -> None:
+        """Adds the type of an end to a package, with types of its own for its structs."""
+        node = self.new(package, "messages", "ros.MessageType", end.span)
+        self.nodes.value(node, "name", name, end.type.span)
+        self.elements.document(node, end)
+        self.elements.items(node, end.features)
+        self._fields(package, node, name, end.members or [])
+
+    def _fields(self, package: Node, node: Node, name: str, members: Sequence[Member]) -> None:
+        for member in self.named(members):
+            if not self.is_too_much(member):
+                self._field(package, node, name, member)
+
+    def _field(self, package: Node, node: Node, type_name: str, member: Member) -> None:
+        definition, size = self._resolved(member)
+        if definition is None or member.name is None:
+            return
+        if isinstance(definition.type, list):
+            is_named = definition is not member
+            if is_named and definition.name is not None:
+                inner = _camel(definition.name.text)
+            else:
+                inner = type_name + _camel(member.name.text)
+            if not self._struct(package, inner, definition, is_named=is_named):
+                return
+            field = self.new(node, "fields", "ros.MessageField", member.span)
+            path = f"{_name_of(package)}.{inner}"
+            self.nodes.name(field, "messageType", path, member.span)
+        else:
+            field = self._typed(node, definition.type, member)
+        self.nodes.value(field, "name", member.name.text, member.name.span)
+        self._size(field, size, member)
+        self.elements.document(field, member)
+        self.elements.items(field, [_limited(each) for each in member.features])
+
+    def _typed(self, node: Node, type_: Name, member: Member) -> Node:
+        word = type_word(type_.text)
+        if word.word not in _PRIMITIVES:
+            field = self.new(node, "fields", "ros.MessageField", member.span)
+            self.nodes.name(field, "messageType", type_.text, type_.span)
+            return field
+        field = self.new(node, "fields", "ros.PrimitiveField", member.span)
+        self._primitive(field, word, type_)
+        return field
+
+    def _primitive(self, field: Node, word: TypeWord, type_: Name) -> None:
+        self.nodes.value(field, "type", word.word, type_.span)
+        if word.bound:
+            self.nodes.value(field, "stringBound", str(word.bound), type_.span)
+
+    def _size(self, field: Node, size: Size | None, member: Member) -> None:
+        if size is None:
+            return
+        kind = "fixedArray" if size.is_fixed else "boundedSequence"
+        kind = kind if size.count else "unboundedSequence"
+        self.nodes.value(field, "arrayKind", kind, member.span)
+        if size.count:
+            self.nodes.value(field, "arraySize", str(size.count), member.span)
+
+    def _resolved(self, member: Member) -> tuple[Member | None, Size | None]:
+        """Returns what defines the type of a member, itself or a named type, and its size."""
+        if self.is_wrong_size(member):
+            return None, None
+        size = size_of(member)
+        definition = member
+        seen: set[str] = set()
+        while isinstance(definition.type, Name) and definition.type.text in self.types.named:
+            word = definition.type
+            self.types.used.add(word.text)
+            if word.text in seen:
+                message = f"type '{word.text}' contains itself"
+                self.nodes.fault("JML712", word.span, message)
+                return None, None
+            seen.add(word.text)
+            definition = self.types.named[word.text]
+            if self.is_wrong_size(definition):
+                return None, None
+            inner = size_of(definition)
+            if size is not None and inner is not None:
+                message = f"'{word.text}' is an array already: ROS has no arrays of arrays"
+                self.nodes.fault("JML712", member.span, message)
+                return None, None
+            size = size or inner
+        return definition, size
+
+    def _struct(self, package: Node, name: str, member: Member, *, is_named: bool) -> bool:
+        """Adds the type of a struct to a package; tells, after a report, when it cannot.
+
+        A named type that is there already is not added again.
+        """
+        there = any(_name_of(child) == name for child in package.children)
+        if (there and is_named) or not isinstance(member.type, list):
+            return True
+        if len(self.types.open) >= DEEPEST:
+            message = f"named types are nested more than {DEEPEST} deep"
+            self.nodes.fault("JML712", member.span, message)
+            return False
+        node = self.new(package, "messages", "ros.MessageType", member.span)
+        self.nodes.value(node, "name", name, member.span)
+        self.types.open.append(name)
+        self._fields(package, node, name, member.type)
+        self.types.open.pop()
+        return True
+
+
+def _limited(item: Feature) -> Feature:
+    """Returns a feature with the word that ROS has for a limit."""
+    word = _LIMITS.get(item.name.text)
+    return item if word is None else replace(item, name=Name(word, item.name.span))
+
+
+def _camel(name: str) -> str:
+    return "".join(word[0].upper() + word[1:] for word in words(name))
+
+
+def _name_of(node: Node) -> str:
+    return next((child.text for child in node.children if child.tag == "name"), "")

@@ -1,1 +1,0 @@
-"""CDR, the serialized form of ROS messages: layouts of their types, resolved once."""
