@@ -11,7 +11,7 @@ from enum import IntEnum
 from typing import Annotated, ClassVar, TypeAlias
 
 from .wire.codec import integer, one_of
-from .wire.layout import (
+from .wire.kinds import (
     U8,
     U16,
     U32,
@@ -23,11 +23,10 @@ from .wire.layout import (
     Text,
     bits,
     fixed_text,
-    message,
-    record,
     scaled_unsigned,
     unsigned,
 )
+from .wire.layout import message, record
 from .wire.message import Message
 from .wire.stamped_message import StampedMessage
 from .wire.time_stamp import TimeStamp

@@ -52,6 +52,7 @@ TOO_MUCH = (
 GUARDS = (
     "models/library/jaus",
     "jausml/runtime/messages.py",
+    "jausml/runtime/wire/kinds.py",
     "jausml/runtime/wire/layout.py",
 )
 
