@@ -51,7 +51,7 @@ TOO_MUCH = (
 
 GUARDS = (
     "models/library/jaus",
-    "jausml/runtime/messages.py",
+    "jausml/runtime/messages",
     "jausml/runtime/wire/kinds.py",
     "jausml/runtime/wire/layout.py",
 )

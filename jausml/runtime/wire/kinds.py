@@ -80,18 +80,18 @@ class Counted:
     """Bytes, or a string of Latin-1, behind their number.
 
     Attributes:
-        count: Format of the number for `struct`.
+        format: Format of the number for `struct`.
         least: Fewest bytes that may be sent.
     """
 
-    count: str
+    format: str
     least: int = 0
     is_text: bool = False
 
     @property
     def most(self) -> int:
         """Most bytes."""
-        return greatest(self.count)
+        return greatest(self.format)
 
     @property
     def take(self) -> Callable[..., Any]:
@@ -101,14 +101,14 @@ class Counted:
 
 @dataclass(frozen=True)
 class Listed:
-    """Records behind their number, whose format for `struct` is `count`."""
+    """Records behind their number, which has a format for `struct`."""
 
-    count: str
+    format: str
 
     @property
     def most(self) -> int:
         """Most records."""
-        return greatest(self.count)
+        return greatest(self.format)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from __future__ import annotations
 import operator
 import struct
 import types
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar, Union, get_args, get_origin
 
 from .codec import check_count, check_presence, latin1, sized
@@ -59,6 +59,11 @@ def record(name: str) -> Callable[[ClassT], ClassT]:
         return cls
 
     return declare
+
+
+@dataclass(slots=True)
+class Bodiless(Message):
+    """A message of its code alone."""
 
 
 class _Field(NamedTuple):
@@ -259,7 +264,7 @@ def _quick(run: Sequence[_Field], pack: Callable[..., bytes], careful: Write) ->
 def _scalars_and_counted(run: Sequence[_Field], counted: _Field) -> _Part:
     """Returns scalars that are packed together with the number of what follows them."""
     careful = _all_written([_scalars(run), _counted(counted)])
-    packer = _packer(run, counted.kind.count)
+    packer = _packer(run, counted.kind.format)
     pack, unpack_from, size = packer.pack, packer.unpack_from, packer.size
     value_of = operator.attrgetter(*(each.name for each in [*run, counted]))
     puts = [(i, each.name, each.kind.put) for i, each in enumerate(run) if not each.kind.limits]
@@ -299,7 +304,7 @@ def _scalars_and_counted(run: Sequence[_Field], counted: _Field) -> _Part:
 
 def _counted(field: _Field) -> _Part:
     name, kind = field.name, field.kind
-    counter, most, take_value = struct.Struct(f"<{kind.count}"), kind.most, kind.take
+    counter, most, take_value = struct.Struct(f"<{kind.format}"), kind.most, kind.take
 
     def write(part: Any, out: bytearray) -> None:
         value = getattr(part, name)
@@ -321,7 +326,7 @@ def _listed(field: _Field) -> _Part:
     name = field.name
     (element,) = get_args(field.type)
     read_element, least = element.read_from, element.LEAST_SIZE
-    counter, most = struct.Struct(f"<{field.kind.count}"), field.kind.most
+    counter, most = struct.Struct(f"<{field.kind.format}"), field.kind.most
 
     def write(part: Any, out: bytearray) -> None:
         found = getattr(part, name)
