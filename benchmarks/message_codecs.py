@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import ast
 import importlib.util
+import inspect
 import struct
 import sys
 import time
@@ -28,12 +28,8 @@ SECONDS = 0.4
 """Time for each measurement."""
 
 
-def vehicle_messages(folder: Path) -> tuple[ModuleType, str]:
-    """Generates the velocity messages of the example and imports them on the checkout's runtime.
-
-    Returns:
-        The module and its text.
-    """
+def vehicle_messages(folder: Path) -> ModuleType:
+    """Generates the velocity messages of the example and imports them on the checkout's runtime."""
     model = read_models([ROOT / "models" / "catvehicle" / "catvehicle.xmi"]).model
     texts = {artifact.path: artifact.text for artifact in render(model, [MESSAGES])}
     path = folder / "vehicle_messages.py"
@@ -46,17 +42,7 @@ def vehicle_messages(folder: Path) -> tuple[ModuleType, str]:
     module = importlib.util.module_from_spec(spec)
     sys.modules["vehicle_messages"] = module
     spec.loader.exec_module(module)
-    return module, text
-
-
-def lines_of(text: str) -> dict[str, int]:
-    """Returns the lines of each class of a module, its decorator included."""
-    classes = [node for node in ast.parse(text).body if isinstance(node, ast.ClassDef)]
-    return {
-        node.name: (node.end_lineno or 0) - node.decorator_list[0].lineno + 1
-        for node in classes
-        if node.decorator_list
-    }
+    return module
 
 
 def rate(action: Callable[[], object], seconds: float) -> float:
@@ -83,9 +69,7 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
         `bare`, and for each message `encode` and `decode`, all in calls each second; `bytes` on the
         wire and `lines` of generated code, docstrings included.
     """
-    vehicle, text = vehicle_messages(folder)
-    core = Path(core_messages.__file__ or "").read_text(encoding="utf-8")
-    lines = {**lines_of(core), **lines_of(text)}
+    vehicle = vehicle_messages(folder)
     typical = vehicle.ReportVelocityState(
         velocity_x=5.0,
         velocity_y=0.0,
@@ -110,7 +94,7 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
             "encode": rounded(rate(message.encode, seconds)),
             "decode": rounded(rate(partial(decode, payload), seconds)),
             "bytes": len(payload),
-            "lines": lines[type(message).__name__],
+            "lines": len(inspect.getsourcelines(type(message))[0]),
         }
         print(f"  {name}: {found[name]}", flush=True)
     packed = rate(lambda: bare.pack(0x4404, 0x143, 1, 2, 3, 4), seconds)

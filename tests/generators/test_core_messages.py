@@ -51,7 +51,8 @@ TOO_MUCH = (
 
 GUARDS = (
     "models/library/jaus",
-    "jausml/runtime/messages.py",
+    "jausml/runtime/messages",
+    "jausml/runtime/wire/kinds.py",
     "jausml/runtime/wire/layout.py",
 )
 
@@ -235,3 +236,8 @@ def test_models_and_runtime_agree_on_the_services_that_the_runtime_serves() -> N
     served = frozenset().union(*(each.urns for each in classes if each is not core.CoreService))
     # Transport has no messages; unsolicited heartbeats are a setting of Liveness.
     assert served | {CORE + "Transport", UNSOLICITED} == SERVED_BY_RUNTIME
+
+
+def test_a_presence_vector_with_bits_of_no_field_is_refused() -> None:
+    with pytest.raises(DecodeError, match="SetTime: unknown bits in presence vector 0x4"):
+        core_messages.SetTime.decode(b"\x11\x00\x04")

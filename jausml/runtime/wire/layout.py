@@ -1,13 +1,13 @@
-"""Codecs of messages that declare on their fields how these stand on the wire.
+"""Codecs of messages that declare on their fields how these stand on the wire (`kinds`).
 
-The annotation of a field is `Annotated` with its kind: a `Scalar`, or what is `Counted`, `Listed`
-or `Tagged`. A field whose type is a record needs no kind, and one that may be None is optional: a
-presence vector of one byte, before all fields, has a bit for each of these, which come last.
-`message` and `record` give a class what writes and reads it. Values are checked, and errors worded,
-as in the messages that generators write (`codec`), to which each declared message is equal.
+`message` and `record` give a dataclass what writes and reads it. A field that may be None is
+optional: a presence vector of one byte, before all fields, has a bit for each of these, which come
+last. Values are checked, and errors worded, as in the messages that generators write (`codec`), to
+which each declared message is equal.
 
-Scalars that follow each other are packed together, and judged one by one only where something does
-not fit: a call for each of them would cost more than all the rest.
+Scalars that follow each other are packed together, with the number of the bytes after them, and
+judged one by one only where something does not fit: a call for each would cost more than all the
+rest.
 """
 
 from __future__ import annotations
@@ -18,19 +18,9 @@ import types
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar, Union, get_args, get_origin
 
-from .codec import (
-    check_count,
-    check_presence,
-    integer,
-    latin1,
-    padded,
-    scaled,
-    sized,
-    take,
-    take_text,
-    unpadded,
-)
-from .message import DecodeError, Message
+from .codec import check_count, check_presence, latin1, sized
+from .kinds import Counted, Listed, Scalar, Tagged
+from .message import DecodeError, EncodeError, Message
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -40,101 +30,10 @@ if TYPE_CHECKING:
     ReadFrom = Callable[[Any, bytes, int], tuple[Any, int]]
 
 ClassT = TypeVar("ClassT", bound=type)
-ElementT = TypeVar("ElementT")
 MessageClassT = TypeVar("MessageClassT", bound=type[Message])
 
 _TAG = struct.Struct("<B")
-_MISFITS = (struct.error, TypeError, ValueError, OverflowError)
-
-
-# ---------------------------------------------------------------------- kinds of fields
-
-
-@dataclass(frozen=True)
-class Scalar:
-    """A field of a fixed size.
-
-    Attributes:
-        format: Its format for `struct`.
-        put: Returns what is packed of a value; it is also given the attribute that an error names.
-        get: Returns the value of what was unpacked; None for that itself.
-        limits: Least and greatest value of an integer that is packed as it is; None for others.
-    """
-
-    format: str
-    put: Callable[[Any, str], Any]
-    get: Callable[[Any], Any] | None = None
-    limits: tuple[int, int] | None = None
-
-
-def unsigned(size: int, lower: int = 0, upper: int | None = None) -> Scalar:
-    """Returns the kind of an integer of some bytes, 1, 2 or 4, which fills them by default."""
-    end = 256**size - 1 if upper is None else upper
-
-    def put(value: int, field: str) -> int:
-        return integer(value, lower, end, field)
-
-    return Scalar({1: "B", 2: "H", 4: "I"}[size], put, limits=(lower, end))
-
-
-def scaled_unsigned(upper: float) -> Scalar:
-    """Returns the kind of a number from 0, as a scaled integer of two bytes."""
-    step = upper / 0xFFFF
-    return Scalar("H", lambda value, field: scaled(value, 0.0, step, 0xFFFF, field), step.__mul__)
-
-
-def fixed_text(length: int) -> Scalar:
-    """Returns the kind of a string of a fixed number of bytes."""
-    return Scalar(f"{length}s", lambda value, field: padded(value, length, field), unpadded)
-
-
-def bits(size: int, bit_field: Any) -> Scalar:
-    """Returns the kind of a bit field of some bytes, 2 or 4, which has a class."""
-
-    def put(value: Any, _: str) -> Any:
-        return value.to_integer()
-
-    return Scalar({2: "H", 4: "I"}[size], put, bit_field.from_integer)
-
-
-@dataclass(frozen=True)
-class Counted:
-    """Bytes, or a string of Latin-1, behind their number.
-
-    Attributes:
-        count: Format of the number for `struct`.
-        least: Fewest bytes that may be sent.
-    """
-
-    count: str
-    least: int = 0
-    is_text: bool = False
-
-
-@dataclass(frozen=True)
-class Listed:
-    """Records behind their number, whose format for `struct` is `count`."""
-
-    count: str
-
-
-@dataclass(frozen=True)
-class Tagged:
-    """One of several records, behind a byte that says which one: its `TAG`.
-
-    Attributes:
-        name: What an error calls the field.
-    """
-
-    name: str
-
-
-U8 = Annotated[int, unsigned(1)]
-U16 = Annotated[int, unsigned(2)]
-U32 = Annotated[int, unsigned(4)]
-Text = Annotated[str, Counted("B", is_text=True)]
-ShortList = Annotated[list[ElementT], Listed("B")]
-LongList = Annotated[list[ElementT], Listed("H")]
+_MISFITS = (EncodeError, struct.error, TypeError, ValueError, OverflowError, AttributeError)
 
 
 # ---------------------------------------------------------------------- classes
@@ -160,6 +59,11 @@ def record(name: str) -> Callable[[ClassT], ClassT]:
         return cls
 
     return declare
+
+
+@dataclass(slots=True)
+class Bodiless(Message):
+    """A message of its code alone."""
 
 
 class _Field(NamedTuple):
@@ -195,9 +99,8 @@ def _give_codec(cls: Any, name: str) -> None:
         cls.write_to, read_from = _with_presence(parts, optional, name)
         cls.read_from = classmethod(read_from)
     elif parts:
-        cls.write_to = parts[0].write if len(parts) == 1 else _all_written(parts)
-        only = parts[0].read_from if len(parts) == 1 else None
-        cls.read_from = classmethod(only or _all_read(parts))
+        cls.write_to = _all_written(parts)
+        cls.read_from = classmethod(_all_read(parts))
 
 
 def _field(name: str, declared: Any) -> _Field:
@@ -211,16 +114,20 @@ def _field(name: str, declared: Any) -> _Field:
 
 def _parts(found: Sequence[_Field]) -> list[_Part]:
     """Returns the parts of some fields, in order."""
-    parts, run = [], []
+    parts: list[_Part] = []
+    run: list[_Field] = []
     for each in found:
         if isinstance(each.kind, Scalar):
             run.append(each)
             continue
-        if run:
-            parts.append(_scalars(run))
-            run = []
-        make = _record if each.kind is None else _MAKERS[type(each.kind)]
-        parts.append(make(each))
+        # A single scalar is written no faster with the count.
+        if len(run) > 1 and isinstance(each.kind, Counted):
+            parts.append(_scalars_and_counted(run, each))
+        else:
+            if run:
+                parts.append(_scalars(run))
+            parts.append(_MAKERS[type(each.kind)](each))
+        run = []
     return [*parts, _scalars(run)] if run else parts
 
 
@@ -231,10 +138,12 @@ def _all_written(parts: Sequence[_Part]) -> Write:
         for write in writes:
             write(self, out)
 
-    return write_to
+    return writes[0] if len(writes) == 1 else write_to
 
 
 def _all_read(parts: Sequence[_Part]) -> ReadFrom:
+    if len(parts) == 1 and parts[0].read_from is not None:
+        return parts[0].read_from
     reads = [each.read for each in parts]
 
     def read_from(cls: Any, buffer: bytes, offset: int) -> tuple[Any, int]:
@@ -285,10 +194,10 @@ def _with_presence(
 
 def _scalars(run: Sequence[_Field]) -> _Part:
     """Returns scalars that are packed together."""
-    packer = struct.Struct("<" + "".join(each.kind.format for each in run))
+    packer = _packer(run)
     pack, unpack_from, size = packer.pack, packer.unpack_from, packer.size
     puts = [(each.name, each.kind.put) for each in run]
-    gets = [(index, each.kind.get) for index, each in enumerate(run) if each.kind.get]
+    gets = _gets(run)
 
     def write(part: Any, out: bytearray) -> None:
         out += pack(*[put(getattr(part, name), name) for name, put in puts])
@@ -308,16 +217,23 @@ def _scalars(run: Sequence[_Field]) -> _Part:
     return _Part(_quick(run, pack, write), read, size, read_from)
 
 
+def _packer(run: Sequence[_Field], count: str = "") -> struct.Struct:
+    return struct.Struct("<" + "".join(each.kind.format for each in run) + count)
+
+
+def _gets(run: Sequence[_Field]) -> list[tuple[int, Callable[[Any], Any]]]:
+    return [(index, each.kind.get) for index, each in enumerate(run) if each.kind.get]
+
+
+def _narrow(run: Sequence[_Field]) -> list[tuple[int, int, int]]:
+    """Returns the place and limits of the integers whose bytes can hold more."""
+    return [(index, *each.kind.limits) for index, each in enumerate(run) if each.kind.is_narrow]
+
+
 def _quick(run: Sequence[_Field], pack: Callable[..., bytes], careful: Write) -> Write:
     """Returns what writes integers at once, and leaves it to another one to word an error."""
-    value_of = operator.attrgetter(*(each.name for each in run))
+    value_of, narrow = operator.attrgetter(*(each.name for each in run)), _narrow(run)
     lower, upper = run[0].kind.limits
-    # Whether an integer fits its bytes is found when it is packed.
-    narrow = [
-        (index, *each.kind.limits)
-        for index, each in enumerate(run)
-        if each.kind.limits != unsigned(struct.calcsize(each.kind.format)).limits
-    ]
 
     def write(part: Any, out: bytearray) -> None:
         try:
@@ -345,44 +261,83 @@ def _quick(run: Sequence[_Field], pack: Callable[..., bytes], careful: Write) ->
     return write_one if len(run) == 1 else write
 
 
+def _scalars_and_counted(run: Sequence[_Field], counted: _Field) -> _Part:
+    """Returns scalars that are packed together with the number of what follows them."""
+    careful = _all_written([_scalars(run), _counted(counted)])
+    packer = _packer(run, counted.kind.format)
+    pack, unpack_from, size = packer.pack, packer.unpack_from, packer.size
+    value_of = operator.attrgetter(*(each.name for each in [*run, counted]))
+    puts = [(i, each.name, each.kind.put) for i, each in enumerate(run) if not each.kind.limits]
+    narrow, gets = _narrow(run), _gets(run)
+    name, least, is_text = counted.name, counted.kind.least, counted.kind.is_text
+    most, take_value = counted.kind.most, counted.kind.take
+
+    def write(part: Any, out: bytearray) -> None:
+        try:
+            *values, data = value_of(part)
+            if is_text:
+                data = data.encode("latin-1")
+            for index, lower, upper in narrow:
+                if not lower <= values[index] <= upper:
+                    break
+            else:
+                for index, field, put in puts:
+                    values[index] = put(values[index], field)
+                if least <= len(data):
+                    out += pack(*values, len(data)) + data
+                    return
+        except _MISFITS:
+            pass
+        careful(part, out)
+
+    def read(buffer: bytes, offset: int, values: list[Any]) -> int:
+        start = len(values)
+        values += unpack_from(buffer, offset)
+        for index, get in gets:
+            values[start + index] = get(values[start + index])
+        length: int = values[-1]
+        values[-1] = take_value(buffer, offset + size, length, most, name)
+        return offset + size + length
+
+    return _Part(write, read, size)
+
+
 def _counted(field: _Field) -> _Part:
-    name, least, is_text = field.name, field.kind.least, field.kind.is_text
-    counter, upper = _counter(field.kind.count)
-    width = counter.size
-    take_value: Callable[..., Any] = take_text if is_text else take
+    name, kind = field.name, field.kind
+    counter, most, take_value = struct.Struct(f"<{kind.format}"), kind.most, kind.take
 
     def write(part: Any, out: bytearray) -> None:
         value = getattr(part, name)
-        if is_text:
+        if kind.is_text:
             value = latin1(value, name)
-        out += counter.pack(sized(value, least, upper, name))
+        out += counter.pack(sized(value, kind.least, most, name))
         out += value
 
     def read(buffer: bytes, offset: int, values: list[Any]) -> int:
         (size,) = counter.unpack_from(buffer, offset)
-        offset += width
-        values.append(take_value(buffer, offset, size, upper, name))
+        offset += counter.size
+        values.append(take_value(buffer, offset, size, most, name))
         return offset + int(size)
 
-    return _Part(write, read, width)
+    return _Part(write, read, counter.size)
 
 
 def _listed(field: _Field) -> _Part:
     name = field.name
     (element,) = get_args(field.type)
     read_element, least = element.read_from, element.LEAST_SIZE
-    counter, upper = _counter(field.kind.count)
+    counter, most = struct.Struct(f"<{field.kind.format}"), field.kind.most
 
     def write(part: Any, out: bytearray) -> None:
         found = getattr(part, name)
-        out += counter.pack(sized(found, 0, upper, name))
+        out += counter.pack(sized(found, 0, most, name))
         for item in found:
             item.write_to(out)
 
     def read(buffer: bytes, offset: int, values: list[Any]) -> int:
         (size,) = counter.unpack_from(buffer, offset)
         offset += counter.size
-        check_count(size, upper, len(buffer) - offset, least, name)
+        check_count(size, most, len(buffer) - offset, least, name)
         found = []
         for _ in range(size):
             item, offset = read_element(buffer, offset)
@@ -427,14 +382,9 @@ def _record(field: _Field) -> _Part:
     return _Part(write, read, field.type.LEAST_SIZE)
 
 
-def _counter(count: str) -> tuple[struct.Struct, int]:
-    """Returns what packs a number of a format, and the largest one."""
-    counter = struct.Struct("<" + count)
-    return counter, 256**counter.size - 1
-
-
 _MAKERS: dict[type, Callable[[_Field], _Part]] = {
     Counted: _counted,
     Listed: _listed,
     Tagged: _tagged,
+    type(None): _record,
 }

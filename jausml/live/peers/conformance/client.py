@@ -61,6 +61,9 @@ class Client:
     """A component of ours that talks to the target.
 
     What it leaves behind in the target (control, emergencies, elements, events) it can undo.
+
+    Attributes:
+        event: Its event that the steps of a check speak of.
     """
 
     def __init__(self, exchange: Carrier, address: JausAddress) -> None:
@@ -68,6 +71,7 @@ class Client:
         self.address = address
         self.inbox: list[ReceivedMessage] = []
         self.acknowledgements: list[Packet] = []
+        self.event = 0
         self._exchange = exchange
         # A former run may be remembered by the target's duplicate detection (AS5669A).
         self._sequence = random.randrange(0x10000)
