@@ -160,7 +160,7 @@ def assert_growth(cost, small):
 @pytest.mark.timeout(300)
 @pytest.mark.parametrize(
     "dimension",
-    (*ALL, grown.ends_of_a_topic, grown.doubling_ros_types),
+    [*ALL, grown.ends_of_a_topic, grown.doubling_ros_types],
     ids=lambda one: one.__name__,
 )
 def test_each_verb(dimension, tmp_path, subtests):
