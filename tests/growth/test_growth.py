@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib.util
+from functools import lru_cache
+from itertools import count
 from pathlib import Path
 
 import pytest
@@ -56,23 +58,92 @@ ALL = (
     grown.lines,
     grown.one_line,
 )
+VIEW = {grown.states: "machine:M", grown.transitions: "machine:M", grown.messages: "service:S"}
+MAPS = (grown.assignments, grown.ros_fields, grown.ros_structures, grown.table)
 
 
-def each_of(dimensions):
-    return pytest.mark.parametrize("dimension", dimensions, ids=lambda one: one.__name__)
+class Grown:
+    """The models of one dimension, each read once for all that is done with it."""
+
+    def __init__(self, dimension, folder):
+        self.folder, self.dimension = folder, dimension
+        self.letters, self.benches = count(), {}
+        self.read = lru_cache(self._read)
+        self.as_text = lru_cache(self._as_text)
+
+    def _read(self, size):
+        """Returns how many calls it took to read and judge a model, and what was found."""
+        path, reports = self.folder / f"grown_{size}.xmi", []
+        path.write_text(grown.model(self.dimension(size)), "utf-8")
+        return calls(lambda: reports.append(check_project([path]))), reports[0]
+
+    def _as_text(self, size):
+        _, report = self.read(size)
+        target = self.folder / f"grown_{size}.ros2jaus"
+        target.write_text(to_text(report.model.documents[0].roots, report.model, target), "utf-8")
+        return target
+
+    def validation(self, size):
+        return self.read(size)[0]
+
+    def text(self, size):
+        path, bench = self.as_text(size), Workbench()
+        bench.texts[path] = path.read_text("utf-8")
+        self.benches[size] = bench
+        return calls(lambda: all_problems(bench, path))
+
+    def conversion(self, size):
+        model = self.read(size)[1].model
+        roots, path = model.documents[0].roots, self.folder / "grown.xmi"
+        return calls(lambda: (to_text(roots, model, path), to_xmi(roots, model, path)))
+
+    def format(self, size):
+        text = self.as_text(size).read_text("utf-8")
+        return calls(lambda: lay_out(parse(text).document))
+
+    def diagram(self, size):
+        shown = "map:map" if self.dimension in MAPS else VIEW.get(self.dimension, "system")
+        _, report = self.read(size)
+        return calls(lambda: mermaid.render(graph_of(report.model, shown, report.diagnostics)))
+
+    def generation(self, size):
+        targets = select(load_targets(), TARGETS).targets
+        _, report = self.read(size)
+        assert not report.has_errors, report.diagnostics[:3]
+        return calls(lambda: render(report.model, targets))
+
+    def report(self, size):
+        (made,) = self.read(size)[1].model.instances(system.System)
+        return calls(lambda: report_of(made, Assumptions()))
+
+    def a_letter_in_an_editor(self, size):
+        path, bench = self.as_text(size), self.benches[size]
+        started = f"component another_{next(self.letters)} {{\n  addre\n}}\n"
+        bench.texts[path] = started + path.read_text("utf-8")
+
+        def letter():
+            outline(bench.texts[path])
+            complete(bench, path, Place(2, 7))
+            hover(bench, path, Place(1, 3))
+            all_problems(bench, path)
+
+        return calls(letter)
 
 
-def read(folder, dimension, size):
-    path = folder / f"grown_{size}.xmi"
-    path.write_text(grown.model(dimension(size)), "utf-8")
-    return path, check_project([path])
-
-
-def as_text(folder, dimension, size):
-    path, report = read(folder, dimension, size)
-    target = path.with_suffix(".ros2jaus")
-    target.write_text(to_text(report.model.documents[0].roots, report.model, target), "utf-8")
-    return target
+# Tests that are generated for a machine walk to each of its states, up to a number of steps.
+VERBS = {
+    Grown.validation: (100, (*ALL, grown.ends_of_a_topic, grown.doubling_ros_types)),
+    Grown.conversion: (100, ALL),
+    Grown.text: (50, ALL),
+    Grown.format: (50, ALL),
+    Grown.diagram: (50, (*LIVING, grown.components, grown.nodes)),
+    Grown.generation: (50, [one for one in LIVING if one is not grown.states]),
+    Grown.report: (
+        50,
+        (grown.connections, grown.service_connections, grown.components, grown.nodes),
+    ),
+    Grown.a_letter_in_an_editor: (50, ALL),
+}
 
 
 def assert_growth(cost, small):
@@ -85,97 +156,19 @@ def assert_growth(cost, small):
     assert most - more <= 2.3 * (more - few) + 200, (few, more, most)
 
 
-@each_of((*ALL, grown.ends_of_a_topic, grown.doubling_ros_types))
-def test_validation(dimension, tmp_path):
-    def cost(size):
-        path, _ = read(tmp_path, dimension, size)
-        return calls(lambda: check_project([path]))
-
-    assert_growth(cost, 100)
-
-
-@each_of(ALL)
-def test_text(dimension, tmp_path):
-    def cost(size):
-        path = as_text(tmp_path, dimension, size)
-        return calls(lambda: check_project([path]))
-
-    assert_growth(cost, 50)
-
-
-@each_of(ALL)
-def test_conversion(dimension, tmp_path):
-    def cost(size):
-        path, report = read(tmp_path, dimension, size)
-        roots, model = report.model.documents[0].roots, report.model
-        return calls(lambda: (to_text(roots, model, path), to_xmi(roots, model, path)))
-
-    assert_growth(cost, 100)
-
-
-@each_of(ALL)
-def test_format(dimension, tmp_path):
-    def cost(size):
-        text = as_text(tmp_path, dimension, size).read_text("utf-8")
-        return calls(lambda: lay_out(parse(text).document))
-
-    assert_growth(cost, 50)
-
-
-@each_of((*LIVING, grown.components, grown.nodes))
-def test_diagram(dimension, tmp_path):
-    view = {grown.states: "machine:M", grown.transitions: "machine:M", grown.messages: "service:S"}
-    maps = (grown.assignments, grown.ros_fields, grown.ros_structures, grown.table)
-    shown = "map:map" if dimension in maps else view.get(dimension, "system")
-
-    def cost(size):
-        _, report = read(tmp_path, dimension, size)
-        return calls(lambda: mermaid.render(graph_of(report.model, shown, report.diagnostics)))
-
-    assert_growth(cost, 60)
-
-
-# Tests that are generated for a machine walk to each of its states, up to a number of steps.
-@each_of([one for one in LIVING if one is not grown.states])
-def test_generation(dimension, tmp_path):
-    targets = select(load_targets(), TARGETS).targets
-
-    def cost(size):
-        _, report = read(tmp_path, dimension, size)
-        assert not report.has_errors, report.diagnostics[:3]
-        return calls(lambda: render(report.model, targets))
-
-    assert_growth(cost, 60)
-
-
-@each_of((grown.connections, grown.service_connections, grown.components, grown.nodes))
-def test_report(dimension, tmp_path):
-    def cost(size):
-        _, report = read(tmp_path, dimension, size)
-        (made,) = report.model.instances(system.System)
-        return calls(lambda: report_of(made, Assumptions()))
-
-    assert_growth(cost, 60)
-
-
-@each_of(ALL)
-def test_a_letter_in_an_editor(dimension, tmp_path):
-    def cost(size):
-        path = as_text(tmp_path, dimension, size)
-        bench, text = Workbench(), path.read_text("utf-8")
-        bench.texts[path] = text
-        all_problems(bench, path)
-        bench.texts[path] = f"component another {{\n  addre\n}}\n{text}"
-
-        def letter():
-            outline(bench.texts[path])
-            complete(bench, path, Place(2, 7))
-            hover(bench, path, Place(1, 3))
-            all_problems(bench, path)
-
-        return calls(letter)
-
-    assert_growth(cost, 50)
+@pytest.mark.timeout(300)
+@pytest.mark.parametrize(
+    "dimension",
+    [*ALL, grown.ends_of_a_topic, grown.doubling_ros_types],
+    ids=lambda one: one.__name__,
+)
+def test_each_verb(dimension, tmp_path, subtests):
+    models = Grown(dimension, tmp_path)
+    models.read(50)  # each is read once: what is remembered is remembered before any counts
+    for verb, (small, dimensions) in VERBS.items():
+        if dimension in dimensions:
+            with subtests.test(verb.__name__):
+                assert_growth(lambda size, verb=verb: verb(models, size), small)
 
 
 def test_documents_that_refer_to_each_other(tmp_path):

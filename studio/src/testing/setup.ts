@@ -34,5 +34,8 @@ HTMLDialogElement.prototype.close ??= function (this: HTMLDialogElement) {
 // Other work of the machine may take long; what does not come at all still fails.
 configure({ asyncUtilTimeout: 20_000 });
 
-beforeEach(() => useStudio.setState(BEGINNING, true));
+beforeEach(() => {
+  document.head.replaceChildren();
+  useStudio.setState(BEGINNING, true);
+});
 afterEach(cleanup);

@@ -63,7 +63,7 @@ beforeEach(() => {
 });
 afterEach(() => {
   vi.useRealTimers();
-  view.destroy();
+  view?.destroy();
 });
 
 describe("text and file", () => {
