@@ -8,10 +8,12 @@ from pathlib import Path
 
 import mutants
 import pytest
+from click.testing import CliRunner
 from diagram_support import CAR, MODELS, graphs, look_at, read
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from jausml.cli import main
 from jausml.language.model.refs import ref_of
 from jausml.language.model.uris import LIBRARY_URI
 from jausml.views.diagrams.graph import severity
@@ -117,6 +119,17 @@ def test_services_and_actions_are_connections_too():
     graph = next(graphs(read(MODELS / "examples" / "nav2" / "nav2.ros2jaus")))
     assert {each.mark for node in graph.nodes for each in node.ports} >= {"action"}
     assert any(each.kind == "call" for each in graph.edges)
+
+
+def test_a_joined_topic_has_its_own_type_and_what_the_model_does_not_name_stands_outside(tmp_path):
+    path = tmp_path / "boat.ros2jaus"
+    command = ["new", "bridge", "b", "fix:sensor_msgs/NavSatFix", "imu:sensor_msgs/Imu", "--yes"]
+    assert CliRunner().invoke(main, [*command, "-m", str(path)]).exit_code == 0
+    graph = next(graphs(read(path)))
+    others = {each.title: each for each in graph.nodes if each.kind == "others"}
+    assert {each.group for each in others.values()} == {""}
+    types = {each.label: each.note for each in others["other ROS nodes"].ports}
+    assert types == {"/fix": "sensor_msgs/NavSatFix", "/imu": "sensor_msgs/Imu"}
 
 
 def test_a_map_has_a_line_for_each_assignment():

@@ -169,6 +169,9 @@ def test_a_unit_starts_its_process_with_what_it_reads_and_no_more(files_of):
         assert unit["User"] == ["jaus"]
         assert unit["CapabilityBoundingSet"] == [""]
         assert unit["Restart"] == ["on-failure"]
+        assert (unit["NotifyAccess"], unit["WatchdogSec"]) == (["main"], ["10"])
+    display = read_unit(files["hosts/onboard/jaus-rover-display.service"])
+    assert "WatchdogSec" not in display
 
 
 def test_what_is_installed_is_what_the_units_name(image):
@@ -307,8 +310,18 @@ def test_the_firewall_of_a_host_names_what_the_model_has(files_of):
         "ip protocol igmp accept",
         "ip saddr @jaus_hosts ip daddr 239.255.0.1 udp dport 3794 accept",
         "ip saddr 10.77.0.2 ip daddr 239.255.0.1 udp dport 3794 accept",
+        "ip saddr @jaus_hosts icmp type echo-request limit rate 10/second accept",
         "ip saddr @ros_hosts ip daddr 10.77.0.2 udp dport 9160-9399 accept",
     ]
+
+
+def test_a_host_on_which_the_model_runs_nothing_may_come(model_of):
+    idle = 'host topside { interface: "10.77.0.3" }'
+    text = TWO_HOSTS.replace("    host station", f"    {idle}\n    host station")
+    files = {each.path: each.text for each in render(model_of(text), [DEPLOYMENT])}
+    rules = files["rover_deployment/hosts/station/firewall.nft"]
+    assert elements(rules, "jaus_hosts") == ["10.77.0.1", "10.77.0.3"]
+    assert elements(rules, "ros_hosts") == ["10.77.0.1"]
 
 
 def test_over_tcp_and_without_multicast_less_is_open(files_of):

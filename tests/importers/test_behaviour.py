@@ -167,3 +167,32 @@ def test_a_transition_on_what_the_runtime_takes_is_left_out():
     assert [(each.rule, each.message) for each in made.diagnostics if each.rule == "JML624"] == [
         ("JML624", "Standby is taken by Management of the runtime, not by a transition")
     ]
+
+
+ENTRY = '<entry><action name="startMotor"/></entry>'
+STAYS = "⟦JML629⟧" + on("QueryLamp", "<simple/>")
+
+
+@pytest.mark.parametrize(
+    "states",
+    [
+        state(ENTRY + STAYS),
+        state(STAYS + state(ENTRY, name="Inside"), initial="Inside"),
+        state(ENTRY) + f"<default_state>{STAYS}</default_state>",
+    ],
+)
+def test_a_transition_that_stays_beside_entry_actions_is_told(states):
+    (told,) = marked(machine(states))
+    assert told.severity.name == "INFO"
+
+
+@pytest.mark.parametrize(
+    "states",
+    [
+        state(on("QueryLamp", "<simple/>")),
+        state(ENTRY + on("QueryLamp", '<simple><end_state state="S"/></simple>')),
+        state(ENTRY + on("QueryLamp", "<new:internal/>")),
+    ],
+)
+def test_a_transition_without_doubt_is_not_told(states):
+    good(machine(states))

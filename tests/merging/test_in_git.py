@@ -115,6 +115,41 @@ def test_a_conflict_is_told_with_its_place_and_leaves_a_model(repository):
     assert "~ connection minimal/sensor_bridge/velocity: rate 10 -> 25 Hz" in diff
 
 
+def test_text_is_merged_by_elements_too(repository):
+    text = repository.folder / "models" / "robot.ros2jaus"
+    repository.run("jausml", "convert", str(repository.model), str(text))
+    base = text.read_text(encoding="utf-8")
+    repository.git("rm", "-q", str(repository.model))
+    repository.git("add", ".")
+    repository.git("commit", "-q", "-m", "text")
+    for branch, new in (("ours", "rate: 25"), ("theirs", "rate: 10  decimation: 2")):
+        repository.git("checkout", "-q", "-b", branch, "main")
+        assert "rate: 10" in base
+        text.write_text(base.replace("rate: 10", new), encoding="utf-8")
+        repository.git("commit", "-q", "-a", "-m", branch)
+    repository.git("checkout", "-q", "ours")
+    repository.git("merge", "-q", "--no-edit", "theirs")
+    merged = text.read_text(encoding="utf-8")
+    assert "rate: 25" in merged
+    assert "decimation: 2" in merged
+
+
+def test_a_text_that_is_no_model_is_merged_as_lines_and_its_conflict_is_one_error(repository):
+    text = repository.folder / "models" / "robot.ros2jaus"
+    text.write_text("component a { address: 1.1.1 }\n", encoding="utf-8")
+    repository.git("add", ".")
+    repository.git("commit", "-q", "-m", "text")
+    for branch in ("ours", "theirs"):
+        repository.git("checkout", "-q", "-b", branch, "main")
+        text.write_text(f"component {branch} {{ address }}\n", encoding="utf-8")
+        repository.git("commit", "-q", "-a", "-m", branch)
+    repository.git("checkout", "-q", "ours")
+    assert "JML815" in repository.git("merge", "--no-edit", "theirs", status=1)
+    told = repository.run("jausml", "validate", str(text), status=1)
+    assert "robot.ros2jaus:1:1: error: JML009 an unmerged conflict stands in lines 1-5" in told
+    assert told.endswith("1 error in 1 file\n")
+
+
 def test_a_file_that_is_no_model_is_merged_as_lines(repository):
     repository.commit("ours", MINIMAL.replace("<system:", "<sistem:"))
     repository.commit("theirs", MINIMAL.replace(RATE, 'rate="50.0"'))

@@ -349,3 +349,62 @@ def test_each_rule_has_a_conflict_that_a_test_shows():
     tests = "".join(each.read_text() for each in Path(__file__).parent.glob("test_*.py"))
     for rule in MERGE_RULES:
         assert rule in tests
+
+
+ROVER = """\
+// A rover.
+import mappings.velocity_state_sensor
+
+component vehicle { address: 100.1.1  provides: VelocityStateSensor  external: true }
+bridge front {
+  address: 100.1.2
+  uses: VelocityStateSensor
+  // what the wheels say
+  connection velocity { map: velocity_state  peers: vehicle  rate: 25  topic odometry }
+}
+"""
+
+
+@pytest.fixture
+def merge_texts(tmp_path):
+    """Merges three texts of ros2jaus."""
+
+    def run(*states):
+        return merged("rover.ros2jaus", tmp_path.resolve(), *(each.encode() for each in states))
+
+    return run
+
+
+def test_two_changes_of_one_line_of_text_go_together(merge_texts):
+    ours = replaced(ROVER, ("rate: 25", "rate: 50"))
+    theirs = replaced(ROVER, ("topic odometry", "topic odom"))
+    outcome = merge_texts(ROVER, ours, theirs)
+    assert outcome.findings == ()
+    assert outcome.data.decode() == replaced(ours, ("topic odometry", "topic odom"))
+
+
+def test_what_theirs_uses_in_a_text_is_imported(merge_texts):
+    ours = replaced(ROVER, ("rate: 25", "rate: 50"))
+    pose = "  connection pose { map: local_pose  peers: vehicle  rate: 10  topic pose }\n}\n"
+    service = "VelocityStateSensor, LocalPoseSensor"
+    theirs = replaced(
+        ROVER,
+        ("provides: VelocityStateSensor", f"provides: {service}"),
+        ("uses: VelocityStateSensor", f"uses: {service}"),
+        ("velocity_state_sensor\n", "velocity_state_sensor\nimport mappings.local_pose_sensor\n"),
+        ("topic odometry }\n}\n", f"topic odometry }}\n{pose}"),
+    )
+    outcome = merge_texts(ROVER, ours, theirs)
+    assert outcome.findings == ()
+    text = outcome.data.decode()
+    for part in ("// what the wheels say", "rate: 50", "import mappings.local_pose_sensor"):
+        assert part in text
+    assert "connection pose {" in text
+
+
+def test_a_conflict_in_a_text_has_its_place_and_comments_of_theirs_are_told(merge_texts):
+    theirs = replaced(ROVER, ("rate: 25", "rate: 30"), ("// A rover.", "// A rover.\n// Fast."))
+    outcome = merge_texts(ROVER, replaced(ROVER, ("rate: 25", "rate: 50")), theirs)
+    (found,) = outcome.findings
+    assert (found.rule, found.location.line) == ("JML811", 9)
+    assert outcome.left_out == ("Fast.",)

@@ -16,69 +16,75 @@ from jausml.authoring.differences.finding import changes
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.project import Project
 from jausml.authoring.merging.merging import UnmergeableError, merged
+from jausml.authoring.projects.places import text_of
 from jausml.language.model import LIBRARY_URI, read_models
+from jausml.language.text.notation import NOTATIONS
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "editing"))
 
-BASE = (ROOT / "models" / "minimal" / "minimal.xmi").read_text(encoding="utf-8")
-BASE = BASE.replace("../library/", LIBRARY_URI)
+XMI = (ROOT / "models" / "minimal" / "minimal.xmi").read_text(encoding="utf-8")
+BASES = {
+    "model.xmi": XMI.replace("../library/", LIBRARY_URI),
+    "model.ros2jaus": text_of(XMI, "minimal"),
+}
 SEEDS = range(min(int(os.environ.get("JAUSML_EXAMPLES", "2")), 100))
 STEPS = 3
 
 
-def edited(folder, chance):
+def edited(folder, name, chance):
     """Returns the base after some random commands that leave a model that can be read."""
     from random_commands import Commands
 
     folder.mkdir()
-    (folder / "model.xmi").write_text(BASE, encoding="utf-8")
+    (folder / name).write_text(BASES[name], encoding="utf-8")
     project = Project(folder)
     done = 0
     for _ in range(20 * STEPS):
         try:
-            project.do([Commands(project, "model.xmi", chance).any()], "random")
+            project.do([Commands(project, name, chance).any()], "random")
         except EditError:
             continue
-        if project.model("model.xmi").has_errors:
+        if project.model(name).has_errors:
             project.undo()
             continue
         done += 1
         if done == STEPS:
             break
-    return project.text("model.xmi")
+    return project.text(name)
 
 
+@pytest.mark.parametrize("name", BASES)
 @pytest.mark.parametrize("seed", SEEDS)
-def test_a_merge_is_one_side_or_both(tmp_path, seed):
-    ours = edited(tmp_path / "ours", random.Random(seed))
-    theirs = edited(tmp_path / "theirs", random.Random(-1 - seed))
+def test_a_merge_is_one_side_or_both(tmp_path, seed, name):
+    ours = edited(tmp_path / "ours", name, random.Random(seed))
+    theirs = edited(tmp_path / "theirs", name, random.Random(-1 - seed))
     root = (tmp_path / "merged").resolve()
     root.mkdir()
 
     def merge(*states):
-        return merged("model.xmi", root, *states)
+        return merged(name, root, *states)
 
-    base = BASE.encode()
+    base = BASES[name].encode()
     mine = merge(base, ours, base)
     assert (mine.data, mine.findings) == (ours, ())
     other = merge(base, base, theirs)
     assert other.findings == ()
-    assert differences(tmp_path, other.data, theirs) == []
+    assert differences(tmp_path, name, other.data, theirs) == []
     try:
         both = merge(base, ours, theirs)
     except UnmergeableError as error:
         pytest.fail(f"the sides can be read, and what is merged must be too: {error}")
-    assert not read(tmp_path / "both", both.data).has_errors
+    assert not read(tmp_path / "both", name, both.data).has_errors
 
 
-def differences(folder, one, other):
-    first, second = (read(folder / n, d).model for n, d in (("one", one), ("other", other)))
+def differences(folder, name, one, other):
+    first, second = (read(folder / n, name, d).model for n, d in (("one", one), ("other", other)))
     found = changes(first, second, list(zip(first.roots[:1], second.roots[:1], strict=True)))
     return [(each.element, each.path, each.text) for each in found]
 
 
-def read(folder, data):
+def read(folder, name, data):
     folder.mkdir()
-    (folder / "model.xmi").write_bytes(data)
-    return read_models([folder / "model.xmi"])
+    (folder / name).write_bytes(data)
+    return read_models([folder / name], notations=NOTATIONS)

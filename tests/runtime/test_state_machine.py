@@ -125,7 +125,7 @@ def test_a_target_that_encloses_the_state_is_left_and_entered(host):
     assert host.take() == ["-A.C", "-A", "+A", "+A.B"]
 
 
-def test_simple_without_target_enters_the_innermost_state_again(host):
+def test_simple_without_target_only_acts(host):
     machine = started(
         host,
         state(host, "A", On("e", do=(host.note("act"),)), initial=True),
@@ -134,12 +134,20 @@ def test_simple_without_target_enters_the_innermost_state_again(host):
     )
     host.take()
     machine.raise_event("e")
-    assert host.take() == ["-A.B", "act", "+A.B"]
+    assert host.take() == ["act"]
     assert machine.state == "A.B"
 
 
+def test_simple_to_the_present_state_enters_it_again(host):
+    machine = started(
+        host, state(host, "A", On("e", do=(host.note("act"),), target="A"), initial=True)
+    )
+    host.take()
+    machine.raise_event("e")
+    assert host.take() == ["-A", "act", "+A"]
+
+
 def test_actions_find_the_state_from_which_the_transition_goes(host):
-    """As a report does that a query asks for by a transition without a target."""
     found = []
 
     def look(*_):
@@ -151,7 +159,10 @@ def test_actions_find_the_state_from_which_the_transition_goes(host):
             State(
                 "A",
                 initial=True,
-                transitions=(On("e", do=(look,)), On("go", target="D.E", do=(look,))),
+                transitions=(
+                    On("e", target="A.B", do=(look,)),
+                    On("go", target="D.E", do=(look,)),
+                ),
             ),
             State("A.B", initial=True, entry=(look,), exit=(look,)),
             State("D", entry=(look,), exit=(look,)),

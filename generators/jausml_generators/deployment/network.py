@@ -143,7 +143,10 @@ def _deployed(system: System, host: Host, by_host: dict[Host, tuple[ProcessView,
             Peer(each.name, str(each.address), f"{where.interface}:{where.port}")
             for each, where in sorted(elsewhere, key=lambda pair: _key(pair[0]))
         ),
-        jaus_hosts=_networks([*(where.interface for _, where in elsewhere), *allowed])
+        # A host on which the model runs nothing is there for what others run on it.
+        jaus_hosts=_networks(
+            [*(str(other.interface) for other in system.hosts if other is not host), *allowed]
+        )
         if speaks_jaus
         else (),
         ros_hosts=_networks(

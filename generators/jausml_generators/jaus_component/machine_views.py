@@ -210,7 +210,8 @@ def _arrow(machine: Machine, keys: dict[str, str], path: str, transition: jaus.T
     if transition.actions:
         label += " / " + ", ".join(a.name.rpartition(".")[2] for a in transition.actions)
     kind = transition.kind.name
-    label += {"internal": " (stays)", "push": " (push)", "pop": " (pop)"}.get(kind, "")
+    stays = kind == "internal" or (kind == "simple" and not transition.target)
+    label += " (stays)" if stays else {"push": " (push)", "pop": " (pop)"}.get(kind, "")
     target = machine.resolve(path, transition.target) if transition.target else path
     return f"{keys[path]} --> {keys[target or path]} : {label}"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.authoring.differences.wording import words
@@ -101,9 +102,14 @@ class Execution:
         owner = self.where[addition.owner]
         before = addition.before
         position = self._position(before) if before is not None else None
-        (created,) = self._do(
-            Add(owner, feature.name, made.kind, made.values, made.children, position)
-        )
+        add = Add(owner, feature.name, made.kind, made.values, made.children, position)
+        try:
+            (created,) = self._do(add)
+        except EditError:
+            if position is None:
+                raise
+            # What an arrow of text cannot say stands behind all that arrows say.
+            (created,) = self._do(replace(add, position=None))
         self._locate(addition.element, created)
 
     def _position(self, element: EObject) -> int:

@@ -18,6 +18,7 @@ from jausml.language.model.diagnostics import Diagnostic, Location, Severity
 from jausml.language.model.inputs import read_input
 from jausml.language.model.reading.reader import read_models
 from jausml.language.model.xmi.writer import attribute_text
+from jausml.language.text.reading.scanning import scan
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterable, Mapping
@@ -51,7 +52,7 @@ class Merged:
     """The outcome of a merge.
 
     Attributes:
-        left_out: XML comments of theirs that are not in the merge, since they are of no element.
+        left_out: Comments of theirs that are not in the merge, since they are of no element.
     """
 
     data: bytes
@@ -102,15 +103,24 @@ def merged(file: str, root: Path, base: bytes, ours: bytes, theirs: bytes) -> Me
         raise UnmergeableError(str(error)) from error
     conflicts = [*plan.conflicts, *execution.conflicts]
     conflicts += _elsewhere(files, execution.files, file, mine)
-    known = {*_comments(base), *_comments(ours)}
-    left_out = tuple(each for each in _comments(theirs) if each not in known)
-    data = with_places(execution.files[file].data, base, ours, theirs)
+    data = execution.files[file].data
+    is_xmi = file.endswith(XMI_SUFFIX)
+    comments = _comments if is_xmi else _text_comments
+    known = {*comments(base), *comments(data)}
+    left_out = tuple(each for each in comments(theirs) if each not in known)
+    if is_xmi:
+        data = with_places(data, base, ours, theirs)
     return Merged(data, _findings(conflicts, execution, file), left_out)
 
 
 def _comments(data: bytes) -> list[str]:
     found = _COMMENT.findall(data.replace(b"\0", b""))
     return [" ".join(each.decode("utf-8", "replace").split()) for each in found]
+
+
+def _text_comments(data: bytes) -> list[str]:
+    comments = scan(data.decode("utf-8-sig", "replace")).comments
+    return [" ".join(str(each).removeprefix("//").split()) for each in comments]
 
 
 def _files(root: Path, file: str, ours: bytes) -> dict[str, Stored]:

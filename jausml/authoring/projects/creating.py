@@ -44,6 +44,7 @@ _NAME = re.compile(r"[a-z][a-z0-9]*(?:_[a-z0-9]+)*")
 _LIBRARY = "library"
 TEMPLATES = {
     ".project": "project.j2",
+    ".gitattributes": "gitattributes.j2",
     ".gitignore": "gitignore.j2",
     ".github/workflows/models.yml": "workflow.j2",
     ".pre-commit-config.yaml": "hooks.j2",

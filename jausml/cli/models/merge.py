@@ -10,7 +10,6 @@ import click
 
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, write_report
 
-_TEXT = ".ros2jaus"
 _MOST_CONFLICTS = 127
 """What git says of more; above it are faults."""
 
@@ -31,31 +30,30 @@ def command(base: str, ours: str, theirs: str, file: str | None, output: str | N
 
     Elements are matched as in `jausml diff`. The changes of THEIRS are applied to OURS by small
     edits, so that the layout of the file is kept. Where changes of both sides conflict, OURS is
-    kept and the location is reported. Other text, and files that cannot be read as models, are
-    merged line by line as git does.
+    kept and the location is reported. Files that cannot be read as models are merged line by line
+    as git does.
 
     Exit status: 0 merged, 1 merged with conflicts, 2 usage or environment, 3 internal error.
     """
     from jausml.authoring.merging.conflicts import AS_LINES
     from jausml.authoring.merging.merging import UnmergeableError, merged
     from jausml.language.model.uris import find_project_root
+    from jausml.language.text.notation import SUFFIX
     from jausml.language.validation.formats.text import lines_of
 
     named = Path(file or ours)
     states = [_read(each) for each in (base, ours, theirs)]
-    if named.name.endswith(_TEXT):
-        data, is_clean = _as_lines(ours, base, theirs)
-        write_report(data, output)
-        if not is_clean:
-            _fail(f"{named}: conflicts are marked")
-        return
     root = find_project_root([named]).resolve()
     path = named.parent.resolve() / named.name
     try:
         outcome = merged(path.relative_to(root).as_posix(), root, *states)
     except UnmergeableError as error:
-        data, _ = _as_lines(ours, base, theirs)
+        data, is_clean = _as_lines(ours, base, theirs)
         write_report(data, output)
+        if is_clean and named.name.endswith(SUFFIX):
+            # It refers by names, which the merge of other lines does not shift.
+            click.echo(f"{named}: note: merged as lines: {error}", err=True)
+            return
         _fail(f"{named}:1:1: error: {AS_LINES} merged as lines: {error}")
     write_report(outcome.data, output)
     for each in outcome.left_out:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from ..base.address import JausAddress
 from ..base.loop import Loop
 from ..base.settings import TransportKind, TransportSettings, add_arguments, from_arguments
+from ..base.watchdog import feed_watchdog
 from ..services.definitions import ComponentSettings, Scope
 from ..transports.node_manager import NodeManagerTransport
 from ..transports.tcp.jtcp import JtcpTransport
@@ -166,6 +167,7 @@ def running_transport(settings: TransportSettings) -> Iterator[Transport]:
         transport.open()
         try:
             loop.start()
+            loop.call_soon(lambda: feed_watchdog(loop))
             yield transport
         finally:
             transport.close()

@@ -37,7 +37,13 @@ class Kind(Enum):
     """What taking a transition does to the state (AS5684, transition)."""
 
     SIMPLE = "simple"
-    """Leaves the present state and enters the target; without a target enters it again."""
+    """Leaves the present state and enters the target; without a target it stays there.
+
+    JAUS-DEVIATION: AS5684 calls one without an end state a self transition, which exits and enters.
+    The code that the JAUS Tool Set generates does neither, and services of JSIDL answer all of
+    their queries so: nobody means that a question stops what a state has started. A target that
+    is the present state is a self transition.
+    """
     INTERNAL = "internal"
     """Runs the actions alone."""
     PUSH = "push"
@@ -221,10 +227,11 @@ class StateMachine:
         return listed
 
     def _take(self, transition: On, arguments: tuple[Any, ...]) -> None:
-        target = transition.target or self.state
-        if transition.kind is Kind.INTERNAL:
+        target = transition.target
+        if transition.kind is Kind.INTERNAL or (transition.kind is Kind.SIMPLE and not target):
             self._act(transition.do, arguments)
             return
+        target = target or self.state
         if transition.kind is Kind.PUSH:
             if len(self._remembered) == REMEMBERED_STATES:
                 self._host.ignored("component.state_forgotten", f"{self.name} in {self.state}")

@@ -20,6 +20,8 @@ from jausml.language.model.values import show, suggest
 from jausml.language.model.words import parts, snake_case
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from jausml.language.importers.jsidl.building import Builder
     from jausml.language.importers.jsidl.inheritance import BehaviourNames
     from jausml.language.model.xmi.parsing import Node
@@ -84,6 +86,7 @@ class BehaviourBuilder:
         states = self._states(place, path, [])
         if not states:
             self._findings.report("JML604", place, f"machine {show(name)} has no state")
+        self._report_staying(place)
         for child in place.node.children:
             if child.tag == "default_state":
                 # What holds in all states is a transition of each of the outermost ones.
@@ -245,6 +248,19 @@ class BehaviourBuilder:
             hint = "the state that was left is entered, and nothing further happens"
             self._findings.report("JML624", place.at("transition"), message, hint)
 
+    def _report_staying(self, place: NodePlace) -> None:
+        """Reports the first transition that stays in a state with exit or entry actions."""
+        for node in _states_below(place.node):
+            acting = next((each for each in _states_below(node) if _has_actions(each)), None)
+            staying = next((each for each in _transitions_of(node) if _stays(each)), None)
+            if acting is not None and staying is not None:
+                at = NodePlace(place.document, staying)
+                state = show(folded(acting.get("name")) or folded(place.node.get("name")))
+                message = f"the transition leaves and enters no state: {state} keeps what it does"
+                hint = "an end_state that is the state itself runs its exit and entry actions"
+                self._findings.report("JML629", at, message, hint)
+                return
+
     def _guard(self, place: NodePlace) -> tuple[str | None, str | None]:
         """Returns the guard of a transition, and what is to be said about it."""
         found = [child for child in place.node.children if child.tag == "guard"]
@@ -332,3 +348,29 @@ def _camel(text: str) -> str:
         word[:1].upper() + word[1:].lower() if word.isupper() else word[:1].upper() + word[1:]
         for word in parts(text)
     )
+
+
+def _states_below(node: Node) -> Iterator[Node]:
+    """Yields a state or machine and the states inside it."""
+    yield node
+    for child in node.children:
+        if child.tag == "state":
+            yield from _states_below(child)
+
+
+def _has_actions(state: Node) -> bool:
+    return any(each.tag in ("entry", "exit") and each.children for each in state.children)
+
+
+def _transitions_of(state: Node) -> Iterator[Node]:
+    """Yields the transitions that hold in a state, those of its default state too."""
+    for child in state.children:
+        if child.tag in ("transition", "default_transition"):
+            yield child
+        elif child.tag == "default_state":
+            yield from _transitions_of(child)
+
+
+def _stays(transition: Node) -> bool:
+    found = next((each for each in transition.children if each.tag in _KINDS), None)
+    return found is not None and found.tag == "simple" and not found.children

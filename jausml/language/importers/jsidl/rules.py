@@ -115,6 +115,13 @@ _RULES = {
         "type that no message uses, the clients of a service.",
         Severity.INFO,
     ),
+    "JML629": RuleInfo(
+        "transition that stays",
+        "A simple transition without an end state only acts here, as in the code of the JAUS Tool "
+        "Set; AS5684 calls it a self transition, which runs the exit and entry actions of the "
+        "state. Give it the state as its end state where they shall run.",
+        Severity.INFO,
+    ),
     "JML627": RuleInfo(
         "file passed over",
         "A file in a given folder is not JSIDL. A file that is named itself has to be.",

@@ -12,11 +12,12 @@ from dataclasses import dataclass
 from typing import Any
 from xml.parsers import expat
 
+from jausml.language.model.conflicts import unmerged
+
 MAX_DEPTH = 200
 
 _SEPARATOR = " "
 _LFS_POINTER = b"version https://git-lfs.github.com/spec/"
-_CONFLICT = re.compile(rb"^(?:<{7}|={7}|>{7})(?:[ \r\n]|$)", re.MULTILINE)
 
 
 class Node:
@@ -233,12 +234,9 @@ def _accident(data: bytes) -> ParseFault | None:
 
 def _explain(error: expat.ExpatError, data: bytes) -> ParseFault:
     line, column = max(error.lineno, 1), error.offset + 1
-    conflict = _CONFLICT.search(data)
+    conflict = unmerged(data)
     if conflict is not None:
-        line = data.count(b"\n", 0, conflict.start()) + 1
-        return ParseFault(
-            "JML009", "the file has merge conflict markers", "resolve the conflict", line, 1
-        )
+        return ParseFault(conflict.rule, conflict.message, conflict.hint, conflict.line)
     reason = expat.ErrorString(error.code) or str(error)
     rule, hint = "JML004", ""
     if error.code in _ENCODING_ERRORS:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from jausml.language.metamodel.classes import bridge
-from jausml.language.semantics.connections import stops
+from jausml.language.semantics.connections import calls, stops
 from jausml.language.semantics.connections.topics import resolve_topic
 from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.semantics.paths.scopes import target_paths
@@ -78,9 +78,10 @@ def add_bridge(builder: Builder, owner: bridge.Bridge) -> None:
         _add_connection(builder, owner, connection)
     for service in owner.serviceConnections:
         to_ros = service.direction.name == "jausToRos"
-        messages = [each for each in (service.message, service.answer) if each is not None]
+        asked = calls.asking(service)
+        messages = [each for each in (asked, calls.answering(service)) if each is not None]
         note = " / ".join(name_of(each) for each in messages) or "?"
-        call = _Call(service, "service", service.service, service.type, note, service.message)
+        call = _Call(service, "service", service.service, service.type, note, asked)
         _add_call(builder, owner, call, to_ros=to_ros)
     for action in owner.actionConnections:
         to_ros = action.direction.name == "jausToRos"
@@ -126,7 +127,8 @@ def _add_connection(builder: Builder, owner: bridge.Bridge, connection: bridge.C
     for each in connection.topics:
         name = topic(each.name, owner)
         wanted = "subscribes" if to_ros else "publishes"
-        for end in _ros_ends(builder, owner, name, wanted, _type(kind)):
+        its = kind if each.join is None else each.join.type
+        for end in _ros_ends(builder, owner, name, wanted, _type(its)):
             _join(builder, row, here, end, "", name, forwards=to_ros)
 
 
@@ -209,9 +211,9 @@ def _jaus_ends(
         words = "any component"
         if search is not None:
             words = "found: " + ", ".join(name_of(each) for each in search.services)
-        own = context.id_of(owner)
-        group = builder.boxes[own].group
-        box = Node(f"{own}!{words}", "others", words, "not named", group=group, column=JAUS_COLUMN)
+        box = Node(
+            f"{context.id_of(owner)}!{words}", "others", words, "not named", column=JAUS_COLUMN
+        )
         boxes = [builder.add(box)]
     name = name_of(message)
     return [builder.put(each, Port(f"{each}!{way}!{name}", name, way)) for each in boxes]
@@ -223,11 +225,9 @@ def _ros_ends(builder: Builder, owner: bridge.Bridge, name: str, way: str, kind:
     if found:
         return found
     own = builder.context.id_of(owner)
-    group = builder.boxes[own].group
     box = builder.add(
-        Node(f"{own}!ros", "others", "other ROS nodes", "not in the model", group=group,
-             column=ROS_COLUMN)
-    )  # fmt: skip
+        Node(f"{own}!ros", "others", "other ROS nodes", "not in the model", column=ROS_COLUMN)
+    )
     return [builder.put(box, Port(f"{box}!{way}!{name}", name, kind))]
 
 

@@ -1,0 +1,42 @@
+"""What a merge of lines leaves in a file where both sides changed the same ones."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from jausml.language.model.notation import Fault
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_MARKER = re.compile(rb"^(<{7}|={7}|>{7})(?:[ \r\n]|$)", re.MULTILINE)
+
+
+def unmerged(data: bytes) -> Fault | None:
+    """Returns one fault for all markers of conflicts, at the first; None where there is none.
+
+    To be asked where a file cannot be read: some texts may hold such lines.
+    """
+    found = list(_conflicts(data))
+    if not found:
+        return None
+    places = ", ".join(f"{first}-{last}" if last > first else f"{first}" for first, last in found)
+    message = f"an unmerged conflict stands in lines {places}"
+    return Fault("JML009", message, "keep what is meant, and remove the marks", found[0][0])
+
+
+def _conflicts(data: bytes) -> Iterator[tuple[int, int]]:
+    """Yields the first and the last line of each conflict."""
+    first = last = 0
+    for marker in _MARKER.finditer(data):
+        line = data.count(b"\n", 0, marker.start()) + 1
+        if first and marker[1].startswith(b"<"):
+            yield first, last
+            first = 0
+        first, last = first or line, line
+        if marker[1].startswith(b">"):
+            yield first, last
+            first = 0
+    if first:
+        yield first, last
