@@ -73,7 +73,7 @@ def test_json(jausml):
         "code": "0x4002",
         "service": "urn:jaus:jss:core:Management",
         "service_version": "1.0",
-        "fields": {"ReportStatusRec": {"Status": 1, "Reserved": 0}},
+        "fields": {"ReportStatusRec": {"Status": "READY", "Reserved": 0}},
     }
 
 

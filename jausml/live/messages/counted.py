@@ -14,6 +14,7 @@ from jausml.live.messages.legal import (
     legal_integer,
     shown,
 )
+from jausml.live.messages.values import named_values
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -99,7 +100,9 @@ def formatted_of(kind: wire.FormattedOctets, encode_message: EncodeMessage) -> C
     """Returns what reads and writes bytes with a format, as `{"format": ..., "hex": ...}`."""
     counted = _counted(kind.count)
     names = kind.names
+    named = named_values(names)
     ranges = tuple((index, index) for index in sorted(names))
+    of_messages = [index for index in names if kind.holds_message(index)]
 
     def read(buffer: bytes, offset: int) -> tuple[dict[str, Any], int]:
         if offset >= len(buffer):
@@ -108,10 +111,13 @@ def formatted_of(kind: wire.FormattedOctets, encode_message: EncodeMessage) -> C
             data, end = counted.read(buffer, offset + 1)
         except DecodeError as error:
             raise error.inside("hex") from None
-        return {"format": buffer[offset], "hex": data.hex()}, end
+        index = buffer[offset]
+        return {"format": named.get(index, index), "hex": data.hex()}, end
 
     def write(value: Any, out: bytearray) -> None:
         fields = as_object(value)
+        if MESSAGE in fields and len(of_messages) == 1:
+            fields = {"format": of_messages[0], **fields}
         known = ("format", "hex", MESSAGE)
         check_names(fields, known, ("format",), lambda _: formats_in_words(kind))
         try:

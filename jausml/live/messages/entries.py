@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language import wire
 from jausml.live.messages.codec import PRESENCE, codec_of, may_hold
+from jausml.live.messages.embedded import put_in_place, shortened
 from jausml.live.messages.errors import DecodeError, DefinitionError, EncodeError
 
 if TYPE_CHECKING:
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes import jaus
     from jausml.live.messages.counted import EncodeMessage
+    from jausml.live.messages.embedded import DecodeMessage
     from jausml.live.messages.items import Codec
 
 _CODE = struct.Struct("<H")
@@ -95,14 +97,24 @@ class MessageEntry:
         is_command: Whether it is a command, which only a controller may send (AS5710).
     """
 
-    def __init__(self, definition: jaus.MessageDef, encode_message: EncodeMessage) -> None:
-        """Makes an entry without services."""
+    def __init__(
+        self,
+        definition: jaus.MessageDef,
+        encode_message: EncodeMessage,
+        decode_message: DecodeMessage,
+    ) -> None:
+        """Makes an entry without services.
+
+        Args:
+            encode_message: Encodes the messages that stand in it; `decode_message` decodes them.
+        """
         self.name = str(definition.name)
         self.code = int(str(definition.code), 16)
         self.is_command = bool(definition.isCommand)
         self.services: tuple[ServiceEntry, ...] = ()
         self.definition = definition
         self._encode_message = encode_message
+        self._decode_message = decode_message
 
     def __repr__(self) -> str:
         return f"<MessageEntry {self.name} {self.code_text}>"
@@ -159,15 +171,20 @@ class MessageEntry:
         members = self.record.members
         inner = fields.get(members[0].name) if len(members) == 1 else None
         shown = inner if isinstance(inner, dict) else fields
-        return {name: value for name, value in shown.items() if name != PRESENCE}
+        there = {name: value for name, value in shown.items() if name != PRESENCE}
+        return dict(shortened(there)) if self.may_hold_messages else there
 
-    def decode(self, payload: bytes) -> dict[str, Any]:
+    def decode(self, payload: bytes, decode_message: DecodeMessage | None = None) -> dict[str, Any]:
         """Returns the fields of the body.
 
         Shapes: a record or sequence is an object of its members, with `_pv` when it has a presence
         vector; a variant `{"_tag": n, OPTION: ...}`; a variable field `{"index", "value"}`; a
-        variable format field `{"format", "hex"}`; a variable length field `{"hex"}`; a bit field
-        an object of integers; arrays and lists are lists.
+        variable format field `{"format", "hex"}`; a variable length field `{"hex"}`, both with
+        `message` instead of `hex` where they hold one that is known; a bit field an object of
+        integers; arrays and lists are lists. An integer with a name is a `NamedValue`.
+
+        Args:
+            decode_message: Decodes the messages that stand in it; by default as the catalogue does.
         """
         code = read_code(payload)
         if code != self.code:
@@ -177,6 +194,8 @@ class MessageEntry:
         if end != len(payload):
             # A longer body is of another definition: what was read of it cannot be trusted.
             raise DecodeError(f"{len(payload) - end} bytes follow the body of {self.name}")
+        if self.may_hold_messages:
+            put_in_place(self.record, fields, decode_message or self._decode_message)
         return fields
 
     def encode(self, fields: dict[str, Any]) -> bytes:

@@ -16,9 +16,12 @@ from jausml.live.messages.legal import (
     legal_integer,
     shown,
 )
+from jausml.live.messages.values import named_values
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
+
+    from jausml.live.messages.values import NamedValue
 
 
 class Item(NamedTuple):
@@ -77,13 +80,16 @@ def unsigned(number: wire.IntegerType) -> Item:
 def _integer(kind: wire.Integer) -> Item:
     ranges, names, offset = kind.legal.ranges, kind.legal.names, kind.legal.offset
 
-    def from_wire(item: int) -> int:
-        return item + offset
+    named = named_values(names)
+
+    def from_wire(item: int) -> int | NamedValue:
+        return named.get(item + offset, item + offset)
 
     def to_wire(value: Any) -> int:
         return legal_integer(value, ranges, names) - offset
 
-    return Item(kind.type.format, kind.type.size, from_wire if offset else None, to_wire)
+    is_plain = not (offset or named)
+    return Item(kind.type.format, kind.type.size, None if is_plain else from_wire, to_wire)
 
 
 def _real(kind: wire.Real) -> Item:
@@ -117,12 +123,14 @@ def _bit_field(kind: wire.BitField) -> Item:
         for each in kind.groups
     ]
     legal = {each.name: each.legal for each in kind.groups}
+    named = {each.name: named_values(each.legal.names) for each in kind.groups}
 
     def in_words(name: str) -> str:
         return integers_in_words(legal[name].ranges, legal[name].names)
 
-    def from_wire(item: int) -> dict[str, int]:
-        return {name: (item >> low & mask) + offset for name, low, mask, offset, _, _ in groups}
+    def from_wire(item: int) -> dict[str, int | NamedValue]:
+        numbers = {name: (item >> low & mask) + offset for name, low, mask, offset, _, _ in groups}
+        return {name: named[name].get(number, number) for name, number in numbers.items()}
 
     def to_wire(value: Any) -> int:
         fields = as_object(value)

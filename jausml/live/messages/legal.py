@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language import wire
 from jausml.live.messages.errors import EncodeError, did_you_mean, similar
+from jausml.live.messages.values import NamedValue
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
@@ -67,6 +68,8 @@ def legal_integer(value: Any, ranges: wire.Ranges, names: Mapping[int, str] = _N
     """
     if isinstance(value, str) and names:
         return _named(value, ranges, names)
+    if isinstance(value, NamedValue):
+        value = int(value)
     number = as_number(value)
     if isinstance(number, float):
         if not number.is_integer():
