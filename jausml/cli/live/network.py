@@ -156,8 +156,8 @@ class Settings:
         """Yields an operator; its errors become those of the command line."""
         from jausml.live.messages import MessageError
         from jausml.live.peers.network import fault
-        from jausml.live.peers.operator import Refused, running_operator
-        from jausml.live.peers.query_client import NoAnswer
+        from jausml.live.peers.operator import running_operator
+        from jausml.live.peers.query_client import NoAnswer, Refused
 
         try:
             with (

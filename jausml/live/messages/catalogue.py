@@ -117,12 +117,13 @@ class Catalogue:
             if code not in codes:
                 codes.append(code)
 
+    def entry(self, definition: jaus.MessageDef) -> MessageEntry:
+        """Returns the message of a definition."""
+        self._with_code(int(str(definition.code), 16))
+        return self._entry_of[definition]
+
     def _entries_of(self, definitions: Iterable[jaus.MessageDef]) -> tuple[MessageEntry, ...]:
-        found = []
-        for definition in definitions:
-            self._with_code(int(str(definition.code), 16))
-            found.append(self._entry_of[definition])
-        return tuple(dict.fromkeys(found))
+        return tuple(dict.fromkeys(map(self.entry, definitions)))
 
     def _with_code(self, code: int) -> tuple[MessageEntry, ...]:
         """Returns the messages of a code: definitions that are equal become one."""

@@ -53,7 +53,7 @@ class ServiceEntry:
         self.set_name = str(owner.name) if owner is not None else ""
         self.set_version = str(owner.version) if owner is not None else ""
         self.inherits: ServiceEntry | None = None
-        self._definition = definition
+        self.definition = definition
         self._messages = messages
 
     def __repr__(self) -> str:
@@ -67,12 +67,12 @@ class ServiceEntry:
     @cached_property
     def inputs(self) -> tuple[MessageEntry, ...]:
         """The messages that it receives, without inherited ones."""
-        return self._messages(self._definition.inputs)
+        return self._messages(self.definition.inputs)
 
     @cached_property
     def outputs(self) -> tuple[MessageEntry, ...]:
         """The messages that it sends, without inherited ones."""
-        return self._messages(self._definition.outputs)
+        return self._messages(self.definition.outputs)
 
     @property
     def messages(self) -> tuple[MessageEntry, ...]:

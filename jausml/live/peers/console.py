@@ -11,13 +11,12 @@ from typing import TYPE_CHECKING, Any
 from jausml.live.messages import MessageError
 from jausml.live.messages.errors import did_you_mean, similar
 from jausml.live.peers.commanding import outcome
-from jausml.live.peers.operator import Refused
-from jausml.live.peers.query_client import NoAnswer
+from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.peers.rendering import report_line, service_lines, status_line, subsystem_lines
+from jausml.live.peers.requesting import request
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.messages import ClearEmergency, Resume, SetEmergency, Standby
+from jausml.runtime.messages import Resume, Standby
 from jausml.runtime.services.definitions import Status
-from jausml.runtime.transports.packets.packet import Priority
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -28,8 +27,6 @@ if TYPE_CHECKING:
 
 DEFAULT_AUTHORITY = 205
 """Authority of an operator control unit, as other stacks choose it."""
-
-_STOP = 1
 
 
 class UsageError(Exception):
@@ -81,6 +78,9 @@ class Console:
             ),
             "resume": ConsoleCommand("[ID]", "bring it to Ready", self._resume),
             "standby": ConsoleCommand("[ID]", "bring it to Standby", self._standby),
+            "request": ConsoleCommand(
+                "[ID] MESSAGE [JSON]", "send a message and wait for its answer", self._request
+            ),
             "send": ConsoleCommand("[ID] MESSAGE [JSON]", "send a message", self._send),
             "release": ConsoleCommand("[ID]", "release control", self._release),
             "emergency": ConsoleCommand("[ID]", "set an emergency", self._emergency),
@@ -240,21 +240,24 @@ class Console:
         self._operator.send(target, message)
         self._emit(f"{entry.name} sent to {target}")
 
+    def _request(self, rest: str) -> None:
+        target, rest = self._aim(rest)
+        name, fields = _message(rest)
+        self._emit(report_line(target, *request(self._operator, target, name, fields)))
+
     def _release(self, rest: str) -> None:
         target, _ = self._aim(rest)
         self.release(target)
 
     def _emergency(self, rest: str) -> None:
         target, _ = self._aim(rest)
-        message = SetEmergency(emergency_code=_STOP)
-        self._operator.send(target, message, Priority.SAFETY_CRITICAL)
         self._emergencies.add(target)
+        self._operator.emergency(target)
         self._emit(f"{target} {status_line(*self._operator.status(target))}")
 
     def _clear(self, rest: str) -> None:
         target, _ = self._aim(rest)
-        message = ClearEmergency(emergency_code=_STOP)
-        self._operator.send(target, message, Priority.SAFETY_CRITICAL)
+        self._operator.clear(target)
         self._emergencies.discard(target)
         self._emit(f"{target} {status_line(*self._operator.status(target))}")
 
