@@ -243,16 +243,16 @@ class Component:
     ) -> Received:
         """Sends a command and returns what came back: a confirmation, or a report of its effect.
 
-        Which messages confirm a command is said by its service. SetX without any is followed by
-        QueryX until ReportX has what was set, and commands of Management by QueryStatus. A number
-        that tells the answer from others (RequestID) need not be given.
+        Which messages confirm or reject a command is said by its service. SetX without a
+        confirmation is followed by QueryX until ReportX has what was set, any other command by
+        QueryStatus. A number that tells the answer from others (RequestID) need not be given.
 
         Args:
             fields: Its fields, as for `command`.
             timeout: Seconds to wait; None for those of the component.
 
         Raises:
-            MessageError: There is no such message, the fields are wrong, or nothing answers it.
+            MessageError: There is no such message, or the fields are wrong.
             NoAnswer: Nothing came.
             Refused: It was rejected, has no effect, or cannot have any; the text says why.
         """

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language import wire
 from jausml.language.semantics.jaus.responses import is_rejection, responses, told_after
-from jausml.live.messages import MessageError, UnknownMessageError
+from jausml.live.messages import UnknownMessageError
 from jausml.live.peers.entry_messages import full_query, message_class
-from jausml.live.peers.query_client import POLL, NoAnswer, Refused
+from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.peers.rendering import field_texts, printable, shown_fields
 
 if TYPE_CHECKING:
@@ -45,13 +45,14 @@ def request(
 ) -> Outcome:
     """Sends a command and returns what came back: its confirmation, or the report of what it sets.
 
-    A query is answered by its report, as with `Operator.query`.
+    A command that has neither is followed by QueryStatus: its answer comes after a rejection. A
+    query is answered by its report, as with `Operator.query`.
 
     Args:
         timeout: Seconds to wait; None for that of the operator.
 
     Raises:
-        MessageError: There is no such message, its fields are wrong, or nothing answers it.
+        MessageError: There is no such message, or its fields are wrong.
         NoAnswer: Nothing came.
         Refused: It was rejected, has no effect, or cannot have any: the text says why.
     """
@@ -62,17 +63,14 @@ def request(
     if entry.name.startswith(("Query", "Report")):
         return operator.query(target, name, fields, timeout)
     answers = _answers(operator.catalogue, entry)
-    exchange = None if answers else _exchange(operator.catalogue, entry)
-    if not answers and exchange is None:
-        raise MessageError(f"nothing answers {entry.name}: it has neither confirmation nor report")
     given = entry.completed(fields or {})
     if any(_has_request_id(each) for each in answers):
         given = _numbered(entry.record, given, operator.next_request_id())
     operator.check_obeyed(target, entry)
     end = time.monotonic() + (operator.timeout if timeout is None else timeout)
-    if exchange is None:
-        return _answer(operator, target, entry, given, answers, end)
-    return _report(operator, target, entry, given, exchange, end)
+    if all(is_rejection(each.definition) for each in answers):
+        return _report(operator, target, entry, given, answers, end)
+    return _answer(operator, target, entry, given, answers, end)
 
 
 def _answers(catalogue: Catalogue, entry: MessageEntry) -> tuple[MessageEntry, ...]:
@@ -86,14 +84,14 @@ def _answers(catalogue: Catalogue, entry: MessageEntry) -> tuple[MessageEntry, .
 
 
 def _exchange(
-    catalogue: Catalogue, entry: MessageEntry
-) -> tuple[MessageEntry, MessageEntry] | None:
-    """Returns the query and the report of what a message sets, None without any."""
+    operator: Operator, target: JausAddress, entry: MessageEntry
+) -> tuple[MessageEntry, MessageEntry]:
+    """Returns the query and the report of what a message sets, of the state if there is none."""
     for service in entry.services:
         told = told_after(entry.definition, service.definition)
         if told is not None:
-            return catalogue.entry(told.query), catalogue.entry(told.report)
-    return None
+            return operator.catalogue.entry(told.query), operator.catalogue.entry(told.report)
+    return operator.exchange(target, "Status")
 
 
 # -- confirmed or rejected -------------------------------------------------------------------------
@@ -124,12 +122,15 @@ def _answer(
                 break
     operator.answered(target, message)
     if is_rejection(answer.definition):
-        raise Refused(f"{target} rejects {entry.name}: {_told(answer, came)}")
+        raise _rejected(target, entry, answer, came)
     return answer, came
 
 
-def _told(answer: MessageEntry, fields: dict[str, Any]) -> str:
-    return f"{answer.name} {printable(shown_fields(answer, fields))}"
+def _rejected(
+    target: JausAddress, entry: MessageEntry, answer: MessageEntry, fields: dict[str, Any]
+) -> Refused:
+    told = printable(shown_fields(answer, fields))
+    return Refused(f"{target} rejects {entry.name}: {answer.name} {told}")
 
 
 def _unanswered(
@@ -186,35 +187,41 @@ def _report(
     target: JausAddress,
     entry: MessageEntry,
     fields: dict[str, Any],
-    exchange: tuple[MessageEntry, MessageEntry],
+    rejections: tuple[MessageEntry, ...],
     end: float,
 ) -> Outcome:
     """Sends a command and returns the first report that shows what it sets."""
-    query, report = exchange
+    query, report = _exchange(operator, target, entry)
     message = operator.message(entry, fields)
     question = operator.message(query, full_query(query, report))
     wanted = _wanted(entry, report, entry.decode(message.encode()))
-    operator.send(target, message, acknowledge=True)
-    while True:
-        try:
-            answer = operator.ask(
-                target, question, message_class(report), max(POLL, end - time.monotonic())
-            )
-        except NoAnswer:
-            reason = operator.why_ignored(target)
-            if not reason:
-                raise
-            raise Refused(f"{target} does not answer {query.name}: {reason}") from None
-        told = report.shortened(answer.fields)
-        differing = next((name for name in wanted if told.get(name) not in wanted[name]), "")
-        if not differing:
-            return report, answer.fields
-        if time.monotonic() > end:
-            shown = _shown(report, answer.fields, differing)
-            reason = operator.why_ignored(target)
-            text = f"{target} reports {shown} after {entry.name}"
-            raise Refused(f"{text}: {reason}" if reason else text)
-        time.sleep(_PAUSE)
+    by_code = {each.code: each for each in rejections}
+    with operator.awaiting(target, by_code) as rejected:
+        operator.send(target, message, acknowledge=True)
+        while True:
+            left = max(_PAUSE, end - time.monotonic())
+            try:
+                found = operator.ask(target, question, message_class(report), left).fields
+            except NoAnswer:
+                reason = operator.why_ignored(target)
+                if not reason:
+                    raise
+                raise Refused(f"{target} does not answer {query.name}: {reason}") from None
+            if not rejected.empty():
+                payload = rejected.get()
+                answer = by_code[int.from_bytes(payload[:2], "little")]
+                raise _rejected(target, entry, answer, answer.decode(payload))
+            told = report.shortened(found)
+            differing = next((name for name in wanted if told.get(name) not in wanted[name]), "")
+            if not differing:
+                operator.answered(target, message)
+                return report, found
+            if time.monotonic() > end:
+                shown = _shown(report, found, differing)
+                reason = operator.why_ignored(target)
+                text = f"{target} reports {shown} after {entry.name}"
+                raise Refused(f"{text}: {reason}" if reason else text)
+            time.sleep(_PAUSE)
 
 
 def _shown(report: MessageEntry, fields: dict[str, Any], name: str) -> str:
@@ -227,8 +234,10 @@ def _wanted(
     entry: MessageEntry, report: MessageEntry, sent: dict[str, Any]
 ) -> dict[str, Collection[Any]]:
     """Returns the values that a report must have: those that were sent, where both are alike."""
-    if report.name == "ReportStatus" and entry.name in _STATES:
-        return {"Status": _STATES[entry.name]}
+    if report.name == "ReportStatus":
+        is_obeyed_in_ready = entry.is_command and entry.name not in _STATES
+        states = ("READY",) if is_obeyed_in_ready else _STATES.get(entry.name)
+        return {} if states is None else {"Status": states}
     kinds = {each.name: each.kind for each in _members(report)}
     alike = {each.name for each in _members(entry) if kinds.get(each.name) == each.kind}
     return {name: (value,) for name, value in entry.shortened(sent).items() if name in alike}
