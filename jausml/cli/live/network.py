@@ -198,21 +198,33 @@ def _address(_context: click.Context, _parameter: click.Parameter, value: str) -
 
 
 def _fields(
-    _context: click.Context, _parameter: click.Parameter, value: str | None
+    _context: click.Context, _parameter: click.Parameter, words: tuple[str, ...]
 ) -> dict[str, Any] | None:
-    from jausml.live.peers.console import parse_fields
+    from jausml.live.messages.paths import parse_fields
 
     try:
-        return None if value is None else parse_fields(value)
+        return parse_fields(" ".join(words)) if words else None
     except ValueError as error:
         raise click.BadParameter(str(error)) from error
+
+
+def _field_names(context: click.Context, _parameter: click.Parameter, begun: str) -> list[str]:
+    """Returns the paths of the fields of the message that is named before, with their `=`."""
+    from jausml.live.messages.definitions import paths_of
+
+    name = context.params.get("message")
+    entries = open_catalogue(context.params.get("models") or ()).named(str(name))
+    found = {f"{path}=" for entry in entries for path in paths_of(entry)}
+    return sorted(each for each in found if each.lower().startswith(begun.lower()))
 
 
 TARGET = click.argument("target", metavar="ID", callback=_address)
 MESSAGE = click.argument(
     "message", metavar="MESSAGE", shell_complete=completing("messages", "message")
 )
-FIELDS = click.argument("fields", metavar="[FIELDS]", callback=_fields, required=False)
+FIELDS = click.argument(
+    "fields", metavar="[FIELDS]...", nargs=-1, callback=_fields, shell_complete=_field_names
+)
 
 
 def operator_options(function: Callable[..., None]) -> Callable[..., None]:

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.live.messages import MessageEntry
+    from jausml.live.peers.console import Console
     from jausml.live.peers.operator import Operator
     from jausml.runtime.base.address import JausAddress
 
@@ -347,11 +348,28 @@ def _run_session(settings: Settings) -> None:
         console = Console(operator, click.echo)
         if sys.stdin.isatty():
             remark("'help' lists the commands, 'quit' ends")
+            _complete_with(console)
             console.run(_typed())
             return
         console.run(sys.stdin)
         if console.failures or console.has_doubts:
             raise click.exceptions.Exit(PROBLEMS if console.failures else LOST)
+
+
+def _complete_with(console: Console) -> None:
+    """Has the tab key complete what is typed, where Python can."""
+    try:
+        import readline
+    except ImportError:
+        return
+
+    def complete(_word: str, index: int) -> str | None:
+        found = console.completions(readline.get_line_buffer()[: readline.get_endidx()])
+        return found[index] if index < len(found) else None
+
+    readline.set_completer_delims(" ")
+    readline.set_completer(complete)
+    readline.parse_and_bind("tab: complete")
 
 
 def _typed() -> Iterator[str]:

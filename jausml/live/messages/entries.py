@@ -10,6 +10,7 @@ from jausml.language import wire
 from jausml.live.messages.codec import PRESENCE, codec_of, may_hold
 from jausml.live.messages.embedded import put_in_place, shortened
 from jausml.live.messages.errors import DecodeError, DefinitionError, EncodeError
+from jausml.live.messages.paths import by_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -160,7 +161,13 @@ class MessageEntry:
         return (self.name, self.code, wire.comparable(self.record, _BESIDE_BYTES))
 
     def completed(self, fields: dict[str, Any]) -> dict[str, Any]:
-        """Returns fields in the shapes of `decode`; the one record of a body need not be named."""
+        """Returns fields in the shapes of `decode`.
+
+        Args:
+            fields: The one record of a body need not be named; names may be paths, as they are
+                shown: `NodeList[0].NodeID`.
+        """
+        fields = by_name(fields)
         members = self.record.members
         if len(members) != 1 or members[0].name in fields:
             return fields

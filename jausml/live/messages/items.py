@@ -16,6 +16,7 @@ from jausml.live.messages.legal import (
     legal_integer,
     shown,
 )
+from jausml.live.messages.quantities import number_of
 from jausml.live.messages.values import named_values
 
 if TYPE_CHECKING:
@@ -86,7 +87,7 @@ def _integer(kind: wire.Integer) -> Item:
         return named.get(item + offset, item + offset)
 
     def to_wire(value: Any) -> int:
-        return legal_integer(value, ranges, names) - offset
+        return legal_integer(value, ranges, names, kind.units) - offset
 
     is_plain = not (offset or named)
     return Item(kind.type.format, kind.type.size, None if is_plain else from_wire, to_wire)
@@ -96,7 +97,7 @@ def _real(kind: wire.Real) -> Item:
     lower, upper = kind.legal.lower, kind.legal.upper
 
     def to_wire(value: Any) -> float:
-        number = as_number(value)
+        number = as_number(number_of(value, kind.units))
         if lower <= number <= upper:
             return number
         raise EncodeError(f"{shown(number)} is outside {lower!r} .. {upper!r}")
@@ -106,7 +107,7 @@ def _real(kind: wire.Real) -> Item:
 
 def _scaled(kind: wire.Scaled) -> Item:
     def to_wire(value: Any) -> int:
-        number = as_number(value)
+        number = as_number(number_of(value, kind.units))
         try:
             return kind.integer_of(number)
         except ValueError:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.language import wire
 from jausml.live.messages.codec import TAG
 from jausml.live.messages.counted import MESSAGE
+from jausml.live.messages.quantities import with_unit
 from jausml.live.messages.text import named
 from jausml.live.peers.discovery import controller_of, type_name
 
@@ -20,33 +21,6 @@ if TYPE_CHECKING:
     from jausml.runtime.base.address import JausAddress
     from jausml.runtime.messages import ReportControl
     from jausml.runtime.services.definitions import ServiceIdentity, Status
-
-
-_SYMBOLS = {
-    "ampere": "A",
-    "coulomb": "C",
-    "cubic meter": "m3",
-    "degree": "deg",
-    "degree Celsius": "°C",
-    "hertz": "Hz",
-    "hour": "h",
-    "kilogram": "kg",
-    "liter": "l",
-    "meter": "m",
-    "meter per second": "m/s",
-    "meter per second squared": "m/s2",
-    "minute": "min",
-    "newton": "N",
-    "newton meter": "N m",
-    "one": "",
-    "percent": "%",
-    "radian": "rad",
-    "radian per second": "rad/s",
-    "radian per second squared": "rad/s2",
-    "second": "s",
-    "volt": "V",
-}
-"""Symbols of the units of the library; others are shown as they are written."""
 
 
 _CLOCK = {"Hour", "Minutes", "Seconds", "Milliseconds"}
@@ -119,12 +93,12 @@ def _leaf(kind: wire.Leaf, value: Any) -> str:
         case wire.VariableNumber():
             return _leaf(kind.by_index[value["index"]], value["value"])
         case wire.Integer():
-            return _with_unit(named(kind.legal, value), kind.units)
+            return with_unit(named(kind.legal, value), kind.units)
         case wire.Scaled():
             # No more digits than the step of the scale carries.
-            return _with_unit(_rounded(value, kind.step), kind.units)
+            return with_unit(_rounded(value, kind.step), kind.units)
         case wire.Real():
-            return _with_unit(f"{value:.7g}", kind.units)
+            return with_unit(f"{value:.7g}", kind.units)
         case wire.Octets() | wire.FormattedOctets():
             return str(value["hex"])
         case _:
@@ -140,11 +114,6 @@ def _rounded(value: float, step: float) -> str:
     while digits < 9 and step * 10**digits < 1:
         digits += 1
     return f"{value:.{digits}f}" if abs(round(value, digits)) > 0 else "0"
-
-
-def _with_unit(text: str, unit: str) -> str:
-    symbol = _SYMBOLS.get(unit, unit)
-    return f"{text} {symbol}" if symbol else text
 
 
 def subsystem_lines(subsystems: Iterable[KnownSubsystem]) -> Iterator[str]:
