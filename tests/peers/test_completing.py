@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import pytest
+from click.shell_completion import ShellComplete
 
+from jausml.cli import main
 from jausml.live.peers.console import Console
 from jausml.live.peers.operator import running_operator
 
@@ -47,3 +49,20 @@ def test_words_that_may_stand_next(console, line, words):
     assert set(words) <= set(found)
     if not line.endswith(" ") or not words:
         assert found == words
+
+
+def test_a_shell_offers_the_messages_of_the_component_that_is_named(vehicle, free_port):
+    vehicle()
+    shell = ShellComplete(main, {}, "jausml", "_JAUSML_COMPLETE")
+
+    def offered(begun, *words):
+        arguments = ["ocu", words[0], "--port", str(free_port), *words[1:]]
+        return [each.value for each in shell.get_completions(arguments, begun)]
+
+    assert offered("Velocity", "query", "100.1.1") == ["VelocityState"]
+    assert offered("SetW", "request", "100.1.1") == ["SetWrenchEffort"]
+    assert offered("SetGlobalW", "request", "100.1.1") == []
+    # Of one that does not answer nothing is known.
+    assert "SetGlobalWaypoint" in offered("SetGlobalW", "request", "100.1.9")
+    fields = offered("PropulsiveLinear", "request", "100.1.1", "SetWrenchEffort")
+    assert fields == [f"PropulsiveLinearEffort{each}=" for each in "XYZ"]

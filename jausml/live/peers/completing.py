@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from jausml.runtime.base.address import JausAddress
 
 _REPORTING = ("query", "watch")
-_SENDING = ("request", "send")
+_SENDING = ("command", "request", "send")
 
 
 def completions(
@@ -43,17 +43,20 @@ def _next(
     if rest and rest[0] in ids:
         target, rest = ids[rest[0]], rest[1:]
     elif not rest and command in commands and command not in _WITHOUT_ID:
-        return [*ids, *_messages(operator, target, command)]
+        return [*ids, *message_names(operator, target, command)]
     if command not in (*_REPORTING, *_SENDING):
         return []
-    return _fields(operator, target, rest) if rest else _messages(operator, target, command)
+    return _fields(operator, target, rest) if rest else message_names(operator, target, command)
 
 
 _WITHOUT_ID = ("discover", "help", "quit", "unwatch", "wait")
 
 
-def _messages(operator: Operator, target: JausAddress | None, command: str) -> list[str]:
-    """Returns the names of the messages that a command may name."""
+def message_names(operator: Operator, target: JausAddress | None, command: str) -> list[str]:
+    """Returns the names of the messages that a command may name, none for other commands.
+
+    They are those that a component takes; all there are where it has not said what it provides.
+    """
     if command in _REPORTING:
         return [
             each.name.removeprefix("Query")
