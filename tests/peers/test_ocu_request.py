@@ -6,6 +6,9 @@ import json
 
 import pytest
 
+from jausml.live.peers.entry_messages import message_class
+from jausml.runtime.services.definitions import Guard
+
 pytestmark = pytest.mark.ports
 
 ELEMENT = {
@@ -37,6 +40,32 @@ def test_a_list_is_confirmed_and_read_as_it_was_given(jausml, component):
     assert result.exit_code == 1
     assert "rejects SetElement: RejectElementRequest" in result.stderr
     assert "(Invalid previous element)" in result.stderr
+
+
+def test_what_was_set_is_asked_for_by_its_type(jausml, component, catalogue):
+    target = component(services=("mobility:VelocityStateDriver",))
+    query, report, command = (
+        message_class(catalogue.message(f"{each}VelocityCommand"))
+        for each in ("Query", "Report", "Set")
+    )
+    set_by_type = {}
+
+    def take(message, _sender):
+        fields = message.fields["VelocityCommandRec"]
+        set_by_type[int(fields["CommandType"])] = fields
+
+    def tell(message, _sender):
+        kind = message.fields["QueryVelocityCommandRec"]["CommandType"]
+        fields = set_by_type.get(int(kind))
+        return fields and report(report.ENTRY.completed(fields))
+
+    target.handle(command, take, when=Guard.READY)
+    target.provide(query, report, tell)
+    fields = ("CommandType=Set maximum allowed values", "Velocity_X=1.5 m/s")
+    result = jausml("ocu", "request", "100.1.1", "SetVelocityCommand", *fields)
+    assert result.exit_code == 0, result.output
+    assert "ReportVelocityCommand  CommandType=1 (Set maximum allowed values)" in result.stdout
+    assert "Velocity_X=1.5" in result.stdout
 
 
 def test_what_needs_no_control_takes_none(jausml, vehicle):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language import wire
 from jausml.language.semantics.jaus.responses import is_rejection, responses, told_after
-from jausml.live.messages import UnknownMessageError
+from jausml.live.messages import MessageError, UnknownMessageError, read_code
 from jausml.live.peers.entry_messages import full_query, message_class
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.peers.rendering import field_texts, printable, shown_fields
@@ -116,8 +116,11 @@ def _answer(
                 payload = found.get(timeout=max(0.0, end - time.monotonic()))
             except Empty:
                 raise _unanswered(operator, target, entry, answers) from None
-            answer = by_code[int.from_bytes(payload[:2], "little")]
-            came = answer.decode(payload)
+            answer = by_code[read_code(payload)]
+            try:
+                came = answer.decode(payload)
+            except MessageError:
+                continue  # what follows when no other one comes says so
             if _request_id(came) in (None, wanted):
                 break
     operator.answered(target, message)
@@ -193,8 +196,9 @@ def _report(
     """Sends a command and returns the first report that shows what it sets."""
     query, report = _exchange(operator, target, entry)
     message = operator.message(entry, fields)
-    question = operator.message(query, full_query(query, report))
-    wanted = _wanted(entry, report, entry.decode(message.encode()))
+    sent = entry.decode(message.encode())
+    question = operator.message(query, _question(query, report, entry.shortened(sent)))
+    wanted = _wanted(entry, report, sent)
     by_code = {each.code: each for each in rejections}
     with operator.awaiting(target, by_code) as rejected:
         operator.send(target, message, acknowledge=True)
@@ -209,7 +213,7 @@ def _report(
                 raise Refused(f"{target} does not answer {query.name}: {reason}") from None
             if not rejected.empty():
                 payload = rejected.get()
-                answer = by_code[int.from_bytes(payload[:2], "little")]
+                answer = by_code[read_code(payload)]
                 raise _rejected(target, entry, answer, answer.decode(payload))
             told = report.shortened(found)
             differing = next((name for name in wanted if told.get(name) not in wanted[name]), "")
@@ -222,6 +226,15 @@ def _report(
                 text = f"{target} reports {shown} after {entry.name}"
                 raise Refused(f"{text}: {reason}" if reason else text)
             time.sleep(_PAUSE)
+
+
+def _question(query: MessageEntry, report: MessageEntry, sent: dict[str, Any]) -> dict[str, Any]:
+    """Returns the fields of a query for what was set, as QueryVelocityCommand names the type."""
+    fields = full_query(query, report)
+    same = {each.name: sent[each.name] for each in _members(query) if each.name in sent}
+    for body in query.record.members if same else ():
+        fields[body.name] |= same
+    return fields
 
 
 def _shown(report: MessageEntry, fields: dict[str, Any], name: str) -> str:
