@@ -56,7 +56,7 @@ def _message(line: str) -> dict[str, Any]:
     from jausml.live.messages.paths import parse_fields
 
     name, _, fields = line.strip().partition(" ")
-    if name.isidentifier():
+    if name.isidentifier() and name not in ("null", "true", "false"):
         try:
             return {"message": name, "fields": parse_fields(fields) if fields.strip() else {}}
         except ValueError as error:

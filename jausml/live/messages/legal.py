@@ -110,9 +110,15 @@ def check_names(
     legal: Callable[[str], str] = no_words,
 ) -> None:
     """Refuses an object with unknown or without needed fields; the error names all of them."""
-    errors = [_unknown(str(name), fields, known) for name in fields if name not in known]
+    errors = []
+    meant: set[str] = set()
+    for name in fields:
+        if name not in known:
+            error, suggested = _unknown(str(name), fields, known)
+            errors.append(error)
+            meant.update(suggested)
     for name in needed:
-        if name not in fields:
+        if name not in fields and name not in meant:
             words = legal(name)
             reason = f"this field is absent{f', it takes {words}' * bool(words)}"
             errors.append(EncodeError(reason, name))
@@ -120,12 +126,16 @@ def check_names(
         raise errors[0].beside(errors[1:])
 
 
-def _unknown(name: str, fields: Mapping[str, Any], known: Collection[str]) -> EncodeError:
+def _unknown(
+    name: str, fields: Mapping[str, Any], known: Collection[str]
+) -> tuple[EncodeError, list[str]]:
+    """Returns the error of an unknown name, and the absent names that may be meant."""
     absent = [each for each in known if each not in fields]
-    hint = did_you_mean(similar(name, absent) or similar(name, known))
+    suggested = similar(name, absent)
+    hint = did_you_mean(suggested or similar(name, known))
     if not hint and absent:
         hint = f"; it may be {listed(absent)}"
-    return EncodeError(f"unknown field{hint}", name)
+    return EncodeError(f"unknown field{hint}", name), suggested
 
 
 # -- words -----------------------------------------------------------------------------------------
