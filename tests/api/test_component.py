@@ -87,7 +87,8 @@ def test_an_iteration_ends_with_its_subscription(operator):
 
 def test_commands_are_obeyed_under_control_alone(operator, vehicle):
     effort = {"PropulsiveLinearEffortX": 50.0}
-    operator.command(VEHICLE, "SetWrenchEffort", effort)
+    with pytest.raises(jausml.Refused, match="SetWrenchEffort from its controller alone"):
+        operator.command(VEHICLE, "SetWrenchEffort", effort)
     assert vehicle.commands == []
     with operator.control(VEHICLE):
         operator.command(VEHICLE, "SetWrenchEffort", effort)

@@ -73,7 +73,7 @@ def test_json(jausml):
         "code": "0x4002",
         "service": "urn:jaus:jss:core:Management",
         "service_version": "1.0",
-        "fields": {"ReportStatusRec": {"Status": 1, "Reserved": 0}},
+        "fields": {"ReportStatusRec": {"Status": "READY", "Reserved": 0}},
     }
 
 
@@ -484,7 +484,8 @@ def test_encode_tells_each_bad_line_and_goes_on(jausml, tmp_path):
     assert result.stderr.splitlines() == [
         "lines.jsonl:3: ReportStatusRec.Status: 9 is not among the legal values 0 (INITIALIZE), "
         "1 (READY), 2 (STANDBY), 3 (SHUTDOWN), 4 (FAILURE), 5 (EMERGENCY)",
-        "lines.jsonl:4: ReportStatusRec.Stats: unknown field; did you mean Status?",
+        "lines.jsonl:4: ReportStatusRec.Stats: unknown field; did you mean Status?; "
+        "ReportStatusRec.Reserved: this field is absent, it takes 0 .. 4294967295",
         "lines.jsonl:5: no message 'ReportStat'; did you mean ReportStatus or ReportPath?",
         "lines.jsonl:6: column 12: Expecting value",
         "lines.jsonl:7: an object is needed, this is a list of 1",

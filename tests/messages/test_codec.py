@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import math
 import tracemalloc
@@ -213,20 +214,16 @@ def test_a_presence_vector_without_room_for_a_member(catalogue):
     assert last.name not in decoded
 
 
-def test_embedded_messages_are_decoded_beside_their_hex(catalogue):
+def test_embedded_messages_stand_in_the_place_of_their_hex(catalogue):
     event = bytes.fromhex("f1410102070000000240 0100000000")
     decoded = catalogue.decode(event)
-    assert decoded.fields["EventRec"]["ReportMessage"] == {"hex": "02400100000000"}
-    (embedded,) = decoded.embedded
-    assert embedded.path == "EventRec.ReportMessage"
-    assert embedded.message.entry.name == "ReportStatus"
+    embedded = decoded.fields["EventRec"]["ReportMessage"]["message"]
+    assert embedded.decoded.entry.name == "ReportStatus"
     printed = json.loads(json.dumps(decoded.to_json()))
     holder = printed["fields"]["EventRec"]["ReportMessage"]
-    assert holder["hex"] == "02400100000000"
-    assert holder["message"]["fields"] == {"ReportStatusRec": {"Status": 1, "Reserved": 0}}
+    assert list(holder) == ["message"]
+    assert holder["message"]["fields"] == {"ReportStatusRec": {"Status": "READY", "Reserved": 0}}
     assert catalogue.encode(printed) == event
-    # Without the hex the decoded form counts.
-    del holder["hex"]
     holder["message"]["fields"]["ReportStatusRec"]["Status"] = 2
     assert catalogue.encode(printed) == event[:10] + b"\x02" + event[11:]
     holder["message"]["message"] = "ReportStatu"
@@ -237,13 +234,11 @@ def test_embedded_messages_are_decoded_beside_their_hex(catalogue):
 def test_embedded_messages_of_lists(catalogue):
     payload = bytes.fromhex("1a045c02 0100 0000 0200 00 0200 0220 0200 0100 0000 01 0200 0220")
     decoded = catalogue.decode(payload)
-    assert [(e.path, e.message.entry.name) for e in decoded.embedded] == [
-        ("SetElementSeq.ElementList[0].ElementData", "QueryStatus")
-    ]
     assert catalogue.encode(decoded.to_json()) == payload
     elements = decoded.to_json()["fields"]["SetElementSeq"]["ElementList"]
+    assert elements[0]["ElementData"]["message"]["message"] == "QueryStatus"
     assert elements[1]["ElementData"] == {"format": 1, "hex": "0220"}  # of the user's own format
-    del elements[0]["ElementData"]["hex"]
+    del elements[0]["ElementData"]["format"]  # which a message tells
     assert (
         catalogue.encode(
             {
@@ -260,7 +255,6 @@ def test_embedded_messages_of_lists(catalogue):
 def test_an_embedded_message_that_cannot_be_decoded_harms_nothing(catalogue):
     payload = bytes.fromhex("f141010202000000ffff")
     decoded = catalogue.decode(payload)
-    assert decoded.embedded[0].error == "no message has the code 0xFFFF"
     holder = decoded.to_json()["fields"]["EventRec"]["ReportMessage"]
     assert holder == {"hex": "ffff", "message": {"error": "no message has the code 0xFFFF"}}
     assert catalogue.encode(decoded.to_json()) == payload
@@ -272,11 +266,44 @@ def test_messages_nested_without_end_are_decoded_to_a_depth(catalogue):
         payload = b"\xf1\x41\0\0" + len(payload).to_bytes(4, "little") + payload
     decoded = catalogue.decode(payload)
     depth = 0
-    while decoded.embedded:
+    fields = decoded.fields
+    while embedded := fields["EventRec"]["ReportMessage"].get("message"):
         depth += 1
-        decoded = decoded.embedded[0].message
+        fields = embedded["fields"]
     assert depth == 8
-    assert catalogue.encode(decoded.to_json())
+    assert catalogue.encode(decoded.to_json()) == payload
+
+
+def test_integers_have_their_names(catalogue):
+    fields = catalogue.decode(bytes.fromhex("02400100000000")).fields["ReportStatusRec"]
+    status, reserved = fields["Status"], fields["Reserved"]
+    assert status == "READY"
+    assert status == 1
+    assert status not in ("STANDBY", 2)
+    assert int(status) == 1
+    assert f"{status}" == "READY"
+    assert json.dumps(fields) == '{"Status": "READY", "Reserved": 0}'
+    assert int(copy.deepcopy(status)) == 1
+    assert type(reserved) is int
+    status_message = catalogue.message("ReportStatus")
+    for given in (status, "READY", 1):
+        record = {"Status": given, "Reserved": 0}
+        assert status_message.encode({"ReportStatusRec": record}).hex() == "02400100000000"
+    # What no name stands for, or several numbers have in common, stays a number.
+    unknown = catalogue.decode(bytes.fromhex("02400900000000")).fields["ReportStatusRec"]["Status"]
+    assert type(unknown) is int
+
+
+def test_bits_have_their_names(catalogue):
+    lights = catalogue.message("SetIlluminationState")
+    groups = lights.record.members[0].kind.members[0].kind.groups
+    bits = {each.name: "OFF" if each.legal.names else 0 for each in groups}
+    payload = lights.encode(lights.completed({"illumination": {**bits, "Headlights": 1}}))
+    fields = lights.shortened(lights.decode(payload))["illumination"]
+    assert fields["Headlights"] == "ON"
+    assert fields["FogLights"] == "OFF"
+    assert [bool(fields[each]) for each in ("Headlights", "FogLights")] == [True, False]
+    assert lights.encode(lights.completed({"illumination": fields})) == payload
 
 
 @pytest.mark.parametrize("value", ["0", "zz", 7, None])

@@ -34,7 +34,7 @@ from jausml.live.messages import text
                 "EventRec",
                 "  EventID: 1",
                 "  SequenceNumber: 2",
-                "  ReportMessage: 2 bytes of JAUS MESSAGE 0220",
+                "  ReportMessage: JAUS MESSAGE",
                 "    QueryStatus 0x2002 (urn:jaus:jss:core:Management/1.0)",
             ],
         ),

@@ -14,15 +14,16 @@ from jausml.cli.shared.models import model_option, open_catalogue
 
 
 @click.command("encode")
-@click.argument("path", default=STDIN, metavar="[JSON|FILE|-]")
+@click.argument("words", nargs=-1, metavar="[JSON|NAME FIELDS|FILE|-]")
 @model_option
-def command(path: str, models: tuple[str, ...]) -> None:
+def command(words: tuple[str, ...], models: tuple[str, ...]) -> None:
     """Turn messages in JSON into hex, one message per line.
 
     A line of a file, or an argument, is an object as `jausml decode --format json` prints it:
     "message" (name) or "code", "fields", and a "service" (with "service_version") if several
-    messages have the name. `_pv`, and the name of the one record of a body, may be omitted. Without
-    an argument, reads stdin.
+    messages have the name. `_pv`, and the name of the one record of a body, may be omitted. A line
+    can also be the name of the message and its fields, as `jausml ocu` takes them. Without an
+    argument, reads stdin.
 
     Exit status: 0 done, 1 a line is wrong (the others are encoded), 2 usage or an unreadable file,
     3 internal error.
@@ -31,7 +32,8 @@ def command(path: str, models: tuple[str, ...]) -> None:
 
     failed = False
     catalogue = open_catalogue(models)
-    is_message = path.lstrip().startswith("{")
+    path = " ".join(words) or STDIN
+    is_message = len(words) > 1 or path.lstrip().startswith("{")
     name = "argument" if is_message else shown_path(path)
     for number, line in enumerate([path] if is_message else read_lines(path), 1):
         if not line.strip():
@@ -51,7 +53,14 @@ class _LineError(ValueError):
 
 def _message(line: str) -> dict[str, Any]:
     from jausml.live.messages.legal import shown
+    from jausml.live.messages.paths import parse_fields
 
+    name, _, fields = line.strip().partition(" ")
+    if name.isidentifier() and name not in ("null", "true", "false"):
+        try:
+            return {"message": name, "fields": parse_fields(fields) if fields.strip() else {}}
+        except ValueError as error:
+            raise _LineError(str(error)) from error
     try:
         value = json.loads(line.rstrip(), object_pairs_hook=_object)
     except json.JSONDecodeError as error:

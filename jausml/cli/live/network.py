@@ -156,8 +156,8 @@ class Settings:
         """Yields an operator; its errors become those of the command line."""
         from jausml.live.messages import MessageError
         from jausml.live.peers.network import fault
-        from jausml.live.peers.operator import Refused, running_operator
-        from jausml.live.peers.query_client import NoAnswer
+        from jausml.live.peers.operator import running_operator
+        from jausml.live.peers.query_client import NoAnswer, Refused
 
         try:
             with (
@@ -198,21 +198,65 @@ def _address(_context: click.Context, _parameter: click.Parameter, value: str) -
 
 
 def _fields(
-    _context: click.Context, _parameter: click.Parameter, value: str | None
+    _context: click.Context, _parameter: click.Parameter, words: tuple[str, ...]
 ) -> dict[str, Any] | None:
-    from jausml.live.peers.console import parse_fields
+    from jausml.live.messages.paths import parse_fields
 
     try:
-        return None if value is None else parse_fields(value)
+        return parse_fields(" ".join(words)) if words else None
     except ValueError as error:
         raise click.BadParameter(str(error)) from error
 
 
+_COMPLETION_TIME = 0.7
+"""Seconds that a component has to say what it provides while a person waits for a completion."""
+
+
+def _message_names(context: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
+    """Returns the messages that the named component takes; all of the library if it says none.
+
+    The component is asked for them, as `kubectl` and others do.
+    """
+    from jausml.live.messages import MessageError
+    from jausml.live.peers.completing import message_names
+    from jausml.live.peers.network import identified
+    from jausml.live.peers.operator import running_operator
+
+    given = context.params
+    found: list[str] = []
+    try:
+        peers = given.get("peers") or ()
+        place = (given["interface"], given["port"], given["multicast_group"], peers)
+        network = network_from(given.get("own_id"), *place)
+        catalogue = open_catalogue(given.get("models") or ())
+        with (
+            identified(network) as ours,
+            running_operator(ours, catalogue, _COMPLETION_TIME) as operator,
+        ):
+            if operator.services(given["target"]):
+                found = message_names(operator, given["target"], str(context.info_name))
+    except (KeyError, OSError, MessageError, click.ClickException):
+        pass  # a completion has nobody to tell it
+    if not found:
+        return completing("messages", "message")(context, parameter, begun)
+    return sorted(each for each in set(found) if each.lower().startswith(begun.lower()))
+
+
+def _field_names(context: click.Context, _parameter: click.Parameter, begun: str) -> list[str]:
+    """Returns the paths of the fields of the message that is named before, with their `=`."""
+    from jausml.live.messages.definitions import paths_of
+
+    name = context.params.get("message")
+    entries = open_catalogue(context.params.get("models") or ()).named(str(name))
+    found = {f"{path}=" for entry in entries for path in paths_of(entry)}
+    return sorted(each for each in found if each.lower().startswith(begun.lower()))
+
+
 TARGET = click.argument("target", metavar="ID", callback=_address)
-MESSAGE = click.argument(
-    "message", metavar="MESSAGE", shell_complete=completing("messages", "message")
+MESSAGE = click.argument("message", metavar="MESSAGE", shell_complete=_message_names)
+FIELDS = click.argument(
+    "fields", metavar="[FIELDS]...", nargs=-1, callback=_fields, shell_complete=_field_names
 )
-FIELDS = click.argument("fields", metavar="[FIELDS]", callback=_fields, required=False)
 
 
 def operator_options(function: Callable[..., None]) -> Callable[..., None]:

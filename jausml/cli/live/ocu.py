@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.live.messages import MessageEntry
+    from jausml.live.peers.console import Console
     from jausml.live.peers.operator import Operator
     from jausml.runtime.base.address import JausAddress
 
@@ -214,17 +215,62 @@ def _watch(
         shown += 1
 
 
-@command.command("command", short_help="Control a component, send it a message, and release it.")
-@TARGET
-@MESSAGE
-@FIELDS
-@click.option(
+_AUTHORITY = click.option(
     "--authority",
     type=click.IntRange(0, 255),
     default=AUTHORITY,
     show_default=True,
     help="Authority with which to request control.",
 )
+_NO_RESUME = click.option("--no-resume", is_flag=True, help="Leave the component in Standby.")
+
+
+@command.command("request", short_help="Send a message and show what comes back.")
+@TARGET
+@MESSAGE
+@FIELDS
+@_AUTHORITY
+@_NO_RESUME
+@operator_options
+def request_answer(
+    settings: Settings,
+    target: JausAddress,
+    message: str,
+    fields: dict[str, Any] | None,
+    authority: int,
+    no_resume: bool,
+) -> None:
+    """Send MESSAGE to the component ID and show what comes back within --timeout.
+
+    That is the message by which its service confirms it; after SetX without a confirmation, ReportX
+    as soon as it has what was set; after a command such as Standby, the state. If the component
+    obeys its controller alone, control is requested before, and released afterwards. FIELDS is a
+    JSON object with the fields of the message.
+
+    The exit status is 1 if the component rejects the message or it has no effect, and 2 if nothing
+    comes.
+    """
+    from jausml.live.peers.console import Console
+    from jausml.live.peers.requesting import request
+
+    with settings.operator() as operator, until_interrupted():
+        is_controlled = operator.needs_control(target, message)
+        if is_controlled:
+            operator.control(target, authority)
+        try:
+            if is_controlled and not no_resume:
+                Console(operator, remark).resume(target)
+            settings.show(target, *request(operator, target, message, fields))
+        finally:
+            if is_controlled:
+                operator.release(target)
+
+
+@command.command("command", short_help="Control a component, send it a message, and release it.")
+@TARGET
+@MESSAGE
+@FIELDS
+@_AUTHORITY
 @click.option(
     "--rate",
     type=FiniteRange(min=0, max=1000, min_open=True),
@@ -238,7 +284,7 @@ def _watch(
     metavar="SECONDS",
     help="Keep control for this time after the first message.",
 )
-@click.option("--no-resume", is_flag=True, help="Leave the component in Standby.")
+@_NO_RESUME
 @click.option(
     "--keep-sending",
     is_flag=True,
@@ -302,11 +348,28 @@ def _run_session(settings: Settings) -> None:
         console = Console(operator, click.echo)
         if sys.stdin.isatty():
             remark("'help' lists the commands, 'quit' ends")
+            _complete_with(console)
             console.run(_typed())
             return
         console.run(sys.stdin)
         if console.failures or console.has_doubts:
             raise click.exceptions.Exit(PROBLEMS if console.failures else LOST)
+
+
+def _complete_with(console: Console) -> None:
+    """Has the tab key complete what is typed, where Python can."""
+    try:
+        import readline
+    except ImportError:
+        return
+
+    def complete(_word: str, index: int) -> str | None:
+        found = console.completions(readline.get_line_buffer()[: readline.get_endidx()])
+        return found[index] if index < len(found) else None
+
+    readline.set_completer_delims(" ")
+    readline.set_completer(complete)
+    readline.parse_and_bind("tab: complete")
 
 
 def _typed() -> Iterator[str]:

@@ -8,10 +8,14 @@ from contextlib import asynccontextmanager
 from inspect import iscoroutinefunction
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.api.component import MOST_WAITING, Component, Fields, Received
+from jausml.live.api.component import Component
+from jausml.live.api.reports import MOST_WAITING
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable, Generator
+
+    from jausml.live.api.component import ComponentStatus
+    from jausml.live.api.reports import Fields, Received
 
 
 class AsyncSubscription:
@@ -131,9 +135,15 @@ class AsyncComponent:
         """Its JAUS id."""
         return self._inner.address
 
-    async def query(self, target: str, name: str | int, fields: Fields | None = None) -> Fields:
+    async def query(
+        self,
+        target: str,
+        name: str | int,
+        fields: Fields | None = None,
+        timeout: float | None = None,
+    ) -> Fields:
         """Asks for a report, as `Component.query`."""
-        return await asyncio.to_thread(self._inner.query, target, name, fields)
+        return await asyncio.to_thread(self._inner.query, target, name, fields, timeout)
 
     def subscribe(self, target: str, name: str | int, rate: float | None = None) -> Subscribing:
         """Subscribes to a report, as `Component.subscribe`, when it is awaited or entered."""
@@ -160,6 +170,28 @@ class AsyncComponent:
             yield self
         finally:
             await asyncio.to_thread(held.__exit__, None, None, None)
+
+    async def request(
+        self,
+        target: str,
+        name: str | int,
+        fields: Fields | None = None,
+        timeout: float | None = None,
+    ) -> Received:
+        """Sends a command and returns what came back, as `Component.request`."""
+        return await asyncio.to_thread(self._inner.request, target, name, fields, timeout)
+
+    async def status(self, target: str) -> ComponentStatus:
+        """Returns the state of a component, as `Component.status`."""
+        return await asyncio.to_thread(self._inner.status, target)
+
+    async def emergency(self, target: str) -> ComponentStatus:
+        """Stops a component, as `Component.emergency`."""
+        return await asyncio.to_thread(self._inner.emergency, target)
+
+    async def clear(self, target: str) -> ComponentStatus:
+        """Ends our emergency, as `Component.clear`."""
+        return await asyncio.to_thread(self._inner.clear, target)
 
     async def command(self, target: str, name: str | int, fields: Fields | None = None) -> None:
         """Sends a message once, as `Component.command`."""

@@ -9,13 +9,15 @@ from __future__ import annotations
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from inspect import iscoroutinefunction
-from queue import Empty, Full, Queue
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.live.api.payloads import catalogue
+from jausml.live.api.reports import Received, Subscription
+from jausml.live.peers.discovery import controller_of
 from jausml.live.peers.entry_messages import find_exchange, find_message
 from jausml.live.peers.network import DEFAULT_GROUP, Network, component_address, fault, identified
 from jausml.live.peers.operator import Identity, Operator, running_operator
+from jausml.live.peers.requesting import request
 from jausml.runtime.base.settings import JUDP_PORT, TransportSettings
 from jausml.runtime.messages import Resume
 from jausml.runtime.services.definitions import ServiceIdentity, Status
@@ -24,98 +26,27 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from jausml.live.api.payloads import Models
+    from jausml.live.api.reports import Fields
     from jausml.live.messages import Catalogue, MessageEntry
+    from jausml.live.peers.answering import Reply
     from jausml.runtime.base.address import JausAddress
-
-Fields = dict[str, Any]
-"""Fields of a message by their names, without the one record of a body."""
 
 _REMEDY = "Give all components that speak with each other another port="
 
-MOST_WAITING = 1000
-"""Reports that wait to be taken; then the oldest is thrown away."""
-
 
 @dataclass(frozen=True)
-class Received:
-    """A message that came.
+class ComponentStatus:
+    """The state of a component and who controls it.
 
     Attributes:
-        fields: Its fields, in units of the standard.
+        state: Its state of Management, e.g. `READY`; None when it does not say.
+        controller: The JAUS id of who controls it; None when nobody does, or it does not say.
+        authority: The authority of the controller, or the least that it demands.
     """
 
-    name: str
-    fields: Fields
-    sender: str
-
-
-class Subscription:
-    """Reports of an event, to be iterated over; ends with `close`.
-
-    Attributes:
-        missed: Reports that were thrown away because nobody took them in time, the oldest first.
-    """
-
-    def __init__(self) -> None:
-        self.missed = 0
-        self._reports: Queue[Received | None] = Queue(MOST_WAITING)
-        self._cancel: Callable[[], None] | None = None
-
-    def __enter__(self) -> Subscription:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def __iter__(self) -> Iterator[Received]:
-        """Yields reports as they come, until the subscription is closed."""
-        while (report := self._reports.get()) is not None:
-            yield report
-
-    def next(self, timeout: float | None = None) -> Received:
-        """Returns the next report.
-
-        Args:
-            timeout: Seconds to wait; None waits forever.
-
-        Raises:
-            TimeoutError: None came in time, or the subscription is closed.
-        """
-        try:
-            report = self._reports.get(timeout=timeout)
-        except Empty:
-            raise TimeoutError(f"no report within {timeout:g} s") from None
-        if report is None:
-            raise TimeoutError("the subscription is closed")
-        return report
-
-    def close(self) -> None:
-        """Cancels the event."""
-        if self._cancel is not None:
-            self._cancel()
-            self._cancel = None
-        self.take(None)
-
-    def take(self, report: Received | None) -> None:
-        """Takes a report, on another thread; None ends the iteration."""
-        while True:
-            try:
-                self._reports.put_nowait(report)
-            except Full:
-                self._drop()
-            else:
-                return
-
-    def begin(self, cancel: Callable[[], None]) -> None:
-        """Takes what cancels the event at the end."""
-        self._cancel = cancel
-
-    def _drop(self) -> None:
-        try:
-            self._reports.get_nowait()
-        except Empty:
-            return
-        self.missed += 1
+    state: str | None
+    controller: str | None
+    authority: int | None
 
 
 class Component:
@@ -165,7 +96,7 @@ class Component:
         self._stack = ExitStack()
         self._running: Operator | None = None
         self._answers: dict[MessageEntry, tuple[MessageEntry, Callable[[], Fields | None]]] = {}
-        self._obeyed: dict[MessageEntry, Callable[[Received], None]] = {}
+        self._obeyed: dict[MessageEntry, Callable[[Received], Reply | None]] = {}
 
     def __repr__(self) -> str:
         state = "stopped" if self._running is None else "runs"
@@ -209,7 +140,13 @@ class Component:
 
     # ---- asking -----------------------------------------------------------------------------
 
-    def query(self, target: str, name: str | int, fields: Fields | None = None) -> Fields:
+    def query(
+        self,
+        target: str,
+        name: str | int,
+        fields: Fields | None = None,
+        timeout: float | None = None,
+    ) -> Fields:
         """Asks for a report and returns its fields.
 
         Args:
@@ -221,7 +158,7 @@ class Component:
             MessageError: There is no such message, or the fields are wrong.
         """
         address = self._other(target)
-        entry, found = self._waiting.query(address, _text(name), fields)
+        entry, found = self._waiting.query(address, _text(name), fields, timeout)
         return entry.shortened(found)
 
     def subscribe(self, target: str, name: str | int, rate: float | None = None) -> Subscription:
@@ -297,22 +234,82 @@ class Component:
             if self._running is not None:
                 self._operator.release(address)
 
+    def request(
+        self,
+        target: str,
+        name: str | int,
+        fields: Fields | None = None,
+        timeout: float | None = None,
+    ) -> Received:
+        """Sends a command and returns what came back: a confirmation, or a report of its effect.
+
+        Which messages confirm or reject a command is said by its service. SetX without a
+        confirmation is followed by QueryX until ReportX has what was set, any other command by
+        QueryStatus. A number that tells the answer from others (RequestID) need not be given.
+
+        Args:
+            fields: Its fields, as for `command`.
+            timeout: Seconds to wait; None for those of the component.
+
+        Raises:
+            MessageError: There is no such message, or the fields are wrong.
+            NoAnswer: Nothing came.
+            Refused: It was rejected, has no effect, or cannot have any; the text says why.
+        """
+        address = self._other(target)
+        entry, found = request(self._waiting, address, _text(name), fields, timeout)
+        return Received(entry.name, entry.shortened(found), target)
+
     def command(self, target: str, name: str | int, fields: Fields | None = None) -> None:
-        """Sends a message once, without waiting; commands are obeyed under control alone.
+        """Sends a message once, without waiting for its effect.
 
         Args:
             fields: Its fields; the one record of a body need not be named.
 
         Raises:
             MessageError: There is no such message, or the fields are wrong.
-            Refused: Control was taken, or the component left Ready, in a `control` block: nothing
+            NoAnswer: Nothing was ever heard of the component.
+            Refused: It obeys its controller alone, and we are not, or it left Ready since: nothing
                 is sent.
         """
-        address = component_address(target)
-        entry = self._operator.find(address, _text(name))
-        message = self._operator.message(entry, fields or {})
-        self._operator.check_obeyed(address)
-        self._operator.send(address, message)
+        address = self._other(target)
+        operator = self._waiting
+        entry = operator.find(address, _text(name))
+        message = operator.message(entry, fields or {})
+        operator.check_obeyed(address, entry)
+        operator.send(address, message)
+
+    def status(self, target: str) -> ComponentStatus:
+        """Returns the state of a component and who controls it."""
+        state, control = self._waiting.status(self._other(target))
+        if control is None:
+            return ComponentStatus(_state(state), None, None)
+        controller = controller_of(control) if control.subsystem_id else None
+        return ComponentStatus(_state(state), controller, control.authority_code)
+
+    def emergency(self, target: str) -> ComponentStatus:
+        """Stops a component by an emergency, which lasts until `clear`; control is not needed.
+
+        Raises:
+            NoAnswer: It does not tell its state: nobody knows whether it has stopped.
+            Refused: It sets no emergency.
+        """
+        address = self._other(target)
+        if self._waiting.emergency(address) is None:
+            raise self._waiting.unanswered(address, "SetEmergency", "ReportStatus")
+        return self.status(target)
+
+    def clear(self, target: str) -> ComponentStatus:
+        """Ends the emergency that this component has set.
+
+        Raises:
+            NoAnswer: It does not tell its state.
+            Refused: The emergency lasts: somebody else has set it.
+        """
+        address = self._other(target)
+        if self._waiting.clear(address) is None:
+            raise self._waiting.unanswered(address, "ClearEmergency", "ReportStatus")
+        return self.status(target)
 
     # ---- answering --------------------------------------------------------------------------
 
@@ -343,8 +340,11 @@ class Component:
 
         return changed
 
-    def obey(self, name: str | int, take: Callable[[Received], None]) -> None:
+    def obey(self, name: str | int, take: Callable[[Received], Reply | None]) -> None:
         """Has a function take a message: a command from the controller in Ready alone.
+
+        Args:
+            take: Takes it. It may return a message to answer with: its name and its fields.
 
         Raises:
             TypeError: What takes is no function, or is async.
@@ -399,6 +399,10 @@ def _peer(peer: str, place: tuple[str, int]) -> tuple[JausAddress, tuple[str, in
     raise ValueError(f"peer {peer} is at {place!r}, not at host and port, e.g. ('10.0.0.1', 3794)")
 
 
+def _state(state: Status | None) -> str | None:
+    return None if state is None else state.name
+
+
 def _text(name: str | int) -> str:
     """Returns a name or code as text."""
     return name if isinstance(name, str) else f"{name:04X}"
@@ -412,10 +416,10 @@ def _check_callable(function: object, purpose: str) -> None:
 
 
 def _taking(
-    take: Callable[[Received], None],
-) -> Callable[[MessageEntry, Fields, JausAddress], None]:
-    def taking(entry: MessageEntry, fields: Fields, sender: JausAddress) -> None:
-        take(Received(entry.name, entry.shortened(fields), str(sender)))
+    take: Callable[[Received], Reply | None],
+) -> Callable[[MessageEntry, Fields, JausAddress], Reply | None]:
+    def taking(entry: MessageEntry, fields: Fields, sender: JausAddress) -> Reply | None:
+        return take(Received(entry.name, entry.shortened(fields), str(sender)))
 
     return taking
 

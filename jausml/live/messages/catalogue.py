@@ -13,8 +13,7 @@ from jausml.language.model.diagnostics import Severity
 from jausml.live.messages.embedded import (
     MAXIMUM_DEPTH,
     DecodedMessage,
-    EmbeddedMessage,
-    decode_embedded,
+    as_it_is,
 )
 from jausml.live.messages.entries import MessageEntry, ServiceEntry, read_code
 from jausml.live.messages.errors import (
@@ -118,12 +117,13 @@ class Catalogue:
             if code not in codes:
                 codes.append(code)
 
+    def entry(self, definition: jaus.MessageDef) -> MessageEntry:
+        """Returns the message of a definition."""
+        self._with_code(int(str(definition.code), 16))
+        return self._entry_of[definition]
+
     def _entries_of(self, definitions: Iterable[jaus.MessageDef]) -> tuple[MessageEntry, ...]:
-        found = []
-        for definition in definitions:
-            self._with_code(int(str(definition.code), 16))
-            found.append(self._entry_of[definition])
-        return tuple(dict.fromkeys(found))
+        return tuple(dict.fromkeys(map(self.entry, definitions)))
 
     def _with_code(self, code: int) -> tuple[MessageEntry, ...]:
         """Returns the messages of a code: definitions that are equal become one."""
@@ -132,7 +132,7 @@ class Catalogue:
         if code not in self._entries:
             by_identity: dict[object, MessageEntry] = {}
             for definition, service in self._by_code[code]:
-                entry = MessageEntry(definition, self._encode_embedded)
+                entry = MessageEntry(definition, self._encode_embedded, self.decode)
                 try:
                     identity: object = entry.identity
                 except MessageError:
@@ -260,11 +260,13 @@ class Catalogue:
         if not entries:
             raise self._unknown(code)
         entries = tuple(entry for entry in entries if entry.name == message) or entries
+        deeper = partial(self._decode, service=service, message=message, depth=depth - 1)
+        inner = deeper if depth else as_it_is
         fitting: list[tuple[MessageEntry, dict[str, Any]]] = []
         error: CodecError = DecodeError("no definition fits")
         for entry in entries:
             try:
-                fitting.append((entry, entry.decode(payload)))
+                fitting.append((entry, entry.decode(payload, inner)))
             except CodecError as why:
                 error = why
         if len(fitting) > 1:
@@ -273,11 +275,7 @@ class Catalogue:
         if not fitting:
             raise error
         entry, fields = fitting[0]
-        embedded: tuple[EmbeddedMessage, ...] = ()
-        if depth:
-            deeper = partial(self._decode, service=service, message=message, depth=depth - 1)
-            embedded = decode_embedded(entry, fields, deeper)
-        return DecodedMessage(entry, fields, self._service_of(entry, service), embedded)
+        return DecodedMessage(entry, fields, self._service_of(entry, service))
 
     def _service_of(self, entry: MessageEntry, service: str | None) -> ServiceEntry:
         """Returns the service to name for a message: the meant one if it defines it."""

@@ -42,7 +42,7 @@ from jausml.live.messages.legal import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
 PRESENCE = "_pv"
 """Name under which a presence vector stands among the members."""
@@ -123,13 +123,28 @@ class _Record:
 
     def write(self, value: Any, out: bytearray) -> None:
         fields = as_object(value)
-        check_names(fields, self._known, self._needed, self._legal)
-        vector = 0
-        if self._presence is not None:
-            vector = _vector_of(fields, self._kind)
-            self._presence.write({PRESENCE: vector}, out)
-        for segment in self._segments_of(vector):
-            segment.write(fields, out)
+        try:
+            check_names(fields, self._known, self._needed, self._legal)
+            vector = 0
+            if self._presence is not None:
+                vector = _vector_of(fields, self._kind)
+                self._presence.write({PRESENCE: vector}, out)
+            for segment in self._segments_of(vector):
+                segment.write(fields, out)
+        except EncodeError as error:
+            raise error.beside(self._faults(fields, error.path)) from None
+
+    def _faults(self, fields: Mapping[str, Any], told: str) -> Iterator[EncodeError]:
+        """Yields what is wrong with the members, but for the one that was told."""
+        first = told.partition(".")[0].partition("[")[0]
+        for name, part in self._parts.items():
+            if name not in fields or name == first:
+                continue
+            codec = single(part) if isinstance(part, Item) else part
+            try:
+                Named(name, codec).write(fields, bytearray())
+            except EncodeError as error:
+                yield error
 
     def _legal(self, name: str) -> str:
         return next(in_words(each.kind) for each in self._kind.members if each.name == name)

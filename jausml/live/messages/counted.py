@@ -14,6 +14,8 @@ from jausml.live.messages.legal import (
     legal_integer,
     shown,
 )
+from jausml.live.messages.quantities import number_of, symbol
+from jausml.live.messages.values import named_values
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -90,7 +92,7 @@ def octets_of(kind: wire.Octets, encode_message: EncodeMessage) -> Codec:
         return {"hex": data.hex()}, offset
 
     def write(value: Any, out: bytearray) -> None:
-        counted.write(_bytes_of(as_object(value), encode_inner), out)
+        counted.write(_bytes_of(_by_message(as_object(value)), encode_inner), out)
 
     return Codec(read, write)
 
@@ -99,7 +101,9 @@ def formatted_of(kind: wire.FormattedOctets, encode_message: EncodeMessage) -> C
     """Returns what reads and writes bytes with a format, as `{"format": ..., "hex": ...}`."""
     counted = _counted(kind.count)
     names = kind.names
+    named = named_values(names)
     ranges = tuple((index, index) for index in sorted(names))
+    of_messages = [index for index in names if kind.holds_message(index)]
 
     def read(buffer: bytes, offset: int) -> tuple[dict[str, Any], int]:
         if offset >= len(buffer):
@@ -108,10 +112,13 @@ def formatted_of(kind: wire.FormattedOctets, encode_message: EncodeMessage) -> C
             data, end = counted.read(buffer, offset + 1)
         except DecodeError as error:
             raise error.inside("hex") from None
-        return {"format": buffer[offset], "hex": data.hex()}, end
+        index = buffer[offset]
+        return {"format": named.get(index, index), "hex": data.hex()}, end
 
     def write(value: Any, out: bytearray) -> None:
-        fields = as_object(value)
+        fields = _by_message(as_object(value))
+        if MESSAGE in fields and len(of_messages) == 1:
+            fields = {"format": of_messages[0], **fields}
         known = ("format", "hex", MESSAGE)
         check_names(fields, known, ("format",), lambda _: formats_in_words(kind))
         try:
@@ -123,6 +130,15 @@ def formatted_of(kind: wire.FormattedOctets, encode_message: EncodeMessage) -> C
         counted.write(_bytes_of(fields, encode_inner, "format"), out)
 
     return Codec(read, write)
+
+
+def _by_message(fields: dict[str, Any]) -> dict[str, Any]:
+    """Returns an object in which `{NAME: FIELDS}` has become a message of this name."""
+    others = [name for name in fields if name not in ("format", "hex", MESSAGE)]
+    if len(others) != 1 or not isinstance(fields[others[0]], dict):
+        return fields
+    message = {MESSAGE: others[0], "fields": fields[others[0]]}
+    return {name: each for name, each in fields.items() if name != others[0]} | {MESSAGE: message}
 
 
 def _bytes_of(fields: Mapping[str, Any], encode_inner: EncodeMessage | None, *more: str) -> bytes:
@@ -151,7 +167,10 @@ def _bytes_of(fields: Mapping[str, Any], encode_inner: EncodeMessage | None, *mo
 
 
 def variable_of(kind: wire.VariableNumber) -> Codec:
-    """Returns what reads and writes a number of some type, as `{"index": ..., "value": ...}`."""
+    """Returns what reads and writes a number of some type, as `{"index": ..., "value": ...}`.
+
+    It also takes `{UNIT: value}` and `"value UNIT"`, where the unit tells the index.
+    """
     found = kind.by_index.items()
     numbers = {index: Named("value", single(item_of(each))) for index, each in found}
     known = f"known are {', '.join(map(str, numbers))}"
@@ -165,8 +184,10 @@ def variable_of(kind: wire.VariableNumber) -> Codec:
         fields: dict[str, Any] = {"index": index}
         return fields, numbers[index].read(fields, buffer, offset + 1)
 
+    by_unit = {unit: each.index for each in kind.alternatives for unit in _units(each)}
+
     def write(value: Any, out: bytearray) -> None:
-        fields = as_object(value)
+        fields = as_object(_indexed(value, by_unit))
         check_names(fields, ("index", "value"), ("index", "value"))
         index = fields["index"]
         if type(index) is not int or index not in numbers:
@@ -175,3 +196,18 @@ def variable_of(kind: wire.VariableNumber) -> Codec:
         numbers[index].write(fields, out)
 
     return Codec(read, write)
+
+
+def _units(alternative: wire.Alternative) -> set[str]:
+    """Returns the words by which an alternative may be chosen."""
+    unit = alternative.number.units
+    return {alternative.name, unit, symbol(unit)} - {""}
+
+
+def _indexed(value: Any, by_unit: Mapping[str, int]) -> Any:
+    """Returns a value with the index that its unit tells; any other as it is."""
+    if isinstance(value, dict) and len(value) == 1:
+        ((unit, number),) = value.items()
+        return {"index": by_unit[unit], "value": number} if unit in by_unit else value
+    unit = value.partition(" ")[2] if isinstance(value, str) else ""
+    return {"index": by_unit[unit], "value": number_of(value, unit)} if unit in by_unit else value

@@ -61,6 +61,20 @@ def rows(entry: MessageEntry) -> list[Row]:
     return rows_of(entry.definition)
 
 
+def paths_of(entry: MessageEntry) -> list[str]:
+    """Returns the paths of the values of a message, without the one record of a body.
+
+    Elements of lists are those of the first one.
+    """
+    found = rows(entry)
+    body = f"{found[0].path}." if found and found[0].type.startswith("record") else ""
+    # The number of a variable field needs no path of its own: its unit tells the index.
+    whole = [each for each in found if not each.presence.startswith("index ")]
+    paths = [each.path.removeprefix(body).replace("[]", "[0]") for each in whole]
+    outer = {path.rpartition(".")[0].removesuffix("[0]") for path in paths}
+    return [path for path in paths if path not in outer and f"{path}." != body]
+
+
 def rows_of(definition: jaus.MessageDef) -> list[Row]:
     """Returns the fields of a definition from the outermost inwards, as `rows` does."""
     try:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from copy import deepcopy
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from jausml.language import wire
 from jausml.live.messages.codec import TAG
@@ -12,29 +11,12 @@ from jausml.live.messages.counted import MESSAGE
 from jausml.live.messages.errors import MessageError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Iterator, Mapping
 
     from jausml.live.messages.entries import MessageEntry, ServiceEntry
 
 MAXIMUM_DEPTH = 8
 """Messages inside messages that are decoded; what stands deeper remains hex."""
-
-
-@dataclass(frozen=True)
-class EmbeddedMessage:
-    """A message inside another.
-
-    Attributes:
-        message: The message, None when it cannot be decoded.
-    """
-
-    path: str
-    message: DecodedMessage | None
-    error: str = ""
-
-    def to_json(self) -> dict[str, Any]:
-        """Returns the message as `jausml decode` prints it, or an object with the error."""
-        return self.message.to_json() if self.message is not None else {"error": self.error}
 
 
 @dataclass(frozen=True)
@@ -44,18 +26,6 @@ class DecodedMessage:
     entry: MessageEntry
     fields: dict[str, Any]
     service: ServiceEntry
-    embedded: tuple[EmbeddedMessage, ...] = ()
-
-    def fields_with_messages(self) -> dict[str, Any]:
-        """Returns the fields; beside the `hex` of an embedded message stands its `message`."""
-        if not self.embedded:
-            return self.fields
-        fields = deepcopy(self.fields)
-        for (_, holder), found in zip(
-            holders(self.entry.record, fields), self.embedded, strict=True
-        ):
-            holder[MESSAGE] = found.to_json()
-        return fields
 
     def to_json(self) -> dict[str, Any]:
         """Returns the message as `jausml decode` prints it and `Catalogue.encode` takes it."""
@@ -64,43 +34,74 @@ class DecodedMessage:
             "code": self.entry.code_text,
             "service": self.service.urn,
             "service_version": self.service.version,
-            "fields": self.fields_with_messages(),
+            "fields": self.fields,
         }
 
 
-def decode_embedded(
-    entry: MessageEntry,
-    fields: dict[str, Any],
-    decode: Callable[[bytes], DecodedMessage],
-) -> tuple[EmbeddedMessage, ...]:
-    """Returns the messages inside a message; what cannot be decoded says why."""
-    if not entry.may_hold_messages:
-        return ()
-    found = []
-    for path, holder in holders(entry.record, fields):
+class EmbeddedMessage(dict[str, Any]):
+    """A message inside another, as `DecodedMessage.to_json` has it.
+
+    Attributes:
+        decoded: The message; None when it cannot be decoded, and the object says why.
+    """
+
+    def __init__(self, decoded: DecodedMessage | None, error: str = "") -> None:
+        super().__init__({"error": error} if decoded is None else decoded.to_json())
+        self.decoded = decoded
+
+
+class DecodeMessage(Protocol):
+    """Decodes an embedded message; None leaves it as it is."""
+
+    def __call__(self, payload: bytes, /) -> DecodedMessage | None:
+        """Returns the message of a payload."""
+
+
+def as_it_is(_payload: bytes, /) -> None:
+    """Decodes no embedded message."""
+
+
+def put_in_place(record: wire.Record, fields: dict[str, Any], decode: DecodeMessage) -> None:
+    """Puts messages in the place of their hex; what cannot be decoded stays, and says why."""
+    for holder in holders(record, fields):
         try:
-            found.append(EmbeddedMessage(path, decode(bytes.fromhex(holder["hex"]))))
+            found = decode(bytes.fromhex(holder["hex"]))
         except MessageError as error:
-            found.append(EmbeddedMessage(path, None, str(error)))
-    return tuple(found)
+            holder[MESSAGE] = EmbeddedMessage(None, str(error))
+            continue
+        if found is not None:
+            del holder["hex"]
+            holder[MESSAGE] = EmbeddedMessage(found)
+
+
+def shortened(value: Any) -> Any:
+    """Returns a value in which messages have the fields of `MessageEntry.shortened`."""
+    match value:
+        case EmbeddedMessage(decoded=DecodedMessage() as decoded):
+            return {**value, "fields": decoded.entry.shortened(decoded.fields)}
+        case dict():
+            return {name: shortened(each) for name, each in value.items()}
+        case list():
+            return [shortened(each) for each in value]
+        case _:
+            return value
 
 
 def holds(kind: wire.Octets | wire.FormattedOctets, value: Mapping[str, Any]) -> bool:
     """Tells whether a decoded byte field holds a message."""
     if isinstance(kind, wire.Octets):
         return kind.holds_message
-    return kind.holds_message(value["format"])
+    return kind.holds_message(int(value["format"]))
 
 
-def holders(kind: wire.Kind, value: Any, path: str = "") -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yields the objects of a decoded field that hold a message, with their paths."""
+def holders(kind: wire.Kind, value: Any) -> Iterator[dict[str, Any]]:
+    """Yields the objects of a decoded field that hold a message."""
     if isinstance(kind, wire.Octets | wire.FormattedOctets):
         if holds(kind, value):
-            yield path, value
+            yield value
         return
-    for step, inner, part in parts(kind, value):
-        joint = "" if not path or step.startswith("[") else "."
-        yield from holders(inner, part, f"{path}{joint}{step}")
+    for _, inner, part in parts(kind, value):
+        yield from holders(inner, part)
 
 
 def parts(kind: wire.Kind, value: Any) -> Iterator[tuple[str, wire.Kind, Any]]:

@@ -8,13 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language import wire
 from jausml.live.messages.codec import PRESENCE, codec_of, may_hold
+from jausml.live.messages.embedded import put_in_place, shortened
 from jausml.live.messages.errors import DecodeError, DefinitionError, EncodeError
+from jausml.live.messages.paths import by_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
     from jausml.language.metamodel.classes import jaus
     from jausml.live.messages.counted import EncodeMessage
+    from jausml.live.messages.embedded import DecodeMessage
     from jausml.live.messages.items import Codec
 
 _CODE = struct.Struct("<H")
@@ -51,7 +54,7 @@ class ServiceEntry:
         self.set_name = str(owner.name) if owner is not None else ""
         self.set_version = str(owner.version) if owner is not None else ""
         self.inherits: ServiceEntry | None = None
-        self._definition = definition
+        self.definition = definition
         self._messages = messages
 
     def __repr__(self) -> str:
@@ -65,12 +68,12 @@ class ServiceEntry:
     @cached_property
     def inputs(self) -> tuple[MessageEntry, ...]:
         """The messages that it receives, without inherited ones."""
-        return self._messages(self._definition.inputs)
+        return self._messages(self.definition.inputs)
 
     @cached_property
     def outputs(self) -> tuple[MessageEntry, ...]:
         """The messages that it sends, without inherited ones."""
-        return self._messages(self._definition.outputs)
+        return self._messages(self.definition.outputs)
 
     @property
     def messages(self) -> tuple[MessageEntry, ...]:
@@ -95,14 +98,24 @@ class MessageEntry:
         is_command: Whether it is a command, which only a controller may send (AS5710).
     """
 
-    def __init__(self, definition: jaus.MessageDef, encode_message: EncodeMessage) -> None:
-        """Makes an entry without services."""
+    def __init__(
+        self,
+        definition: jaus.MessageDef,
+        encode_message: EncodeMessage,
+        decode_message: DecodeMessage,
+    ) -> None:
+        """Makes an entry without services.
+
+        Args:
+            encode_message: Encodes the messages that stand in it; `decode_message` decodes them.
+        """
         self.name = str(definition.name)
         self.code = int(str(definition.code), 16)
         self.is_command = bool(definition.isCommand)
         self.services: tuple[ServiceEntry, ...] = ()
         self.definition = definition
         self._encode_message = encode_message
+        self._decode_message = decode_message
 
     def __repr__(self) -> str:
         return f"<MessageEntry {self.name} {self.code_text}>"
@@ -148,7 +161,13 @@ class MessageEntry:
         return (self.name, self.code, wire.comparable(self.record, _BESIDE_BYTES))
 
     def completed(self, fields: dict[str, Any]) -> dict[str, Any]:
-        """Returns fields in the shapes of `decode`; the one record of a body need not be named."""
+        """Returns fields in the shapes of `decode`.
+
+        Args:
+            fields: The one record of a body need not be named; names may be paths, as they are
+                shown: `NodeList[0].NodeID`.
+        """
+        fields = by_name(fields)
         members = self.record.members
         if len(members) != 1 or members[0].name in fields:
             return fields
@@ -159,15 +178,20 @@ class MessageEntry:
         members = self.record.members
         inner = fields.get(members[0].name) if len(members) == 1 else None
         shown = inner if isinstance(inner, dict) else fields
-        return {name: value for name, value in shown.items() if name != PRESENCE}
+        there = {name: value for name, value in shown.items() if name != PRESENCE}
+        return dict(shortened(there)) if self.may_hold_messages else there
 
-    def decode(self, payload: bytes) -> dict[str, Any]:
+    def decode(self, payload: bytes, decode_message: DecodeMessage | None = None) -> dict[str, Any]:
         """Returns the fields of the body.
 
         Shapes: a record or sequence is an object of its members, with `_pv` when it has a presence
         vector; a variant `{"_tag": n, OPTION: ...}`; a variable field `{"index", "value"}`; a
-        variable format field `{"format", "hex"}`; a variable length field `{"hex"}`; a bit field
-        an object of integers; arrays and lists are lists.
+        variable format field `{"format", "hex"}`; a variable length field `{"hex"}`, both with
+        `message` instead of `hex` where they hold one that is known; a bit field an object of
+        integers; arrays and lists are lists. An integer with a name is a `NamedValue`.
+
+        Args:
+            decode_message: Decodes the messages that stand in it; by default as the catalogue does.
         """
         code = read_code(payload)
         if code != self.code:
@@ -177,6 +201,8 @@ class MessageEntry:
         if end != len(payload):
             # A longer body is of another definition: what was read of it cannot be trusted.
             raise DecodeError(f"{len(payload) - end} bytes follow the body of {self.name}")
+        if self.may_hold_messages:
+            put_in_place(self.record, fields, decode_message or self._decode_message)
         return fields
 
     def encode(self, fields: dict[str, Any]) -> bytes:

@@ -22,15 +22,18 @@ class CodecError(MessageError):
 
     Attributes:
         path: Path of the field, e.g. `NodeList[2].NodeRec.NodeID`; empty for the message itself.
+        others: What is wrong beside it.
     """
 
     def __init__(self, reason: str, path: str = "") -> None:
         super().__init__(reason)
         self.reason = reason
         self.path = path
+        self.others: tuple[CodecError, ...] = ()
 
     def __str__(self) -> str:
-        return f"{self.path}: {self.reason}" if self.path else self.reason
+        own = f"{self.path}: {self.reason}" if self.path else self.reason
+        return "; ".join([own, *map(str, self.others)])
 
     def inside(self: ErrorT, step: str) -> ErrorT:
         """Puts a step before the path and returns the error, on its way out of a container.
@@ -40,6 +43,13 @@ class CodecError(MessageError):
         """
         joint = "" if not self.path or self.path.startswith("[") else "."
         self.path = f"{step}{joint}{self.path}"
+        for each in self.others:
+            each.inside(step)
+        return self
+
+    def beside(self: ErrorT, others: Iterable[CodecError]) -> ErrorT:
+        """Adds what else is wrong, and returns the error."""
+        self.others = (*self.others, *others)
         return self
 
 

@@ -16,9 +16,13 @@ from jausml.live.messages.legal import (
     legal_integer,
     shown,
 )
+from jausml.live.messages.quantities import number_of
+from jausml.live.messages.values import named_values
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
+
+    from jausml.live.messages.values import NamedValue
 
 
 class Item(NamedTuple):
@@ -77,20 +81,23 @@ def unsigned(number: wire.IntegerType) -> Item:
 def _integer(kind: wire.Integer) -> Item:
     ranges, names, offset = kind.legal.ranges, kind.legal.names, kind.legal.offset
 
-    def from_wire(item: int) -> int:
-        return item + offset
+    named = named_values(names)
+
+    def from_wire(item: int) -> int | NamedValue:
+        return named.get(item + offset, item + offset)
 
     def to_wire(value: Any) -> int:
-        return legal_integer(value, ranges, names) - offset
+        return legal_integer(value, ranges, names, kind.units) - offset
 
-    return Item(kind.type.format, kind.type.size, from_wire if offset else None, to_wire)
+    is_plain = not (offset or named)
+    return Item(kind.type.format, kind.type.size, None if is_plain else from_wire, to_wire)
 
 
 def _real(kind: wire.Real) -> Item:
     lower, upper = kind.legal.lower, kind.legal.upper
 
     def to_wire(value: Any) -> float:
-        number = as_number(value)
+        number = as_number(number_of(value, kind.units))
         if lower <= number <= upper:
             return number
         raise EncodeError(f"{shown(number)} is outside {lower!r} .. {upper!r}")
@@ -100,7 +107,7 @@ def _real(kind: wire.Real) -> Item:
 
 def _scaled(kind: wire.Scaled) -> Item:
     def to_wire(value: Any) -> int:
-        number = as_number(value)
+        number = as_number(number_of(value, kind.units))
         try:
             return kind.integer_of(number)
         except ValueError:
@@ -117,12 +124,14 @@ def _bit_field(kind: wire.BitField) -> Item:
         for each in kind.groups
     ]
     legal = {each.name: each.legal for each in kind.groups}
+    named = {each.name: named_values(each.legal.names) for each in kind.groups}
 
     def in_words(name: str) -> str:
         return integers_in_words(legal[name].ranges, legal[name].names)
 
-    def from_wire(item: int) -> dict[str, int]:
-        return {name: (item >> low & mask) + offset for name, low, mask, offset, _, _ in groups}
+    def from_wire(item: int) -> dict[str, int | NamedValue]:
+        numbers = {name: (item >> low & mask) + offset for name, low, mask, offset, _, _ in groups}
+        return {name: named[name].get(number, number) for name, number in numbers.items()}
 
     def to_wire(value: Any) -> int:
         fields = as_object(value)

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language import wire
 from jausml.live.messages.errors import EncodeError, did_you_mean, similar
+from jausml.live.messages.quantities import number_of
+from jausml.live.messages.values import NamedValue
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
@@ -59,12 +61,18 @@ def latin1(value: Any) -> bytes:
         raise EncodeError(f"{shown(value)} has characters beyond Latin-1") from None
 
 
-def legal_integer(value: Any, ranges: wire.Ranges, names: Mapping[int, str] = _NO_NAMES) -> int:
+def legal_integer(
+    value: Any, ranges: wire.Ranges, names: Mapping[int, str] = _NO_NAMES, unit: str = ""
+) -> int:
     """Returns the legal integer that a value or the name of one means.
 
     Args:
-        value: The value; a real without a fraction counts as an integer, as in JSON.
+        value: The value; a real without a fraction counts as an integer, as in JSON, and so does
+            a text as the integer is shown, with its name or its unit.
     """
+    if isinstance(value, NamedValue) and value not in names.values():
+        value = int(value)
+    value = number_of(value, unit)
     if isinstance(value, str) and names:
         return _named(value, ranges, names)
     number = as_number(value)
@@ -101,18 +109,33 @@ def check_names(
     needed: Iterable[str],
     legal: Callable[[str], str] = no_words,
 ) -> None:
-    """Refuses an object with unknown or without needed fields."""
+    """Refuses an object with unknown or without needed fields; the error names all of them."""
+    errors = []
+    meant: set[str] = set()
     for name in fields:
         if name not in known:
-            absent = [each for each in known if each not in fields]
-            hint = did_you_mean(similar(str(name), absent) or similar(str(name), known))
-            if not hint and absent:
-                hint = f"; it may be {listed(absent)}"
-            raise EncodeError(f"unknown field{hint}", str(name))
+            error, suggested = _unknown(str(name), fields, known)
+            errors.append(error)
+            meant.update(suggested)
     for name in needed:
-        if name not in fields:
+        if name not in fields and name not in meant:
             words = legal(name)
-            raise EncodeError(f"this field is absent{f', it takes {words}' * bool(words)}", name)
+            reason = f"this field is absent{f', it takes {words}' * bool(words)}"
+            errors.append(EncodeError(reason, name))
+    if errors:
+        raise errors[0].beside(errors[1:])
+
+
+def _unknown(
+    name: str, fields: Mapping[str, Any], known: Collection[str]
+) -> tuple[EncodeError, list[str]]:
+    """Returns the error of an unknown name, and the absent names that may be meant."""
+    absent = [each for each in known if each not in fields]
+    suggested = similar(name, absent)
+    hint = did_you_mean(suggested or similar(name, known))
+    if not hint and absent:
+        hint = f"; it may be {listed(absent)}"
+    return EncodeError(f"unknown field{hint}", name), suggested
 
 
 # -- words -----------------------------------------------------------------------------------------

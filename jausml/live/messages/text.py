@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, SupportsInt
 
 from jausml.language import wire
 from jausml.live.messages.codec import TAG
 from jausml.live.messages.counted import MESSAGE
-from jausml.live.messages.embedded import holds
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from jausml.live.messages.embedded import DecodedMessage
+    from jausml.live.messages.embedded import DecodedMessage, EmbeddedMessage
 
 _INDENT = "  "
 _SHOWN_OCTETS = 32
@@ -27,79 +26,68 @@ def title(decoded: DecodedMessage) -> str:
 
 def lines(decoded: DecodedMessage) -> Iterator[str]:
     """Yields the fields of a message, indented by depth."""
-    writer = _Writer(decoded)
     for member in decoded.entry.record.members:
-        yield from writer.field(member.name, member.kind, decoded.fields[member.name], "")
+        yield from _field(member.name, member.kind, decoded.fields[member.name], "")
 
 
-class _Writer:
-    """Writes the fields of one message, and between them the messages that stand in it."""
+def _field(name: str, kind: wire.Kind, value: Any, indent: str) -> Iterator[str]:
+    match kind:
+        case wire.Record():
+            yield f"{indent}{name}"
+            for member in kind.members:
+                if member.name in value:
+                    part = value[member.name]
+                    yield from _field(member.name, member.kind, part, indent + _INDENT)
+        case wire.List() | wire.Array():
+            yield from _elements(name, kind.element.kind, value, indent)
+        case wire.Variant():
+            yield f"{indent}{name}: {value[TAG]}"
+            if kind.options:
+                option = kind.options[value[TAG]]
+                part = value[option.name]
+                yield from _field(option.name, option.kind, part, indent + _INDENT)
+        case wire.Octets() | wire.FormattedOctets():
+            yield f"{indent}{name}: {_octets(kind, value)}"
+            yield from _message(value.get(MESSAGE), indent + _INDENT)
+        case _:
+            yield f"{indent}{name}: {simple(kind, value)}"
 
-    def __init__(self, decoded: DecodedMessage) -> None:
-        self._embedded = iter(decoded.embedded)
 
-    def field(self, name: str, kind: wire.Kind, value: Any, indent: str) -> Iterator[str]:
-        match kind:
-            case wire.Record():
-                yield f"{indent}{name}"
-                for member in kind.members:
-                    if member.name in value:
-                        part = value[member.name]
-                        yield from self.field(member.name, member.kind, part, indent + _INDENT)
-            case wire.List() | wire.Array():
-                yield from self._elements(name, kind.element.kind, value, indent)
-            case wire.Variant():
-                yield f"{indent}{name}: {value[TAG]}"
-                if kind.options:
-                    option = kind.options[value[TAG]]
-                    part = value[option.name]
-                    yield from self.field(option.name, option.kind, part, indent + _INDENT)
-            case wire.Octets() | wire.FormattedOctets():
-                yield f"{indent}{name}: {_octets(kind, value)}"
-                if holds(kind, value):
-                    yield from self._message(indent + _INDENT)
-            case _:
-                yield f"{indent}{name}: {simple(kind, value)}"
+def _elements(name: str, kind: wire.Kind, value: Sequence[Any], indent: str) -> Iterator[str]:
+    head = f"{indent}{name}[{len(value)}]"
+    if isinstance(kind, wire.Number | wire.FixedText):
+        shown = ", ".join(simple(kind, item) for item in value[:_SHOWN_ELEMENTS])
+        yield f"{head}: {shown}" + (", ..." if len(value) > _SHOWN_ELEMENTS else "")
+        return
+    yield head
+    for index, item in enumerate(value):
+        yield from _field(f"[{index}]", kind, item, indent + _INDENT)
 
-    def _elements(
-        self, name: str, kind: wire.Kind, value: Sequence[Any], indent: str
-    ) -> Iterator[str]:
-        head = f"{indent}{name}[{len(value)}]"
-        if isinstance(kind, wire.Number | wire.FixedText):
-            shown = ", ".join(simple(kind, item) for item in value[:_SHOWN_ELEMENTS])
-            yield f"{head}: {shown}" + (", ..." if len(value) > _SHOWN_ELEMENTS else "")
-            return
-        yield head
-        for index, item in enumerate(value):
-            yield from self.field(f"[{index}]", kind, item, indent + _INDENT)
 
-    def _message(self, indent: str) -> Iterator[str]:
-        """Yields the message of the next field that holds one."""
-        found = next(self._embedded, None)
-        if found is None:
-            return
-        if found.message is None:
-            yield f"{indent}{MESSAGE}: {found.error}"
-            return
-        yield f"{indent}{title(found.message)}"
-        yield from (f"{indent}{_INDENT}{line}" for line in lines(found.message))
+def _message(embedded: EmbeddedMessage | None, indent: str) -> Iterator[str]:
+    """Yields the message that stands in a field."""
+    if embedded is None:
+        return
+    if embedded.decoded is None:
+        yield f"{indent}{MESSAGE}: {embedded['error']}"
+        return
+    yield f"{indent}{title(embedded.decoded)}"
+    yield from (f"{indent}{_INDENT}{line}" for line in lines(embedded.decoded))
 
 
 def simple(kind: wire.Scalar | wire.Text | wire.VariableNumber, value: Any) -> str:
     """Returns a decoded value that has no fields inside, with its unit or its name."""
     match kind:
         case wire.Integer():
-            return f"{value}{_named(kind.legal.names, value)}{_unit(kind.units)}"
+            return f"{named(kind.legal, value)}{_unit(kind.units)}"
         case wire.Scaled():
             decimals = max(0, 1 - math.floor(math.log10(kind.step)))
             return f"{value:.{decimals}f}{_unit(kind.units)}"
         case wire.Real():
             return f"{value!r}{_unit(kind.units)}"
         case wire.BitField():
-            numbers = ((value[each.name], each) for each in kind.groups)
             return ", ".join(
-                f"{each.name} {number}{_named(each.legal.names, number)}"
-                for number, each in numbers
+                f"{each.name} {named(each.legal, value[each.name])}" for each in kind.groups
             )
         case wire.VariableNumber():
             return simple(kind.by_index[value["index"]], value["value"])
@@ -108,8 +96,10 @@ def simple(kind: wire.Scalar | wire.Text | wire.VariableNumber, value: Any) -> s
             return f'"{value if value.isprintable() else ascii(value)[1:-1]}"'
 
 
-def _named(names: Mapping[int, str], value: int) -> str:
-    return f" ({names[value]})" if value in names else ""
+def named(legal: wire.LegalIntegers, value: SupportsInt) -> str:
+    """Returns an integer with its name, if it has one, e.g. `1 (READY)`."""
+    number = int(value)
+    return f"{number} ({legal.names[number]})" if number in legal.names else str(number)
 
 
 def _unit(units: str) -> str:
@@ -120,7 +110,9 @@ def _octets(kind: wire.Octets | wire.FormattedOctets, value: Mapping[str, Any]) 
     if isinstance(kind, wire.Octets):
         name = kind.content
     else:
-        name = kind.names.get(value["format"], f"format {value['format']}")
-    digits: str = value["hex"]
+        name = kind.names.get(int(value["format"]), f"format {value['format']}")
+    digits: str | None = value.get("hex")
+    if digits is None:
+        return name
     shown = digits[: 2 * _SHOWN_OCTETS] + ("..." if len(digits) > 2 * _SHOWN_OCTETS else "")
     return f"{len(digits) // 2} bytes of {name} {shown}".rstrip()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shlex
 import time
 from dataclasses import dataclass
@@ -10,14 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.live.messages import MessageError
 from jausml.live.messages.errors import did_you_mean, similar
+from jausml.live.messages.paths import parse_fields
 from jausml.live.peers.commanding import outcome
-from jausml.live.peers.operator import Refused
-from jausml.live.peers.query_client import NoAnswer
+from jausml.live.peers.completing import completions
+from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.peers.rendering import report_line, service_lines, status_line, subsystem_lines
+from jausml.live.peers.requesting import request
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.messages import ClearEmergency, Resume, SetEmergency, Standby
+from jausml.runtime.messages import Resume, Standby
 from jausml.runtime.services.definitions import Status
-from jausml.runtime.transports.packets.packet import Priority
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 
 DEFAULT_AUTHORITY = 205
 """Authority of an operator control unit, as other stacks choose it."""
-
-_STOP = 1
 
 
 class UsageError(Exception):
@@ -73,7 +71,7 @@ class Console:
             ),
             "services": ConsoleCommand("[ID]", "list its services", self._services),
             "status": ConsoleCommand("[ID]", "show its state and who controls it", self._status),
-            "query": ConsoleCommand("[ID] MESSAGE [JSON]", "ask for a report", self._query),
+            "query": ConsoleCommand("[ID] MESSAGE [FIELDS]", "ask for a report", self._query),
             "watch": ConsoleCommand("[ID] MESSAGE [HZ]", "show a report live", self._watch),
             "unwatch": ConsoleCommand("", "stop showing reports", self._unwatch),
             "control": ConsoleCommand(
@@ -81,7 +79,10 @@ class Console:
             ),
             "resume": ConsoleCommand("[ID]", "bring it to Ready", self._resume),
             "standby": ConsoleCommand("[ID]", "bring it to Standby", self._standby),
-            "send": ConsoleCommand("[ID] MESSAGE [JSON]", "send a message", self._send),
+            "request": ConsoleCommand(
+                "[ID] MESSAGE [FIELDS]", "send a message and wait for its answer", self._request
+            ),
+            "send": ConsoleCommand("[ID] MESSAGE [FIELDS]", "send a message", self._send),
             "release": ConsoleCommand("[ID]", "release control", self._release),
             "emergency": ConsoleCommand("[ID]", "set an emergency", self._emergency),
             "clear": ConsoleCommand("[ID]", "clear our emergency", self._clear),
@@ -105,6 +106,10 @@ class Console:
                 f"note: our emergency of {target} lasts; 'clear' under --id {self._operator.own} "
                 "ends it"
             )
+
+    def completions(self, line: str) -> list[str]:
+        """Returns the words that may end a line, of which the last one was begun."""
+        return completions(self._operator, self.commands, self._target, line)
 
     def execute(self, word: str, rest: str) -> None:
         """Carries out one command; what goes wrong is told and counted."""
@@ -240,21 +245,24 @@ class Console:
         self._operator.send(target, message)
         self._emit(f"{entry.name} sent to {target}")
 
+    def _request(self, rest: str) -> None:
+        target, rest = self._aim(rest)
+        name, fields = _message(rest)
+        self._emit(report_line(target, *request(self._operator, target, name, fields)))
+
     def _release(self, rest: str) -> None:
         target, _ = self._aim(rest)
         self.release(target)
 
     def _emergency(self, rest: str) -> None:
         target, _ = self._aim(rest)
-        message = SetEmergency(emergency_code=_STOP)
-        self._operator.send(target, message, Priority.SAFETY_CRITICAL)
         self._emergencies.add(target)
+        self._operator.emergency(target)
         self._emit(f"{target} {status_line(*self._operator.status(target))}")
 
     def _clear(self, rest: str) -> None:
         target, _ = self._aim(rest)
-        message = ClearEmergency(emergency_code=_STOP)
-        self._operator.send(target, message, Priority.SAFETY_CRITICAL)
+        self._operator.clear(target)
         self._emergencies.discard(target)
         self._emit(f"{target} {status_line(*self._operator.status(target))}")
 
@@ -267,6 +275,8 @@ class Console:
             address = JausAddress.parse(word)
             if not address.is_concrete:
                 raise UsageError(f"{word} does not name one component")
+            if address != self._target:
+                self._operator.survey.ask(address)  # what it provides, for completions
             self._target = address
             return address, after.strip()
         if self._target is None:
@@ -276,17 +286,6 @@ class Console:
     def _require_control(self, target: JausAddress) -> None:
         if not self._operator.controls(target):
             raise UsageError(f"{target} is not controlled by us: 'control {target}' first")
-
-
-def parse_fields(text: str) -> dict[str, Any]:
-    """Returns the fields of a message from JSON."""
-    try:
-        fields = json.loads(text)
-    except json.JSONDecodeError as error:
-        raise ValueError(f"the fields are no JSON: {error}") from error
-    if not isinstance(fields, dict):
-        raise ValueError('the fields must be a JSON object, e.g. {"AuthorityCode": 5}')
-    return fields
 
 
 def _message(rest: str) -> tuple[str, dict[str, Any] | None]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
+from queue import SimpleQueue
 from typing import TYPE_CHECKING
 
 from jausml.live.messages import MessageError
@@ -10,7 +12,7 @@ from jausml.live.peers.rendering import printable
 from jausml.runtime.wire.message import DecodeError, read_code
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Collection, Iterator, Sequence
 
     from jausml.live.messages import Catalogue, ServiceEntry
     from jausml.live.peers.network import Network
@@ -43,6 +45,18 @@ class Heard:
         self._network = network
         self._counters = counters
         self._last: dict[JausAddress, dict[int, bytes]] = {}
+        self._awaited: list[tuple[JausAddress, Collection[int], SimpleQueue[bytes]]] = []
+
+    @contextmanager
+    def awaiting(self, source: JausAddress, codes: Collection[int]) -> Iterator[SimpleQueue[bytes]]:
+        """Yields the messages of some codes that come from a component during the block."""
+        found: SimpleQueue[bytes] = SimpleQueue()
+        awaited = (source, codes, found)
+        self._awaited.append(awaited)
+        try:
+            yield found
+        finally:
+            self._awaited.remove(awaited)
 
     def note(self, payload: bytes, source: JausAddress) -> None:
         """Remembers a message."""
@@ -55,6 +69,9 @@ class Heard:
             return
         if code in known or len(known) < _MOST_MESSAGES:
             known[code] = payload
+        for awaited, codes, found in tuple(self._awaited):
+            if awaited == source and code in codes:
+                found.put(payload)
 
     def of(self, source: JausAddress) -> bool:
         """Whether anything came from a component."""

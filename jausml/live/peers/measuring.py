@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.language.metamodel.classes import bridge
 from jausml.live.messages import MessageError
 from jausml.live.peers.entry_messages import full_query, message_class
-from jausml.live.peers.operator import Refused
-from jausml.live.peers.query_client import NoAnswer
+from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.conversions import ConversionError, Time, TimeStamp, timestamp_to_time
 from jausml.runtime.messages import (

@@ -5,26 +5,36 @@ from __future__ import annotations
 import time
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import count
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.peers.entry_messages import EntryMessage, full_query, message_class
+from jausml.language.semantics.jaus.commands import obeys_controller_alone
+from jausml.live.messages import UnknownMessageError
+from jausml.live.peers.answering import AnsweringClient
+from jausml.live.peers.discovery import controller_of
 from jausml.live.peers.heard import Heard
 from jausml.live.peers.holding import Hold
-from jausml.live.peers.query_client import POLL, NoAnswer, QueryClient, status_of
-from jausml.live.peers.rendering import printable
+from jausml.live.peers.query_client import POLL, NoAnswer, Refused, status_of
+from jausml.live.peers.watching import WatchingClient
 from jausml.runtime import ComponentSettings, ControlState, JausComponent, Scope
 from jausml.runtime.component.process import running_transport
-from jausml.runtime.messages import QueryStatus, RejectControl, ReportStatus
-from jausml.runtime.services.definitions import CORE, Guard, ServiceIdentity, Status
+from jausml.runtime.messages import (
+    ClearEmergency,
+    QueryStatus,
+    RejectControl,
+    ReportStatus,
+    SetEmergency,
+)
+from jausml.runtime.services.definitions import CORE, ServiceIdentity, Status
 from jausml.runtime.transports.packets.packet import Priority
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Collection, Iterator
+    from contextlib import AbstractContextManager
 
     from jausml.live.messages import Catalogue, MessageEntry
     from jausml.live.peers.network import Network
-    from jausml.runtime import EventSubscription
     from jausml.runtime.base.address import JausAddress
     from jausml.runtime.transports.delivery import Take
     from jausml.runtime.transports.transport import Transport
@@ -36,8 +46,13 @@ OCU_TYPE = 20001
 _WATCH = 0.5
 """Seconds between two looks at a component that we control."""
 
-_LATE_REPORTS = 3
-"""Periodic reports that may be missing before it is told."""
+_STOP = 1
+"""Code of the only emergency (AS5710, SetEmergency)."""
+
+_LEAVING_READY = ("Reset", "Shutdown", "Standby")
+"""Commands by which a component leaves Ready (AS5710, Management)."""
+
+_ACCESS_CONTROL = f"{CORE}AccessControl"
 
 _SERVICES = tuple(
     ServiceIdentity(CORE + name, 1, 1) for name in ("Transport", "Events", "Liveness", "Discovery")
@@ -53,11 +68,7 @@ class Identity:
     component_type: int = OCU_TYPE
 
 
-class Refused(Exception):  # noqa: N818 - an outcome, not a fault of ours
-    """A component answers, but not as wished."""
-
-
-class Operator(QueryClient):
+class Operator(AnsweringClient, WatchingClient):
     """The actions of an operator; each call waits for its outcome."""
 
     def __init__(
@@ -72,76 +83,9 @@ class Operator(QueryClient):
         super().__init__(component, network, catalogue, heard, timeout)
         self._holds: dict[JausAddress, Hold] = {}
         self._rejections: SimpleQueue[JausAddress] = SimpleQueue()
+        self._request_ids = count(1)
         component.on_message(RejectControl, self._rejected)
         component.on_message(ReportStatus, self._status_reported)
-
-    # ---- watching ---------------------------------------------------------------------------
-
-    def watch(
-        self,
-        target: JausAddress,
-        name: str,
-        rate: float | None,
-        on_report: Callable[[MessageEntry, dict[str, Any]], None],
-    ) -> EventSubscription:
-        """Subscribes to a report by an event.
-
-        When periodic reports stay away, that is counted and logged.
-
-        Args:
-            rate: Reports each second; None means every change.
-            on_report: Takes the report and its fields, on another thread.
-
-        Raises:
-            Refused: It gives no such event.
-        """
-        query, report = self.exchange(target, name)
-        patience = max(self.timeout, _LATE_REPORTS / rate) if rate and rate > 0 else 0.0
-        silence = f"no {report.name} of {target} for {patience:g} s"
-        subscription = self._component.subscribe(
-            target,
-            self.message(query, full_query(query, report)),
-            message_class(report),
-            lambda message, _: on_report(report, message.fields),
-            rate=rate,
-            silence_timeout=patience,
-            on_silence=lambda: self._component.counters.count("event_client.silent", silence),
-        )
-        return self._confirmed(target, subscription, report)
-
-    def watch_encoded(
-        self,
-        target: JausAddress,
-        exchange: tuple[MessageEntry, MessageEntry],
-        rate: float | None,
-        on_report: Callable[[bytes], None],
-    ) -> EventSubscription:
-        """Subscribes to a report by an event, to take it as it arrives, undecoded."""
-        query, report = exchange
-        subscription = self._component.subscribe(
-            target,
-            self.message(query, full_query(query, report)),
-            message_class(report),
-            lambda payload, _: on_report(payload),
-            rate=rate,
-            payloads=True,
-        )
-        return self._confirmed(target, subscription, report)
-
-    def _confirmed(
-        self, target: JausAddress, subscription: EventSubscription, report: MessageEntry
-    ) -> EventSubscription:
-        """Returns a subscription once its event is confirmed."""
-        end = time.monotonic() + self.timeout
-        while not subscription.active:
-            if refusal := subscription.refusal:
-                subscription.cancel()
-                raise Refused(f"{target} refuses events of {report.name}: {printable(refusal)}")
-            if time.monotonic() > end:
-                subscription.cancel()
-                raise self.unanswered(target, "CreateEvent")
-            time.sleep(POLL)
-        return subscription
 
     # ---- control ----------------------------------------------------------------------------
 
@@ -173,94 +117,156 @@ class Operator(QueryClient):
             raise Refused(f"{target} gives no control: {self._why_refused(target)}")
         return hold
 
-    def change(self, target: JausAddress, message: Message, state_after: Status) -> Status | None:
-        """Sends Resume or Standby and returns the state that follows; None without Management.
+    def change(self, target: JausAddress, message: Message, *states: Status) -> Status | None:
+        """Sends a command of Management and returns the state that follows; None without any.
+
+        Args:
+            states: States to which it may lead.
 
         Raises:
-            Refused: The component does not come to the state.
+            Refused: The component does not come to one of the states.
         """
-        try:
-            state = status_of(self.ask(target, QueryStatus(), ReportStatus))
-        except NoAnswer:
-            return None
-        if state_after is not Status.READY and target in self._holds:
+        if Status.READY not in states and target in self._holds:
             self._holds[target].expect_standby()
-        self._component.send(message, target)
+        is_urgent = isinstance(message, SetEmergency | ClearEmergency)
+        self._component.send(
+            message,
+            target,
+            priority=Priority.SAFETY_CRITICAL if is_urgent else Priority.STANDARD,
+            acknowledge=is_urgent,
+        )
         end = time.monotonic() + self.timeout
-        while state is not state_after:
-            if time.monotonic() > end:
-                raise Refused(
-                    f"{target} stays in {state.name if state is not None else 'an unknown state'} "
-                    f"after {message.NAME}"
-                )
-            state = status_of(self.ask(target, QueryStatus(), ReportStatus))
-        return state
-
-    def send(
-        self, target: JausAddress, message: Message, priority: Priority = Priority.STANDARD
-    ) -> None:
-        """Sends a message, once and without waiting."""
-        if target in self._holds:
-            self._holds[target].count()
-        self._component.send(message, target, priority=priority)
-
-    # ---- answering --------------------------------------------------------------------------
-
-    def provide(
-        self,
-        query: MessageEntry,
-        report: MessageEntry,
-        give: Callable[[], dict[str, Any] | None],
-    ) -> None:
-        """Answers a query, and events on it.
-
-        Args:
-            give: Returns the fields of the present report; None when there is none now.
-        """
-        made = message_class(report)
-
-        def provided(_query: EntryMessage, _sender: JausAddress) -> EntryMessage | None:
-            fields = give()
-            if fields is None:
+        while True:
+            try:
+                state = status_of(self.ask(target, QueryStatus(), ReportStatus))
+            except NoAnswer:
                 return None
-            if not isinstance(fields, dict):
-                raise TypeError(f"the answer to {query.name} is {fields!r}, not a dict of fields")
-            return made(report.completed(fields))
+            if state in states:
+                return state
+            if time.monotonic() > end:
+                name = state.name if state is not None else "an unknown state"
+                raise Refused(f"{target} stays in {name} after {message.NAME}")
+            time.sleep(POLL)
 
-        self._component.provide(message_class(query), made, provided)
+    def emergency(self, target: JausAddress) -> Status | None:
+        """Sets an emergency, which stops a component; it needs no control.
 
-    def report_changed(self, report: MessageEntry) -> None:
-        """Sends a report to who wants it at every change."""
-        self._component.report_changed(message_class(report))
+        Returns:
+            The state that follows; None when the component does not tell.
+        """
+        return self.change(target, SetEmergency(emergency_code=_STOP), Status.EMERGENCY)
 
-    def obey(
-        self,
-        entry: MessageEntry,
-        take: Callable[[MessageEntry, dict[str, Any], JausAddress], None],
-    ) -> None:
-        """Has a function take a message; commands come from the controller in Ready alone.
+    def clear(self, target: JausAddress) -> Status | None:
+        """Ends an emergency that we have set.
 
-        Args:
-            take: Takes the message, its fields and its sender, on another thread.
+        Returns:
+            The state that follows; None when the component does not tell.
 
         Raises:
-            ValueError: Something takes it already.
+            Refused: It lasts: somebody else has set it.
         """
-        self._component.handle(
-            message_class(entry),
-            lambda message, sender: take(entry, message.fields, sender),
-            when=Guard.READY if entry.is_command else Guard.ANY,
-        )
+        after = [each for each in Status if each is not Status.EMERGENCY]
+        return self.change(target, ClearEmergency(emergency_code=_STOP), *after)
+
+    def send(self, target: JausAddress, message: Message, *, acknowledge: bool = False) -> None:
+        """Sends a message, once and without waiting.
+
+        Args:
+            acknowledge: Whether the transport repeats it until it has arrived.
+        """
+        hold = self._holds.get(target)
+        if hold is not None:
+            hold.count()
+            if message.NAME in _LEAVING_READY:
+                hold.expect_standby()
+        self._component.send(message, target, acknowledge=acknowledge)
+
+    def answered(self, target: JausAddress, message: Message) -> None:
+        """Takes an answer to a message as good as its acknowledgement."""
+        self._component.transport.answered(self.own, target, message.encode())
+
+    def awaiting(
+        self, target: JausAddress, codes: Collection[int]
+    ) -> AbstractContextManager[SimpleQueue[bytes]]:
+        """Yields the messages of some codes that come from a component during the block."""
+        return self._heard.awaiting(target, codes)
+
+    def next_request_id(self) -> int:
+        """Returns a number that tells the answer to a request from others."""
+        return next(self._request_ids) % 256
 
     def controls(self, target: JausAddress) -> bool:
         """Whether we hold control of a component."""
         return target in self._holds and self._holds[target].is_held
 
-    def check_obeyed(self, target: JausAddress) -> None:
-        """Refuses to go on when a component that we control obeys us no more."""
+    def check_obeyed(self, target: JausAddress, entry: MessageEntry) -> None:
+        """Refuses what cannot have an effect: without control, or at a component that is not there.
+
+        Raises:
+            NoAnswer: Nothing was ever heard of the component, and it does not say its state.
+            Refused: It obeys us no more, or never gave us control.
+        """
         hold = self._holds.get(target)
-        if hold is not None and not hold.is_obeyed:
-            raise Refused(f"{target} {hold.last_change or 'does not obey us'}")
+        is_core = any(each.urn.startswith(CORE) for each in entry.services)
+        if hold is not None and not (hold.is_held if is_core else hold.is_obeyed):
+            raise Refused(self._why_lost(hold))
+        if self.is_on_its_thread:
+            return  # where nobody can wait
+        if not self._heard.of(target):
+            self.status(target)
+        if hold is None and self._needs_control(target, entry):
+            reason = self.why_ignored(target)
+            raise Refused(
+                f"{target} takes {entry.name} from its controller alone"
+                + (f": {reason}" if reason else ", and we do not control it")
+            )
+
+    def _why_lost(self, hold: Hold) -> str:
+        text = f"{hold.target} {hold.last_change or 'does not obey us'}"
+        session = hold.session
+        if session is None:
+            return text
+        if session.status not in (None, Status.READY):
+            return f"{text}: it is in {session.status.name}"
+        if session.controller not in (None, self.own):
+            return f"{text}: {session.controller} controls it"
+        return text
+
+    def needs_control(self, target: JausAddress, name: str) -> bool:
+        """Tells whether a component takes the message of a name from its controller alone."""
+        try:
+            return self._needs_control(target, self.find(target, name))
+        except UnknownMessageError:
+            return False  # the common part of a query and its report
+
+    def _needs_control(self, target: JausAddress, entry: MessageEntry) -> bool:
+        if not any(
+            obeys_controller_alone(entry.definition, each.definition) for each in entry.services
+        ):
+            return False
+        provided = [each.urn for each in self.services(target)]
+        return not provided or _ACCESS_CONTROL in provided
+
+    def why_ignored(self, target: JausAddress) -> str:
+        """Returns why a component may not do what we command, in words; empty if nobody knows."""
+        try:
+            return self._in_the_way(target)
+        except NoAnswer:
+            return ""
+
+    def _in_the_way(self, target: JausAddress) -> str:
+        state, control = self.status(target)
+        if state not in (None, Status.READY, Status.STANDBY):
+            return f"it is in {state.name}"
+        controller = controller_of(control) if control is not None else ""
+        if control is not None and control.subsystem_id and controller != str(self.own):
+            return (
+                f"{controller} controls it with authority {control.authority_code}; "
+                "a higher authority preempts"
+            )
+        if state is Status.STANDBY and self.controls(target):
+            return "it is in STANDBY, and obeys in READY"
+        return ""
 
     @property
     def holds(self) -> tuple[Hold, ...]:
@@ -298,17 +304,10 @@ class Operator(QueryClient):
 
     def _why_refused(self, target: JausAddress) -> str:
         try:
-            state, control = self.status(target)
+            reason = self._in_the_way(target)
         except NoAnswer:
             return "it does not say why"
-        if state in (Status.INITIALIZE, Status.SHUTDOWN, Status.FAILURE, Status.EMERGENCY):
-            return f"it is in {state.name}"
-        if control is not None and control.subsystem_id:
-            return (
-                f"{control.subsystem_id}.{control.node_id}.{control.component_id} controls it "
-                f"with authority {control.authority_code}; a higher authority preempts"
-            )
-        return "the authority is below its default; try a higher authority"
+        return reason or "the authority is below its default; try a higher authority"
 
 
 @contextmanager

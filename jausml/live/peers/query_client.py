@@ -60,6 +60,10 @@ class NoAnswer(Exception):  # noqa: N818 - an outcome of the network, not a faul
     """A component does not answer."""
 
 
+class Refused(Exception):  # noqa: N818 - an outcome, not a fault of ours
+    """A component answers, but not as wished."""
+
+
 class QueryClient:
     """Asks components for one of ours."""
 
@@ -128,13 +132,22 @@ class QueryClient:
         """What may be the cause when nobody answers."""
         return f"nobody answers; {self._heard.nothing()}"
 
-    def ask(self, target: JausAddress, query: Message, report_class: type[Message]) -> Any:
+    def ask(
+        self,
+        target: JausAddress,
+        query: Message,
+        report_class: type[Message],
+        timeout: float | None = None,
+    ) -> Any:
         """Returns the report that answers a query.
+
+        Args:
+            timeout: Seconds to wait; None for the usual ones.
 
         Raises:
             NoAnswer: None comes.
         """
-        report = self._begin(target, query, report_class).within(None)
+        report = self._begin(target, query, report_class, timeout).within(None)
         if report is None:
             raise self.unanswered(target, query.NAME, report_class.NAME)
         return report
@@ -166,9 +179,16 @@ class QueryClient:
         """
         return self._heard.lack(message, self.survey.services(target))
 
-    def _begin(self, target: JausAddress, query: Message, report_class: type[Message]) -> _Question:
+    def _begin(
+        self,
+        target: JausAddress,
+        query: Message,
+        report_class: type[Message],
+        timeout: float | None = None,
+    ) -> _Question:
         """Asks, without waiting for the answer."""
-        attempts = max(ATTEMPTS, math.ceil(self.timeout))
+        seconds = self.timeout if timeout is None else timeout
+        attempts = max(ATTEMPTS, math.ceil(seconds))
         answers: SimpleQueue[Any] = SimpleQueue()
         pending = self._component.query(
             target,
@@ -176,7 +196,7 @@ class QueryClient:
             report_class,
             lambda report, _: answers.put(report),
             on_failure=lambda: answers.put(None),
-            timeout=self.timeout / attempts,
+            timeout=seconds / attempts,
             retries=attempts - 1,
         )
         return _Question(pending, answers)
@@ -318,19 +338,24 @@ class QueryClient:
             )
 
     def query(
-        self, target: JausAddress, name: str, fields: dict[str, Any] | None = None
+        self,
+        target: JausAddress,
+        name: str,
+        fields: dict[str, Any] | None = None,
+        timeout: float | None = None,
     ) -> tuple[MessageEntry, dict[str, Any]]:
         """Asks for a report by name and returns it with its fields.
 
         Args:
             fields: Fields of the query; the presence vector asks for everything if it is absent.
+            timeout: Seconds to wait; None for the usual ones.
 
         Raises:
             MessageError: There is no such message, or the fields are wrong.
         """
         query, report = self.exchange(target, name)
         message = self.message(query, full_query(query, report) if fields is None else fields)
-        answer = self.ask(target, message, message_class(report))
+        answer = self.ask(target, message, message_class(report), timeout)
         return report, answer.fields
 
     def exchange(self, target: JausAddress, name: str) -> tuple[MessageEntry, MessageEntry]:

@@ -8,43 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language import wire
 from jausml.live.messages.codec import TAG
+from jausml.live.messages.counted import MESSAGE
+from jausml.live.messages.quantities import with_unit
+from jausml.live.messages.text import named
 from jausml.live.peers.discovery import controller_of, type_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from jausml.live.messages import MessageEntry
+    from jausml.live.messages import EmbeddedMessage, MessageEntry
     from jausml.live.peers.discovery import KnownComponent, KnownSubsystem
     from jausml.runtime.base.address import JausAddress
     from jausml.runtime.messages import ReportControl
     from jausml.runtime.services.definitions import ServiceIdentity, Status
-
-
-_SYMBOLS = {
-    "ampere": "A",
-    "coulomb": "C",
-    "cubic meter": "m3",
-    "degree": "deg",
-    "degree Celsius": "°C",
-    "hertz": "Hz",
-    "hour": "h",
-    "kilogram": "kg",
-    "liter": "l",
-    "meter": "m",
-    "meter per second": "m/s",
-    "meter per second squared": "m/s2",
-    "minute": "min",
-    "newton": "N",
-    "newton meter": "N m",
-    "one": "",
-    "percent": "%",
-    "radian": "rad",
-    "radian per second": "rad/s",
-    "radian per second squared": "rad/s2",
-    "second": "s",
-    "volt": "V",
-}
-"""Symbols of the units of the library; others are shown as they are written."""
 
 
 _CLOCK = {"Hour", "Minutes", "Seconds", "Milliseconds"}
@@ -72,13 +48,10 @@ def field_texts(kind: wire.Kind, value: Any, path: str = "") -> Iterator[tuple[s
         case wire.Variant():
             option = kind.options[value[TAG]]
             yield from field_texts(option.kind, value[option.name], _joined(path, option.name))
-        case wire.BitField() if value.keys() >= _CLOCK:
-            yield path, _clock(value)
         case wire.BitField():
-            for group in kind.groups:
-                number = value[group.name]
-                name = group.legal.names.get(number, "")
-                yield _joined(path, group.name), _named(number, name)
+            yield from _bit_texts(kind, value, path)
+        case wire.Octets() | wire.FormattedOctets() if MESSAGE in value:
+            yield from _message_texts(value[MESSAGE], path)
         case _:
             yield path, _leaf(kind, value)
 
@@ -89,6 +62,24 @@ def _record_texts(kind: wire.Record, value: dict[str, Any], path: str) -> Iterat
         if member.name in value:
             step = "" if outermost and isinstance(member.kind, wire.Record) else member.name
             yield from field_texts(member.kind, value[member.name], _joined(path, step))
+
+
+def _message_texts(embedded: EmbeddedMessage, path: str) -> Iterator[tuple[str, str]]:
+    decoded = embedded.decoded
+    if decoded is None:
+        yield path, f"({embedded['error']})"
+        return
+    inner = list(field_texts(decoded.entry.record, decoded.fields))
+    for step, text in inner or [("", "(no fields)")]:
+        yield _joined(_joined(path, decoded.entry.name), step), text
+
+
+def _bit_texts(kind: wire.BitField, value: dict[str, Any], path: str) -> Iterator[tuple[str, str]]:
+    if value.keys() >= _CLOCK:
+        yield path, _clock(value)
+        return
+    for group in kind.groups:
+        yield _joined(path, group.name), named(group.legal, value[group.name])
 
 
 def _clock(value: dict[str, int]) -> str:
@@ -102,12 +93,12 @@ def _leaf(kind: wire.Leaf, value: Any) -> str:
         case wire.VariableNumber():
             return _leaf(kind.by_index[value["index"]], value["value"])
         case wire.Integer():
-            return _with_unit(_named(value, kind.legal.names.get(value, "")), kind.units)
+            return with_unit(named(kind.legal, value), kind.units)
         case wire.Scaled():
             # No more digits than the step of the scale carries.
-            return _with_unit(_rounded(value, kind.step), kind.units)
+            return with_unit(_rounded(value, kind.step), kind.units)
         case wire.Real():
-            return _with_unit(f"{value:.7g}", kind.units)
+            return with_unit(f"{value:.7g}", kind.units)
         case wire.Octets() | wire.FormattedOctets():
             return str(value["hex"])
         case _:
@@ -118,20 +109,11 @@ def _joined(path: str, step: str) -> str:
     return f"{path}.{step}" if path and step else path or step
 
 
-def _named(number: Any, name: str) -> str:
-    return f"{number} ({name})" if name else str(number)
-
-
 def _rounded(value: float, step: float) -> str:
     digits = 0
     while digits < 9 and step * 10**digits < 1:
         digits += 1
     return f"{value:.{digits}f}" if abs(round(value, digits)) > 0 else "0"
-
-
-def _with_unit(text: str, unit: str) -> str:
-    symbol = _SYMBOLS.get(unit, unit)
-    return f"{text} {symbol}" if symbol else text
 
 
 def subsystem_lines(subsystems: Iterable[KnownSubsystem]) -> Iterator[str]:

@@ -9,6 +9,7 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 from jausml.live.messages import MessageError
+from jausml.live.messages.values import as_numbers
 from jausml.live.recording.translating import JausMessage
 from jausml.live.traffic.observing import Observer
 from jausml.runtime.messages import Event
@@ -87,7 +88,7 @@ class JausWriter:
             "destination": str(packet.destination),
             "sequence": packet.sequence,
             "payload": message.payload.hex(),
-            "fields": found.entry.shortened(found.fields),
+            "fields": as_numbers(found.entry.shortened(found.fields)),
         }
         file.write_json(channel, message.time, value)
 

@@ -11,7 +11,7 @@ from jausml.language import wire
 from jausml.language.semantics.jaus.layouts import is_group
 from jausml.live.messages import MessageEntry, MessageError
 from jausml.live.messages.codec import TAG
-from jausml.live.messages.embedded import parts
+from jausml.live.messages.embedded import as_it_is, parts
 from jausml.live.messages.samples import sample
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ def moment(text: str) -> datetime:
 
 
 def _entry(message: jaus.MessageDef) -> MessageEntry:
-    return MessageEntry(message, _no_message)
+    return MessageEntry(message, _no_message, as_it_is)
 
 
 def _no_message(_: Any, /) -> bytes:
@@ -217,8 +217,8 @@ def _bits(kind: wire.BitField, value: Mapping[str, int], before: str) -> Iterato
 
 
 def _named(value: Any, names: Mapping[int, str]) -> str:
-    name = names.get(value, "") if isinstance(value, int) else ""
-    return f"{value} {name}" if name else _text(value)
+    name = names.get(int(value))
+    return f"{int(value)} {name}" if name else _text(value)
 
 
 def _text(value: Any) -> str:

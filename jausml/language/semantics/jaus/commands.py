@@ -24,6 +24,7 @@ _STANDBY_MESSAGES = frozenset(
         "SetAccelerationLimit",
     ]
 )
+_WITHOUT_CONTROL = frozenset(["ClearEmergency", "ReleaseControl", "RequestControl", "SetEmergency"])
 _FIRST_QUERY = 0x2000
 _OF_STANDARDS = "urn:jaus:jss:"
 _ACCESS_CONTROL = f"{CORE}AccessControl"
@@ -50,6 +51,14 @@ def needs_control(message: jaus.MessageDef, service: jaus.Service) -> bool:
     """
     is_published = str(service.urn).startswith(_OF_STANDARDS)
     return is_command(message) and (not is_published or _has(_ACCESS_CONTROL, lineage(service)))
+
+
+def obeys_controller_alone(message: jaus.MessageDef, service: jaus.Service) -> bool:
+    """Tells whether control has to be had before a message is sent.
+
+    Control itself is requested without, and an emergency anybody may set.
+    """
+    return needs_control(message, service) and message.name not in _WITHOUT_CONTROL
 
 
 def needs_ready(service: jaus.Service, provided: Iterable[jaus.Service]) -> bool:

@@ -1,0 +1,256 @@
+"""One request: a command that is sent, and what comes back for it."""
+
+from __future__ import annotations
+
+import time
+from queue import Empty
+from typing import TYPE_CHECKING, Any
+
+from jausml.language import wire
+from jausml.language.semantics.jaus.responses import is_rejection, responses, told_after
+from jausml.live.messages import MessageError, UnknownMessageError, read_code
+from jausml.live.peers.entry_messages import full_query, message_class
+from jausml.live.peers.query_client import NoAnswer, Refused
+from jausml.live.peers.rendering import field_texts, printable, shown_fields
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterator
+
+    from jausml.live.messages import Catalogue, MessageEntry
+    from jausml.live.peers.operator import Operator
+    from jausml.runtime.base.address import JausAddress
+
+_STATES: dict[str, Collection[str]] = {
+    "ClearEmergency": ("STANDBY", "READY"),
+    "Resume": ("READY",),
+    "SetEmergency": ("EMERGENCY",),
+    "Shutdown": ("SHUTDOWN",),
+    "Standby": ("STANDBY",),
+}
+"""States in which the commands of Management end (AS5710)."""
+
+_PAUSE = 0.05
+"""Seconds between two looks at what a command has set."""
+
+Outcome = tuple["MessageEntry", dict[str, Any]]
+"""A message that came back, and its fields."""
+
+
+def request(
+    operator: Operator,
+    target: JausAddress,
+    name: str,
+    fields: dict[str, Any] | None = None,
+    timeout: float | None = None,
+) -> Outcome:
+    """Sends a command and returns what came back: its confirmation, or the report of what it sets.
+
+    A command that has neither is followed by QueryStatus: its answer comes after a rejection. A
+    query is answered by its report, as with `Operator.query`.
+
+    Args:
+        timeout: Seconds to wait; None for that of the operator.
+
+    Raises:
+        MessageError: There is no such message, or its fields are wrong.
+        NoAnswer: Nothing came.
+        Refused: It was rejected, has no effect, or cannot have any: the text says why.
+    """
+    try:
+        entry = operator.find(target, name)
+    except UnknownMessageError:
+        return operator.query(target, name, fields, timeout)
+    if entry.name.startswith(("Query", "Report")):
+        return operator.query(target, name, fields, timeout)
+    answers = _answers(operator.catalogue, entry)
+    given = entry.completed(fields or {})
+    if any(_has_request_id(each) for each in answers):
+        given = _numbered(entry.record, given, operator.next_request_id())
+    operator.check_obeyed(target, entry)
+    end = time.monotonic() + (operator.timeout if timeout is None else timeout)
+    if all(is_rejection(each.definition) for each in answers):
+        return _report(operator, target, entry, given, answers, end)
+    return _answer(operator, target, entry, given, answers, end)
+
+
+def _answers(catalogue: Catalogue, entry: MessageEntry) -> tuple[MessageEntry, ...]:
+    """Returns the messages that answer one, by each service that defines it."""
+    found = (
+        catalogue.entry(answer)
+        for service in entry.services
+        for answer in responses(entry.definition, service.definition)
+    )
+    return tuple(dict.fromkeys(found))
+
+
+def _exchange(
+    operator: Operator, target: JausAddress, entry: MessageEntry
+) -> tuple[MessageEntry, MessageEntry]:
+    """Returns the query and the report of what a message sets, of the state if there is none."""
+    for service in entry.services:
+        told = told_after(entry.definition, service.definition)
+        if told is not None:
+            return operator.catalogue.entry(told.query), operator.catalogue.entry(told.report)
+    return operator.exchange(target, "Status")
+
+
+# -- confirmed or rejected -------------------------------------------------------------------------
+
+
+def _answer(
+    operator: Operator,
+    target: JausAddress,
+    entry: MessageEntry,
+    fields: dict[str, Any],
+    answers: tuple[MessageEntry, ...],
+    end: float,
+) -> Outcome:
+    """Sends a command and returns the answer that belongs to it."""
+    by_code = {each.code: each for each in answers}
+    message = operator.message(entry, fields)
+    wanted = _request_id(entry.decode(message.encode()))
+    with operator.awaiting(target, by_code) as found:
+        operator.send(target, message, acknowledge=True)
+        while True:
+            try:
+                payload = found.get(timeout=max(0.0, end - time.monotonic()))
+            except Empty:
+                raise _unanswered(operator, target, entry, answers) from None
+            answer = by_code[read_code(payload)]
+            try:
+                came = answer.decode(payload)
+            except MessageError:
+                continue  # what follows when no other one comes says so
+            if _request_id(came) in (None, wanted):
+                break
+    operator.answered(target, message)
+    if is_rejection(answer.definition):
+        raise _rejected(target, entry, answer, came)
+    return answer, came
+
+
+def _rejected(
+    target: JausAddress, entry: MessageEntry, answer: MessageEntry, fields: dict[str, Any]
+) -> Refused:
+    told = printable(shown_fields(answer, fields))
+    return Refused(f"{target} rejects {entry.name}: {answer.name} {told}")
+
+
+def _unanswered(
+    operator: Operator,
+    target: JausAddress,
+    entry: MessageEntry,
+    answers: tuple[MessageEntry, ...],
+) -> Exception:
+    """Returns the error of a command that stays unanswered: why it may have no effect."""
+    reason = operator.why_ignored(target)
+    if reason:
+        return Refused(f"{target} does not answer {entry.name}: {reason}")
+    return operator.unanswered(target, entry.name, answers[0].name if len(answers) == 1 else "")
+
+
+def _has_request_id(entry: MessageEntry) -> bool:
+    return any(member.name == "RequestID" for member in _members(entry))
+
+
+def _members(entry: MessageEntry) -> Iterator[Any]:
+    for body in entry.record.members:
+        yield from getattr(body.kind, "members", ())
+
+
+def _request_id(fields: Any) -> Any:
+    """Returns the number by which an answer belongs to its command, None without one."""
+    if not isinstance(fields, dict):
+        return None
+    if "RequestID" in fields:
+        return fields["RequestID"]
+    found = (_request_id(each) for each in fields.values())
+    return next((each for each in found if each is not None), None)
+
+
+def _numbered(kind: wire.Record, fields: dict[str, Any], number: int) -> dict[str, Any]:
+    """Returns fields with a number by which the answer is known, where none was given."""
+    made = dict(fields)
+    for member in kind.members:
+        if member.name == "RequestID":
+            made.setdefault(member.name, number)
+        elif isinstance(member.kind, wire.Record) and not member.is_optional:
+            inner = made.get(member.name, {})
+            numbered = _numbered(member.kind, inner, number) if isinstance(inner, dict) else inner
+            if numbered:
+                made[member.name] = numbered
+    return made
+
+
+# -- reported --------------------------------------------------------------------------------------
+
+
+def _report(
+    operator: Operator,
+    target: JausAddress,
+    entry: MessageEntry,
+    fields: dict[str, Any],
+    rejections: tuple[MessageEntry, ...],
+    end: float,
+) -> Outcome:
+    """Sends a command and returns the first report that shows what it sets."""
+    query, report = _exchange(operator, target, entry)
+    message = operator.message(entry, fields)
+    sent = entry.decode(message.encode())
+    question = operator.message(query, _question(query, report, entry.shortened(sent)))
+    wanted = _wanted(entry, report, sent)
+    by_code = {each.code: each for each in rejections}
+    with operator.awaiting(target, by_code) as rejected:
+        operator.send(target, message, acknowledge=True)
+        while True:
+            left = max(_PAUSE, end - time.monotonic())
+            try:
+                found = operator.ask(target, question, message_class(report), left).fields
+            except NoAnswer:
+                reason = operator.why_ignored(target)
+                if not reason:
+                    raise
+                raise Refused(f"{target} does not answer {query.name}: {reason}") from None
+            if not rejected.empty():
+                payload = rejected.get()
+                answer = by_code[read_code(payload)]
+                raise _rejected(target, entry, answer, answer.decode(payload))
+            told = report.shortened(found)
+            differing = next((name for name in wanted if told.get(name) not in wanted[name]), "")
+            if not differing:
+                operator.answered(target, message)
+                return report, found
+            if time.monotonic() > end:
+                shown = _shown(report, found, differing)
+                reason = operator.why_ignored(target)
+                text = f"{target} reports {shown} after {entry.name}"
+                raise Refused(f"{text}: {reason}" if reason else text)
+            time.sleep(_PAUSE)
+
+
+def _question(query: MessageEntry, report: MessageEntry, sent: dict[str, Any]) -> dict[str, Any]:
+    """Returns the fields of a query for what was set, as QueryVelocityCommand names the type."""
+    fields = full_query(query, report)
+    same = {each.name: sent[each.name] for each in _members(query) if each.name in sent}
+    for body in query.record.members if same else ():
+        fields[body.name] |= same
+    return fields
+
+
+def _shown(report: MessageEntry, fields: dict[str, Any], name: str) -> str:
+    """Returns a field of a report with its value."""
+    texts = field_texts(report.record, fields)
+    return next((f"{path}={text}" for path, text in texts if path == name), f"no {name}")
+
+
+def _wanted(
+    entry: MessageEntry, report: MessageEntry, sent: dict[str, Any]
+) -> dict[str, Collection[Any]]:
+    """Returns the values that a report must have: those that were sent, where both are alike."""
+    if report.name == "ReportStatus":
+        is_obeyed_in_ready = entry.is_command and entry.name not in _STATES
+        states = ("READY",) if is_obeyed_in_ready else _STATES.get(entry.name)
+        return {} if states is None else {"Status": states}
+    kinds = {each.name: each.kind for each in _members(report)}
+    alike = {each.name for each in _members(entry) if kinds.get(each.name) == each.kind}
+    return {name: (value,) for name, value in entry.shortened(sent).items() if name in alike}

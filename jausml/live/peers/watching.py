@@ -1,0 +1,90 @@
+"""Events that we subscribe to: each call waits until the event is confirmed."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Any
+
+from jausml.live.peers.entry_messages import full_query, message_class
+from jausml.live.peers.query_client import POLL, QueryClient, Refused
+from jausml.live.peers.rendering import printable
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from jausml.live.messages import MessageEntry
+    from jausml.runtime import EventSubscription
+    from jausml.runtime.base.address import JausAddress
+
+_LATE_REPORTS = 3
+"""Periodic reports that may be missing before it is told."""
+
+
+class WatchingClient(QueryClient):
+    """Watches others, beside asking them."""
+
+    def watch(
+        self,
+        target: JausAddress,
+        name: str,
+        rate: float | None,
+        on_report: Callable[[MessageEntry, dict[str, Any]], None],
+    ) -> EventSubscription:
+        """Subscribes to a report by an event.
+
+        When periodic reports stay away, that is counted and logged.
+
+        Args:
+            rate: Reports each second; None means every change.
+            on_report: Takes the report and its fields, on another thread.
+
+        Raises:
+            Refused: It gives no such event.
+        """
+        query, report = self.exchange(target, name)
+        patience = max(self.timeout, _LATE_REPORTS / rate) if rate and rate > 0 else 0.0
+        silence = f"no {report.name} of {target} for {patience:g} s"
+        subscription = self._component.subscribe(
+            target,
+            self.message(query, full_query(query, report)),
+            message_class(report),
+            lambda message, _: on_report(report, message.fields),
+            rate=rate,
+            silence_timeout=patience,
+            on_silence=lambda: self._component.counters.count("event_client.silent", silence),
+        )
+        return self._confirmed(target, subscription, report)
+
+    def watch_encoded(
+        self,
+        target: JausAddress,
+        exchange: tuple[MessageEntry, MessageEntry],
+        rate: float | None,
+        on_report: Callable[[bytes], None],
+    ) -> EventSubscription:
+        """Subscribes to a report by an event, to take it as it arrives, undecoded."""
+        query, report = exchange
+        subscription = self._component.subscribe(
+            target,
+            self.message(query, full_query(query, report)),
+            message_class(report),
+            lambda payload, _: on_report(payload),
+            rate=rate,
+            payloads=True,
+        )
+        return self._confirmed(target, subscription, report)
+
+    def _confirmed(
+        self, target: JausAddress, subscription: EventSubscription, report: MessageEntry
+    ) -> EventSubscription:
+        """Returns a subscription once its event is confirmed."""
+        end = time.monotonic() + self.timeout
+        while not subscription.active:
+            if refusal := subscription.refusal:
+                subscription.cancel()
+                raise Refused(f"{target} refuses events of {report.name}: {printable(refusal)}")
+            if time.monotonic() > end:
+                subscription.cancel()
+                raise self.unanswered(target, "CreateEvent")
+            time.sleep(POLL)
+        return subscription

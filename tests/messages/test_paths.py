@@ -1,0 +1,133 @@
+"""What is shown of a message is taken back; errors name all fields that are wrong."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.live.messages import EncodeError
+from jausml.live.messages.definitions import paths_of
+from jausml.live.messages.paths import by_name, parse_fields
+from jausml.live.peers.rendering import shown_fields
+
+ELEMENT = {"ElementUID": 1, "PreviousUID": 0, "NextUID": 0}
+
+
+@pytest.mark.parametrize(
+    ("name", "fields"),
+    [
+        ("SetWrenchEffort", {"PropulsiveLinearEffortX": 20.0, "PropulsiveLinearEffortY": -3.5}),
+        ("ReportStatus", {"Status": "READY", "Reserved": 0}),
+        ("SetJointPositions", {"JointPositionList": [{"JointPosition": {"radian": 0.1}}]}),
+        (
+            "SetElement",
+            {
+                "RequestIDRec": {"RequestID": 3},
+                "ElementList": [
+                    {**ELEMENT, "ElementData": {"SetGlobalWaypoint": {"Latitude": 46.5}}}
+                ],
+            },
+        ),
+        ("ReportElementList", {"ElementList": [{"ElementUID": 3}, {"ElementUID": 9}]}),
+        ("QueryEvents", {"EventIDRec": {"EventID": 7}}),
+        ("ReportIdentification", {"QueryType": 2, "Type": 10001, "Identification": "a b"}),
+        ("ReportElementList", {"ElementList": []}),
+    ],
+)
+def test_a_line_that_is_shown_is_taken(catalogue, name, fields):
+    entry = catalogue.named(name)[0]
+    if name == "SetElement":
+        fields["ElementList"][0]["ElementData"]["SetGlobalWaypoint"]["Longitude"] = 8.25
+    payload = entry.encode(entry.completed(fields))
+    shown = shown_fields(entry, entry.decode(payload))
+    again = entry.encode(entry.completed(parse_fields(shown)))
+    assert shown_fields(entry, entry.decode(again)) == shown
+
+
+def test_a_variable_field_is_chosen_by_its_unit(catalogue):
+    entry = catalogue.named("SetJointPositions")[0]
+
+    def encoded(position):
+        return entry.encode(entry.completed({"JointPositionList": [{"JointPosition": position}]}))
+
+    assert (
+        encoded({"radian": 0.1})
+        == encoded("0.1 rad")
+        == encoded({"index": 1, "value": 0.1})
+        != encoded({"meter": 0.1})
+    )
+    with pytest.raises(EncodeError, match=r"JointPosition: '0.1 foot' is not an object"):
+        encoded("0.1 foot")
+
+
+@pytest.mark.parametrize("value", ["20", "20 m", "20 percents", "1e5 %"])
+def test_another_unit_is_no_number(catalogue, value):
+    entry = catalogue.message("SetWrenchEffort")
+    with pytest.raises(EncodeError, match="PropulsiveLinearEffortX: "):
+        entry.encode(entry.completed({"PropulsiveLinearEffortX": value}))
+
+
+def test_all_wrong_fields_are_named(catalogue):
+    entry = catalogue.message("SetWrenchEffort")
+    fields = {
+        "Thrust": 1,
+        "PropulsiveLinearEffortX": 500,
+        "Lift": 2,
+        "PropulsiveLinearEffortY": "x",
+        "PropulsiveLinearEffortZ": 1,
+    }
+    with pytest.raises(EncodeError) as caught:
+        entry.encode(entry.completed(fields))
+    assert [each.partition(":")[0] for each in str(caught.value).split("; WrenchEffortRec.")] == [
+        "WrenchEffortRec.Thrust",
+        "Lift",
+        "PropulsiveLinearEffortX",
+        "PropulsiveLinearEffortY",
+    ]
+
+
+def test_what_is_wrong_in_several_records_is_named(kinds):
+    body = {"First": {"X": "a"}, "Numbers": {"Signed": 1.5}, "Lists": 3, "Choice": {}}
+    with pytest.raises(EncodeError) as caught:
+        kinds.message("Kinds").encode({"Body": body})
+    text = str(caught.value)
+    for path in ("First.X", "Numbers.Wide", "Numbers.Signed", "Lists", "Choice._tag"):
+        assert text.count(f"Body.{path}: ") == 1
+
+
+@pytest.mark.parametrize(
+    ("fields", "error"),
+    [
+        ({"A[1]": 1}, r"A\[1\]: element 0 is not given before"),
+        ({"A.B": 1, "A[0]": 1}, r"A\[0\]: this contradicts another field"),
+        ({"A": 1, "A.B": 1}, r"A\.B: this contradicts another field"),
+    ],
+)
+def test_paths_that_lead_nowhere(fields, error):
+    with pytest.raises(EncodeError, match=error):
+        by_name(fields)
+
+
+@pytest.mark.parametrize(
+    ("text", "fields"),
+    [
+        ('{"A": "B=1"}', {"A": "B=1"}),
+        ("A=1 B.C[0]=x y  D='q'", {"A": 1, "B.C[0]": "x y", "D": "q"}),
+        ('A={"x": [1]}', {"A": {"x": [1]}}),
+    ],
+)
+def test_fields_in_words(text, fields):
+    assert parse_fields(text) == fields
+
+
+@pytest.mark.parametrize("text", ["A", "x A=1", "[1]", ""])
+def test_what_are_no_fields(text):
+    with pytest.raises(ValueError, match="fields"):
+        parse_fields(text)
+
+
+def test_paths_of_a_message(catalogue):
+    assert paths_of(catalogue.named("SetJointPositions")[0]) == [
+        "JointPositionList[0].JointPosition"
+    ]
+    assert "illumination.Headlights" in paths_of(catalogue.message("SetIlluminationState"))
+    assert paths_of(catalogue.message("QueryStatus")) == []

@@ -1,0 +1,100 @@
+"""`jausml ocu request` against a running component."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from jausml.live.peers.entry_messages import message_class
+from jausml.runtime.services.definitions import Guard
+
+pytestmark = pytest.mark.ports
+
+ELEMENT = {
+    "ElementUID": 1,
+    "PreviousUID": 0,
+    "NextUID": 0,
+    "ElementData": {
+        "message": {"message": "SetGlobalWaypoint", "fields": {"Latitude": 46.5, "Longitude": 8}}
+    },
+}
+
+
+def test_a_list_is_confirmed_and_read_as_it_was_given(jausml, component):
+    component()
+    fields = json.dumps({"ElementList": [ELEMENT]})
+    result = jausml("ocu", "request", "100.1.1", "SetElement", fields, "--format", "json")
+    assert result.exit_code == 0, result.output
+    assert json.loads(result.stdout)["message"] == "ConfirmElementRequest"
+    asked = ("100.1.1", "QueryElement", '{"ElementUID": 1}')
+    result = jausml("ocu", "query", *asked, "--format", "json")
+    found = json.loads(result.stdout)["fields"]["ElementRec"]["ElementData"]
+    assert found["format"] == "JAUS MESSAGE"
+    assert found["message"]["message"] == "SetGlobalWaypoint"
+    result = jausml("ocu", "query", *asked)
+    assert "ElementData.SetGlobalWaypoint.Latitude=46.4999999" in result.stdout
+    # What was printed is taken.
+    again = json.dumps({"ElementList": [{**ELEMENT, "ElementUID": 2, "ElementData": found}]})
+    result = jausml("ocu", "request", "100.1.1", "SetElement", again)
+    assert result.exit_code == 1
+    assert "rejects SetElement: RejectElementRequest" in result.stderr
+    assert "(Invalid previous element)" in result.stderr
+
+
+def test_what_was_set_is_asked_for_by_its_type(jausml, component, catalogue):
+    target = component(services=("mobility:VelocityStateDriver",))
+    query, report, command = (
+        message_class(catalogue.message(f"{each}VelocityCommand"))
+        for each in ("Query", "Report", "Set")
+    )
+    set_by_type = {}
+
+    def take(message, _sender):
+        fields = message.fields["VelocityCommandRec"]
+        set_by_type[int(fields["CommandType"])] = fields
+
+    def tell(message, _sender):
+        kind = message.fields["QueryVelocityCommandRec"]["CommandType"]
+        fields = set_by_type.get(int(kind))
+        return fields and report(report.ENTRY.completed(fields))
+
+    target.handle(command, take, when=Guard.READY)
+    target.provide(query, report, tell)
+    fields = ("CommandType=Set maximum allowed values", "Velocity_X=1.5 m/s")
+    result = jausml("ocu", "request", "100.1.1", "SetVelocityCommand", *fields)
+    assert result.exit_code == 0, result.output
+    assert "ReportVelocityCommand  CommandType=1 (Set maximum allowed values)" in result.stdout
+    assert "Velocity_X=1.5" in result.stdout
+
+
+def test_what_needs_no_control_takes_none(jausml, vehicle):
+    target = vehicle()
+    result = jausml("ocu", "request", "100.1.1", "VelocityState")
+    assert result.exit_code == 0, result.output
+    assert "ReportVelocityState  Velocity_X=1.2500000 m/s" in result.stdout
+    assert "READY" not in result.output
+    assert target.status.name == "STANDBY"
+
+
+def test_a_command_of_management_ends_in_its_state(jausml, vehicle):
+    vehicle()
+    result = jausml("ocu", "request", "100.1.1", "Standby")
+    assert result.exit_code == 0, result.output
+    assert "ReportStatus  Status=2 (STANDBY)" in result.stdout
+
+
+def test_nobody_there(jausml, component):
+    component()
+    result = jausml("ocu", "request", "100.1.9", "SetElement", "{}", "--timeout", "0.3")
+    assert result.exit_code == 2
+    assert "check the id" in result.stderr
+
+
+def test_a_session_requests(jausml, vehicle):
+    vehicle()
+    lines = "request 100.1.1 Standby\ncontrol\nrequest Resume\nrequest SetWrenchEffort {}\n"
+    result = jausml("ocu", input=lines)
+    assert "error: 100.1.1 takes Standby from its controller alone" in result.stdout
+    assert "ReportStatus  Status=1 (READY)" in result.stdout
+    assert "but not QueryWrenchEffort: it provides PrimitiveDriver" in result.stdout

@@ -1,0 +1,58 @@
+"""Which messages answer a command."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import library_root, read_models
+from jausml.language.semantics.jaus.responses import responses, told_after
+
+WINCH = library_root().parent / "examples" / "winch" / "winch.xmi"
+
+
+@pytest.fixture(scope="module")
+def services():
+    files = [*sorted((library_root() / "jaus").glob("*.xmi")), WINCH]
+    model = read_models([str(each) for each in files]).model
+    return [*model.instances(jaus.Service)]
+
+
+def found(services, service, message):
+    owner = next(each for each in services if each.name == service)
+    return owner, next(each for each in owner.inputs if each.name == message)
+
+
+@pytest.mark.parametrize(
+    ("service", "message", "names"),
+    [
+        ("ListManager", "SetElement", ["ConfirmElementRequest", "RejectElementRequest"]),
+        ("Events", "CancelEvent", ["ConfirmEventRequest", "RejectEventRequest"]),
+        ("AccessControl", "SetAuthority", []),
+        ("VisualSensor", "SetVisualSensorConfiguration", ["ConfirmSensorConfiguration"]),
+        ("PlatformState", "SetPlatformState", ["ConfirmPlatformStateRequest"]),
+        ("PrimitiveDriver", "SetWrenchEffort", []),
+        # Its machine says it.
+        ("Winch", "QueryWinchState", ["ReportWinchState"]),
+        ("Winch", "SetWinchCommand", ["RejectWinchCommand"]),
+    ],
+)
+def test_confirmations_and_rejections(services, service, message, names):
+    owner, command = found(services, service, message)
+    assert sorted(str(each.name) for each in responses(command, owner)) == names
+
+
+@pytest.mark.parametrize(
+    ("service", "message", "report"),
+    [
+        ("PrimitiveDriver", "SetWrenchEffort", "ReportWrenchEffort"),
+        ("AccessControl", "SetAuthority", "ReportAuthority"),
+        ("Management", "Resume", "ReportStatus"),
+        ("ListManager", "SetElement", "ReportElement"),
+        ("AccessControl", "RequestControl", None),
+    ],
+)
+def test_the_report_of_what_is_set(services, service, message, report):
+    owner, command = found(services, service, message)
+    told = told_after(command, owner)
+    assert (told and told.report.name) == report
