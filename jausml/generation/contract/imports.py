@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.contract.edits import Edit, name_edit, removal
 from jausml.generation.contract.scopes import Scope, own_nodes
-from jausml.generation.contract.symbols import Module, absolute
+from jausml.generation.contract.symbols import Module
+from jausml.generation.contract.syntax import absolute
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

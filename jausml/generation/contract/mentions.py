@@ -7,7 +7,7 @@ import re
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from jausml.generation.contract.symbols import last_name
+from jausml.generation.contract.syntax import last_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

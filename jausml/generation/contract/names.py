@@ -5,14 +5,8 @@ from __future__ import annotations
 import ast
 
 from jausml.generation.contract.scopes import Binding, Bound, Scope, scopes_of
-from jausml.generation.contract.symbols import (
-    UNKNOWN,
-    Class,
-    Function,
-    Module,
-    absolute,
-    is_decorated_by,
-)
+from jausml.generation.contract.symbols import UNKNOWN, Class, Function, Module
+from jausml.generation.contract.syntax import absolute, is_decorated_by
 from jausml.generation.contract.types import ListOf, LookUp, Object, Type, Types
 
 

@@ -11,7 +11,7 @@ from jausml.generation.contract.edits import Edit, attribute_edit, name_edit
 from jausml.generation.contract.finding import Finding, FindingKind
 from jausml.generation.contract.mentions import Mentions
 from jausml.generation.contract.source import Function, read_classes
-from jausml.generation.contract.symbols import last_name
+from jausml.generation.contract.syntax import last_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -6,14 +6,7 @@ import ast
 import re
 from typing import TYPE_CHECKING
 
-from jausml.generation.contract.symbols import (
-    Class,
-    Module,
-    Modules,
-    Symbol,
-    Value,
-    is_enumeration,
-)
+from jausml.generation.contract.symbols import Class, Module, Modules, Symbol, Value, is_enumeration
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping

@@ -6,7 +6,8 @@ import ast
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.generation.contract.symbols import Class, Function, Modules, is_decorated_by
+from jausml.generation.contract.symbols import Class, Function, Modules
+from jausml.generation.contract.syntax import is_decorated_by
 from jausml.generation.contract.types import Method
 
 if TYPE_CHECKING:

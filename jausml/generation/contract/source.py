@@ -7,7 +7,7 @@ import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.generation.contract.symbols import flat
+from jausml.generation.contract.syntax import flat
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -15,9 +15,9 @@ from jausml.generation.contract.symbols import (
     Modules,
     Unknown,
     Value,
-    is_decorated_by,
     is_enumeration,
 )
+from jausml.generation.contract.syntax import is_decorated_by
 
 _LISTS = {"list", "List", "Sequence", "Iterable", "Collection", "tuple", "deque"}
 _DEPTH = 20

@@ -10,13 +10,7 @@ from jausml.generation.contract.edits import Edit, attribute_edit, name_edit
 from jausml.generation.contract.imports import Imports, Lost, Surroundings, alike
 from jausml.generation.contract.names import Names
 from jausml.generation.contract.signatures import signature
-from jausml.generation.contract.symbols import (
-    Class,
-    Function,
-    Module,
-    is_enumeration,
-    is_slotted,
-)
+from jausml.generation.contract.symbols import Class, Function, Module, is_enumeration, is_slotted
 from jausml.generation.contract.types import Method, Object, Type
 from jausml.generation.contract.walk import Place, Walk
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.generation.contract.scopes import Block, Function, Scope
-from jausml.generation.contract.symbols import last_name
+from jausml.generation.contract.syntax import last_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
