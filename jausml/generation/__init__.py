@@ -8,7 +8,8 @@ Nothing here prints; the command line does.
 from __future__ import annotations
 
 from jausml.generation.artifact import Artifact, Kind, MethodContract, SkeletonContract
-from jausml.generation.drift import Finding, FindingKind, drift
+from jausml.generation.contract.finding import Finding, FindingKind
+from jausml.generation.drift import drift
 from jausml.generation.errors import (
     GenerationError,
     InternalError,
@@ -24,7 +25,7 @@ from jausml.generation.plan import Action, ActionKind, Plan, make_plan, unified_
 from jausml.generation.rendering import render
 from jausml.generation.target import Target, WholeLibrary, load_targets
 from jausml.generation.tasks import FileTask, Task, TextFile, TextTask, View, templates_beside
-from jausml.generation.workspace import Result, Selection, generate, select
+from jausml.generation.workspace import Result, Selection, broken_code, generate, select
 from jausml.generation.writer import apply
 
 __all__ = [
@@ -58,6 +59,7 @@ __all__ = [
     "WholeLibrary",
     "WriteError",
     "apply",
+    "broken_code",
     "drift",
     "generate",
     "load_targets",

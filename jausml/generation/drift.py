@@ -1,28 +1,28 @@
-"""Drift of a user's skeleton from the model, told from its syntax tree alone.
+"""Drift of users' files from the model, told from their syntax trees alone.
 
-The user's file is parsed, never imported and never edited.
+The files are parsed, never imported. They are compared with the interface that the files of this
+run are, and those that stay on the disk beside them.
 """
 
 from __future__ import annotations
 
 import ast
-import difflib
 from dataclasses import dataclass
-from enum import Enum
 from typing import TYPE_CHECKING
 
-from jausml.generation.artifact import Artifact, Kind, MethodContract, SkeletonContract
+from jausml.generation.artifact import Artifact, Kind
 from jausml.generation.checks import path_problem
-from jausml.generation.folder import inspect
-from jausml.generation.source import (
-    Definition,
-    Function,
-    GeneratedNames,
-    SourceClass,
-    SourceProblem,
-    read_classes,
-    read_imports,
-)
+from jausml.generation.contract.finding import Finding, FindingKind
+from jausml.generation.contract.imports import Surroundings
+from jausml.generation.contract.interface import Interface, module_of
+from jausml.generation.contract.mentions import Mentions
+from jausml.generation.contract.overrides import compare_class
+from jausml.generation.contract.source import SourceProblem, tree_of
+from jausml.generation.contract.symbols import Class, Module
+from jausml.generation.contract.syntax import absolute
+from jausml.generation.contract.types import Types
+from jausml.generation.contract.uses import misfits
+from jausml.generation.folder import find_python, inspect
 from jausml.language.model.inputs import read_input
 
 if TYPE_CHECKING:
@@ -31,191 +31,123 @@ if TYPE_CHECKING:
 
     from jausml.generation.manifest import Manifest
 
-_SIMILAR = 0.6  # ratio of difflib above which two method names may be one renamed
-
-
-class FindingKind(Enum):
-    """What is wrong with a user's file."""
-
-    MISSING = "missing-method"
-    ORPHAN = "orphan-method"
-    SIGNATURE = "signature-differs"
-    RENAMED = "renamed-method"
-    NO_CLASS = "missing-class"
-    NO_BASE = "missing-base"
-    IMPORT = "lost-import"
-    SYNTAX = "syntax-error"
-
-
-_SEVERITIES = {FindingKind.MISSING: "info", FindingKind.SYNTAX: "error"}
-
 
 @dataclass(frozen=True)
-class Finding:
-    """One difference between a user's file and the model.
+class _File:
+    """A file of the user."""
 
-    Attributes:
-        path: The file, relative to the output folder.
-        line: Line in the file, from 1.
-        stub: Ready text of the method that the model expects, or empty.
-    """
-
-    kind: FindingKind
     path: str
-    line: int
-    message: str
-    stub: str = ""
-
-    @property
-    def severity(self) -> str:
-        """`error`, `warning` or `info`."""
-        return _SEVERITIES.get(self.kind, "warning")
+    data: bytes
+    tree: ast.Module
+    mentions: Mentions
 
 
-def drift(artifacts: Sequence[Artifact], out: Path, manifest: Manifest) -> list[Finding]:
-    """Compares the user's existing skeleton files with the model.
+def drift(
+    artifacts: Sequence[Artifact],
+    out: Path,
+    manifest: Manifest,
+    *,
+    deleted: frozenset[str] = frozenset(),
+    former: Mapping[str, str] | None = None,
+) -> list[Finding]:
+    """Compares the user's files in a workspace with the generated interface.
 
     Args:
-        artifacts: The files of this run; skeletons with a contract are looked at.
+        artifacts: The files of this run; skeletons with a contract are compared with it.
+        deleted: Paths that this run deletes.
+        former: Names that the interface had, with those that they have now.
 
     Returns:
         The findings by path and line.
     """
+    interface = Interface(artifacts, out, manifest, deleted)
+    skeletons = {a.path: a for a in artifacts if a.kind is Kind.SKELETON}
     findings: list[Finding] = []
-    generated = GeneratedNames(artifacts)
-    for artifact in artifacts:
-        if artifact.kind is not Kind.SKELETON or path_problem(artifact.path) is not None:
-            continue
-        if artifact.contract is not None and inspect(out, artifact.path).exists:
-            entry = manifest.files.get(artifact.path)
-            known = entry.methods if entry else {}
-            findings += _compare_file(out, artifact.path, artifact.contract, known)
-            findings += _lost_imports(out, artifact.path, generated, manifest)
-    return sorted(findings, key=lambda f: (f.path, f.line, f.kind.value, f.message))
+    files: list[_File] = []
+    for path in _paths(out, interface, skeletons):
+        try:
+            data = read_input(out / path)
+            if path in skeletons or interface.concerns(path, data):
+                tree = tree_of(data)
+                files.append(_File(path, data, tree, Mentions(tree)))
+        except SourceProblem as problem:
+            if path in skeletons or interface.is_inside(path):
+                findings.append(_unreadable(path, problem.line, str(problem)))
+        except OSError as error:
+            if path in skeletons:
+                findings.append(_unreadable(path, 1, f"cannot be read: {error.strerror}"))
+    findings += _compared(files, interface, skeletons, manifest, former or {})
+    return sorted(findings, key=lambda f: (f.path, f.line, f.column, f.kind.value, f.message))
 
 
-def _compare_file(
-    out: Path, path: str, contract: SkeletonContract, known: Mapping[str, str]
-) -> list[Finding]:
-    try:
-        classes = read_classes(read_input(out / path))
-    except SourceProblem as problem:
-        return [Finding(FindingKind.SYNTAX, path, problem.line, str(problem))]
-    except OSError as error:
-        return [Finding(FindingKind.SYNTAX, path, 1, f"cannot be read: {error.strerror}")]
-    user = classes.get(contract.class_name)
-    if user is None:
-        return [_no_class(path, contract, classes)]
-    findings = list(_compare_methods(path, contract, user, known))
-    if contract.base_name not in user.ancestors:
-        message = f"class {user.name} does not derive from {contract.base_name}"
-        findings.append(Finding(FindingKind.NO_BASE, path, user.line, message))
-    return findings
+def _unreadable(path: str, line: int, message: str) -> Finding:
+    return Finding(FindingKind.SYNTAX, path, line, message, is_fatal=True)
 
 
-def _lost_imports(
-    out: Path, path: str, generated: GeneratedNames, manifest: Manifest
+def _paths(out: Path, interface: Interface, skeletons: Mapping[str, Artifact]) -> Iterator[str]:
+    """Yields the paths of the user's files: the skeletons, and what stands beside them."""
+    for path, artifact in skeletons.items():
+        state = inspect(out, path) if path_problem(path) is None else None
+        if artifact.contract is not None and state is not None and state.exists:
+            yield path
+    for path in find_python(out):
+        if path not in skeletons and not interface.is_generated(path):
+            yield path
+
+
+def _compared(
+    files: Sequence[_File],
+    interface: Interface,
+    skeletons: Mapping[str, Artifact],
+    manifest: Manifest,
+    former: Mapping[str, str],
 ) -> Iterator[Finding]:
-    """Yields imports from generated modules that this run no longer writes."""
-    try:
-        imports = read_imports(read_input(out / path))
-    except (SourceProblem, OSError):
-        return  # told by the comparison of classes
-    for each in imports:
-        message = generated.missing(each)
-        if message and not _is_users(each.module, out, manifest):
-            yield Finding(FindingKind.IMPORT, path, each.line, message)
+    imported = frozenset(pair for file in files for pair in _imported(file))
+    derived = frozenset(name for file in files for name in file.mentions.derived)
+    types = Types(interface.modules)
+    for file in files:
+        contract = skeletons[file.path].contract if file.path in skeletons else None
+        known: dict[str, str] = dict(former)
+        uncalled: frozenset[str] = frozenset()
+        if contract is not None:
+            entry = manifest.files.get(file.path)
+            methods = entry.methods if entry else {}
+            comparison = compare_class(file.path, contract, file.tree, methods)
+            yield from comparison.findings
+            uncalled = frozenset(comparison.uncalled)
+            base = _base(interface, file, contract.class_name, contract.base_name)
+            known |= {f"{base}.{old}": new for old, new in comparison.renamed.items()}
+        around = Surroundings(types, known, derived, imported, uncalled)
+        is_package = file.path.endswith("/__init__.py")
+        module = Module(module_of(file.path), file.tree, is_package, is_generated=False)
+        for use in misfits(file.data, module, file.mentions, around):
+            kind = FindingKind.IMPORT if use.is_import else FindingKind.USE
+            yield Finding(
+                kind,
+                file.path,
+                use.line,
+                use.message,
+                column=use.column,
+                is_fatal=use.is_run,
+                edits=use.edits,
+            )
 
 
-def _is_users(module: str, out: Path, manifest: Manifest) -> bool:
-    """Tells whether a module of a generated package is a file that the user put there."""
-    place = "/".join((module.partition(".")[0], *module.split(".")))
-    found = [each for each in (f"{place}.py", f"{place}/__init__.py") if (out / each).is_file()]
-    return any(each not in manifest.files for each in found)
+def _imported(file: _File) -> Iterator[tuple[str, str]]:
+    """Yields what a file imports from other modules, by module and name."""
+    is_package = file.path.endswith("/__init__.py")
+    for node in ast.walk(file.tree):
+        if isinstance(node, ast.ImportFrom):
+            source = absolute(node, module_of(file.path), is_package=is_package)
+            yield from ((source, alias.name) for alias in node.names)
 
 
-def _no_class(path: str, contract: SkeletonContract, classes: Mapping[str, SourceClass]) -> Finding:
-    heirs = [c for c in classes.values() if contract.base_name in c.ancestors]
-    message = f"there is no class {contract.class_name}({contract.base_name})"
-    if heirs:
-        message += f"; is it {heirs[0].name}, which derives from {contract.base_name}?"
-    return Finding(FindingKind.NO_CLASS, path, heirs[0].line if heirs else 1, message)
-
-
-def _compare_methods(
-    path: str, contract: SkeletonContract, user: SourceClass, known: Mapping[str, str]
-) -> Iterator[Finding]:
-    expected = {method.name: method for method in contract.methods}
-    missing = {n: m for n, m in expected.items() if n not in user.methods}
-    orphans = {
-        name: definition
-        for name, definition in user.methods.items()
-        if name not in expected and (name.startswith(contract.prefixes) or name in known)
-    }
-    for name, definition in orphans.items():
-        successor = _successor(name, orphans, missing, known)
-        if successor is None:
-            message = f"{name}: the model has no such element any more, nothing calls it"
-            yield Finding(FindingKind.ORPHAN, path, definition.line, message)
-        else:
-            del missing[successor.name]
-            message = f"{name}: renamed to {successor.name}?"
-            yield Finding(FindingKind.RENAMED, path, definition.line, message, successor.stub)
-    for method in missing.values():
-        if not method.optional:
-            message = f"{user.name} does not define {_signature(method)}"
-            yield Finding(FindingKind.MISSING, path, user.line, message, method.stub)
-    for name, definition in user.methods.items():
-        if name in expected and definition.function is not None:
-            problem = _signature_problem(definition.function, expected[name])
-            if problem:
-                message = f"{name}: {problem}, expected {_signature(expected[name])}"
-                yield Finding(FindingKind.SIGNATURE, path, definition.line, message)
-
-
-def _successor(
-    name: str,
-    orphans: Mapping[str, Definition],
-    missing: Mapping[str, MethodContract],
-    known: Mapping[str, str],
-) -> MethodContract | None:
-    """Returns the method that an orphan probably is now.
-
-    The identity in the manifest decides; without one, names that resemble each other and nothing
-    else do.
-    """
-    if known.get(name):
-        same = [method for method in missing.values() if method.identity == known[name]]
-        return same[0] if len(same) == 1 else None
-    candidates = [n for n in missing if _resemble(name, n)]
-    if len(candidates) != 1:
-        return None
-    rivals = [n for n in orphans if _resemble(n, candidates[0])]
-    return missing[candidates[0]] if len(rivals) == 1 else None
-
-
-def _resemble(first: str, second: str) -> bool:
-    pairs = [(first.partition("_")[2], second.partition("_")[2]), (first, second)]
-    return all(difflib.SequenceMatcher(None, a, b).ratio() >= _SIMILAR for a, b in pairs)
-
-
-def _signature(method: MethodContract) -> str:
-    return f"{method.name}({', '.join(('self', *method.parameters))})"
-
-
-def _signature_problem(function: Function, method: MethodContract) -> str:
-    """Says why the base's call, by position, does not fit; other parameter names do no harm."""
-    if isinstance(function, ast.AsyncFunctionDef):
-        return "is async, but the base does not await it"
-    if any(isinstance(d, ast.Name) and d.id == "staticmethod" for d in function.decorator_list):
-        return "is a static method"
-    arguments = function.args
-    names = [a.arg.lstrip("_") for a in (*arguments.posonlyargs, *arguments.args)][1:]
-    wanted = [name.lstrip("_") for name in method.parameters]
-    required = len(names) - len(arguments.defaults)
-    if len(wanted) < required or (len(wanted) > len(names) and arguments.vararg is None):
-        return f"takes ({', '.join(names)})"
-    if None in arguments.kw_defaults:
-        return "requires keyword arguments"
-    swapped = any(n != w and w in names for n, w in zip(names, wanted, strict=False))
-    return f"takes its parameters in another order ({', '.join(names)})" if swapped else ""
+def _base(interface: Interface, file: _File, class_name: str, base_name: str) -> str:
+    """Returns the dotted name of the generated base of a class."""
+    module = interface.modules.find(module_of(file.path)) if module_of(file.path) else None
+    user = interface.modules.member(module, class_name) if isinstance(module, Module) else None
+    if isinstance(user, Class):
+        for each in interface.modules.ancestors(user):
+            if isinstance(each, Class) and each.name == base_name:
+                return f"{each.module.name}.{each.name}"
+    return ""

@@ -55,14 +55,20 @@ def inspect(out: Path, path: str) -> FileState:
 def find_generated(out: Path) -> list[str]:
     """Returns the paths of files with a valid header, for a run whose manifest is lost.
 
-    Folders that are hidden, ignored by colcon (its own build, install and log) or that have a
-    manifest of their own are left out.
+    Folders that are hidden, ignored by colcon (its own build, install and log), virtual
+    environments and what has a manifest of its own are left out.
     """
     return sorted(
         path.relative_to(out).as_posix()
         for path in _files(out)
         if _may_have_header(path) and has_valid_header(_read(path).text or "")
     )
+
+
+def find_python(out: Path) -> list[str]:
+    """Returns the paths of Python files, in the folders that `find_generated` looks at."""
+    found = (path for path in _files(out) if path.suffix == ".py")
+    return sorted(path.relative_to(out).as_posix() for path in found)
 
 
 def _may_have_header(path: Path) -> bool:
@@ -83,6 +89,7 @@ def _files(out: Path) -> Iterator[Path]:
             if not name.startswith(".")
             and not (here / name / "COLCON_IGNORE").exists()
             and not (here / name / MANIFEST_PATH).exists()
+            and not (here / name / "pyvenv.cfg").exists()
         )
         yield from (
             here / name

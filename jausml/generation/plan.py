@@ -21,7 +21,7 @@ from jausml.generation.manifest import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
     from pathlib import Path
 
 
@@ -81,6 +81,11 @@ class Plan:
         return self.of(ActionKind.ORPHAN)
 
     @property
+    def deleted(self) -> frozenset[str]:
+        """The paths that are deleted."""
+        return frozenset(action.path for action in self.of(ActionKind.DELETE))
+
+    @property
     def is_up_to_date(self) -> bool:
         """Whether writing would change nothing (exit status 0 of `--check`)."""
         return not self.changes and not self.refused
@@ -98,7 +103,7 @@ def make_plan(
     model: str,
     targets: Collection[str] | None,
     force: bool = False,
-    known: Mapping[str, Any] | None = None,
+    known: Callable[[frozenset[str]], Mapping[str, Any]] | None = None,
 ) -> Plan:
     """Compares rendered files with the output folder. Reads only.
 
@@ -107,6 +112,7 @@ def make_plan(
             each file that is not among the artifacts is no longer produced.
         force: Overwrite edited generated files after a copy to `<file>.orig`. Skeletons are never
             overwritten.
+        known: Returns what is to be known of the model, for the paths that are deleted.
 
     Returns:
         The plan.
@@ -143,7 +149,9 @@ def make_plan(
     actions += _strays(out, manifest, unique)
     actions += _remains(out, manifest)
     actions.sort(key=lambda action: action.path)
-    models = {**manifest.models, model: {**manifest.models.get(model, {}), **(known or {})}}
+    deleted = frozenset(each.path for each in actions if each.kind is ActionKind.DELETE)
+    told = known(deleted) if known else {}
+    models = {**manifest.models, model: {**manifest.models.get(model, {}), **told}}
     new = Manifest(files=files, models=models)
     return Plan(out, (*actions, _manifest_action(out, manifest, new)), new.dump())
 

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from contextlib import nullcontext
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation.drift import Finding, drift
+from jausml.generation.contract.fixes import Fix, fix_files
+from jausml.generation.contract.interface import Interface, former_names
+from jausml.generation.drift import drift
 from jausml.generation.errors import GenerationError, OwnershipError, SelectionError
 from jausml.generation.manifest import Manifest, read_manifest
 from jausml.generation.plan import Plan, make_plan
@@ -19,6 +22,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from jausml.generation.artifact import Artifact
+    from jausml.generation.contract.finding import Finding
     from jausml.generation.target import Target
     from jausml.language.model.model import Model
 
@@ -43,6 +47,7 @@ class Result:
     plan: Plan
     drift: tuple[Finding, ...]
     is_written: bool
+    fixed: tuple[Fix, ...] = ()
 
 
 def select(
@@ -86,6 +91,7 @@ def generate(
     adopt: str = "",
     force: bool = False,
     write: bool = True,
+    fix: bool = False,
 ) -> Result:
     """Generates a workspace; writes nothing when a file is refused.
 
@@ -93,6 +99,7 @@ def generate(
         kept: Names of targets that do not run and whose files stay; None means every other.
         force: Overwrite edited generated files after a copy to `<file>.orig`. Skeletons are never
             overwritten.
+        fix: Make users' files fit where it is certain how.
 
     Raises:
         NoSystemError: A target needs one system, and the model's file holds none or several.
@@ -111,7 +118,36 @@ def generate(
         targets = [*targets, *again]
     artifacts = render(model, targets)
     with locked(out) if write else nullcontext():
-        return _generate(model, targets, artifacts, out, kept, adopt, force=force, write=write)
+        return _generate(
+            model, targets, artifacts, out, kept, adopt, force=force, write=write, fix=fix
+        )
+
+
+def broken_code(old: Model, new: Model, targets: Sequence[Target[Any]], out: Path) -> list[Finding]:
+    """Returns what a change of a model breaks in users' files; writes nothing.
+
+    Args:
+        out: The workspace, as generated from either.
+
+    Raises:
+        NoSystemError: A target needs one system, and a model's file holds none or several.
+        GenerationError: A model has what a target cannot generate.
+    """
+    before, after = render(old, targets), render(new, targets)
+    manifest = read_manifest(out)
+    paths = [{each.path for each in state} for state in (before, after)]
+    come, gone = frozenset(paths[1] - paths[0]), frozenset(paths[0] - paths[1])
+    interfaces = Interface(before, out, manifest, come), Interface(after, out, manifest, gone)
+    former = former_names(*interfaces)
+    known = {
+        (each.kind, each.path, each.line, each.column)
+        for each in drift(before, out, manifest, deleted=come)
+    }
+    return [
+        each
+        for each in drift(after, out, manifest, deleted=gone, former=former)
+        if each.severity != "info" and (each.kind, each.path, each.line, each.column) not in known
+    ]
 
 
 def _check_again(model: Model, again: Sequence[Target[Any]]) -> None:
@@ -143,6 +179,7 @@ def _generate(
     *,
     force: bool,
     write: bool,
+    fix: bool,
 ) -> Result:
     name = name_of(model)
     manifest = _manifest(out, name, source_of(model), adopt)
@@ -151,20 +188,30 @@ def _generate(
     covered = {target.name for target in targets} | others
     launching = [target.processes for target in targets if target.processes is not None]
     processes = [dict(each) for list_processes in launching for each in list_processes(model)]
+    former: dict[str, str] = {}
+
+    def known(deleted: frozenset[str]) -> dict[str, Any]:
+        before = manifest.models.get(name, {}).get("former")
+        after = Interface(artifacts, out, manifest, deleted)
+        former.update(former_names(Interface((), out, manifest), after, before))
+        told: dict[str, Any] = {"processes": processes} if launching else {}
+        return {**told, "former": former} if former or before else told
+
     plan = make_plan(
-        artifacts,
-        out,
-        manifest,
-        model=name,
-        targets=covered,
-        force=force,
-        known={"processes": processes} if launching else None,
+        artifacts, out, manifest, model=name, targets=covered, force=force, known=known
     )
-    findings = drift(artifacts, out, manifest)
+    compare = partial(
+        drift, artifacts, out, manifest, deleted=frozenset(plan.deleted), former=former
+    )
+    findings = compare()
     is_written = write and not plan.refused
     if is_written:
         apply(plan)
-    return Result(plan, tuple(findings), is_written)
+    fixed: list[Fix] = []
+    while is_written and fix and (done := fix_files(out, findings)):
+        fixed += done
+        findings = compare()
+    return Result(plan, tuple(findings), is_written, tuple(fixed))
 
 
 def _manifest(out: Path, name: str, source: str, adopt: str) -> Manifest:

@@ -7,6 +7,7 @@ takes the place of a folder after the plan was made is not followed.
 from __future__ import annotations
 
 import os
+import stat
 import sys
 from contextlib import contextmanager, suppress
 from itertools import count
@@ -86,6 +87,10 @@ class _File:
         with os.fdopen(descriptor, "wb") as file:
             file.write(data)
 
+    def mode(self) -> int:
+        """Returns the permissions."""
+        return stat.S_IMODE(os.stat(self._name, dir_fd=self._folder).st_mode)
+
     def is_there(self) -> bool:
         """Whether anything has the name, a link too."""
         try:
@@ -147,6 +152,18 @@ def _announce(plan: Plan) -> None:
         file.create(plan.manifest.encode("utf-8"))
 
 
+def replace_file(out: Path, path: str, old: bytes, new: bytes) -> None:
+    """Replaces what a file of the user says, which keeps its permissions.
+
+    Raises:
+        WriteError: The file says something else by now, or the operating system refused.
+    """
+    with _faults_named(path), _opened(out, path) as file:
+        if file.read() != old:
+            raise WriteError(path, "the file was edited while jausml was running")
+        _put(file, path, new, file.mode())
+
+
 def _write(out: Path, action: Action) -> None:
     with _opened(out, action.path, make=True) as file:
         if action.kind is ActionKind.CREATE and file.is_there():
@@ -154,16 +171,22 @@ def _write(out: Path, action: Action) -> None:
             raise WriteError(action.path, "the file appeared while jausml was running")
         if action.kind is ActionKind.UPDATE:
             _keep(file, action)
-        new = file.beside(PurePosixPath(temporary(action.path)).name)
+        data = (action.new or "").encode("utf-8")
+        _put(file, action.path, data, 0o777 if action.executable else 0o666)
+
+
+def _put(file: _File, path: str, data: bytes, mode: int) -> None:
+    """Writes a file beside its place, and then into it."""
+    new = file.beside(PurePosixPath(temporary(path)).name)
+    with suppress(FileNotFoundError):
+        new.unlink()  # left by a run that was killed
+    try:
+        new.create(data, mode)
+        new.replace(file)
+    except BaseException:
         with suppress(FileNotFoundError):
-            new.unlink()  # left by a run that was killed
-        try:
-            new.create((action.new or "").encode("utf-8"), 0o777 if action.executable else 0o666)
-            new.replace(file)
-        except BaseException:
-            with suppress(FileNotFoundError):
-                new.unlink()
-            raise
+            new.unlink()
+        raise
 
 
 def _keep(file: _File, action: Action) -> None:

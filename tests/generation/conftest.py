@@ -150,12 +150,18 @@ class Workspace:
     def render(self, model, targets=None):
         return gen.render(model, self.targets if targets is None else targets)
 
-    def plan(self, model, targets=None, **options):
+    def plan(self, model, targets=None, known=None, **options):
         names = None if targets is None else {target.name for target in targets}
         manifest = gen.read_manifest(self.out)
         artifacts = self.render(model, targets)
         return gen.make_plan(
-            artifacts, self.out, manifest, model=self.model, targets=names, **options
+            artifacts,
+            self.out,
+            manifest,
+            model=self.model,
+            targets=names,
+            known=known and (lambda _: known),
+            **options,
         )
 
     def write(self, model, targets=None, **options):

@@ -77,7 +77,7 @@ def test_a_renamed_message_is_known_by_its_code(workspace, findings, vehicle, ma
 
     (found,) = findings(text, model)
     assert (found.kind, found.line) == (F.RENAMED, 5)
-    assert found.message == "on_set_speed: renamed to on_go?"
+    assert found.message == "on_set_speed: renamed to on_go"
     assert "def on_go" in found.stub
 
     workspace.write(model)  # the manifest keeps the former name
@@ -270,14 +270,14 @@ def told_of_import(workspace, vehicle):
         ),
         (
             "from jausml_runtime.process import Hidden",
-            "there is no module jausml_runtime.process any more",
+            "there is no module jausml_runtime.process any more; nothing uses it, take it out",
         ),
     ],
 )
 def test_an_import_of_what_is_gone_says_where_it_went(told_of_import, line, message):
     (found,) = told_of_import(line)
 
-    assert (found.kind, found.line, found.severity) == (F.IMPORT, 1, "warning")
+    assert (found.kind, found.line, found.severity) == (F.IMPORT, 1, "error")
     assert found.message == message
 
 

@@ -354,7 +354,7 @@ def test_a_renamed_endpoint_is_recognised_by_its_topic(talk, tmp_path):
     rendered = gen.render(model_of(model), [ROS_NODE])
     (finding,) = gen.drift(rendered, talk, gen.read_manifest(talk))
     assert finding.kind is gen.FindingKind.RENAMED
-    assert "on_word: renamed to on_utterance?" in finding.message
+    assert finding.message == "on_word: renamed to on_utterance"
     compile(f"class C:\n{finding.stub}", "stub", "exec")
 
 

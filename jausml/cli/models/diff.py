@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, find_files, write_report
-from jausml.cli.shared.models import SUFFIXES, read, reading_options
+from jausml.cli.shared.models import SUFFIXES, read, reading_options, valid_model
 from jausml.cli.shared.options import format_option
 
 if TYPE_CHECKING:
@@ -63,6 +63,12 @@ _SAME_MEANING = (
     metavar="FILE",
     help="The same for NEW alone, if it was renamed.",
 )
+@click.option(
+    "--code",
+    metavar="DIR",
+    type=click.Path(exists=True, file_okay=False),
+    help="Workspace generated from OLD or NEW: name the lines of your code in it that break.",
+)
 @reading_options
 def command(
     old: str,
@@ -73,6 +79,7 @@ def command(
     fail_on: str,
     file: str | None,
     renamed: str | None,
+    code: str | None,
     reading: Reading,
 ) -> None:
     """Show what changed from OLD to NEW, in terms of the models.
@@ -80,8 +87,8 @@ def command(
     OLD and NEW are models, folders of models, or REVISION:PATH in a git repository, such as
     `HEAD~1:models` or `main:./rover.xmi`. Layout, ids, documentation, the notation, and an order
     that has no meaning do not count as changes. Changes that break programs on the network or code
-    of users are marked. With --as, git can call this command: one of the states may then be
-    /dev/null, for a file that does not exist.
+    of users are marked; with --code, the lines of yours that break are named. With --as, git can
+    call this command: one of the states may then be /dev/null, for a file that does not exist.
 
     A diagram (svg, html) shows a view of NEW as `jausml diagram` does, and the removed parts of
     OLD: added parts are blue with +, removed ones orange and dashed with a minus sign, changed ones
@@ -93,6 +100,8 @@ def command(
     from jausml.authoring.differences.finding import changes
     from jausml.authoring.differences.matching import Matching, paired_roots
 
+    if code is not None and (file is not None or output_format in _PICTURES):
+        raise click.UsageError("--code goes with text and json, without --as")
     if file is not None and os.devnull in (old, new):
         click.echo(f"+ {file}: added" if old == os.devnull else f"- {file}: removed")
         return
@@ -103,13 +112,15 @@ def command(
         found = changes(before.model, after.model, pairs, (*before.lost, *after.lost))
         for name, result in ((old, before), (new, after)):
             _warn(name, result)
+        broken = _broken(old, new, code, reading, stack) if code is not None else []
         if output_format in _PICTURES:
             roots = [(a, b) for a, b in pairs if a is not None and b is not None]
             matching = Matching(before.model, after.model, roots)
             states = ((before.model, old_folder), (after.model, new_folder))
             text = _drawn(states, view, matching, found, output_format)
         elif output_format == "json":
-            text = json.dumps(_as_json(found), indent=2, ensure_ascii=False) + "\n"
+            told = _as_json(found) | ({"code": broken} if code is not None else {})
+            text = json.dumps(told, indent=2, ensure_ascii=False) + "\n"
         else:
             shown = [] if file is None else [_title(file, renamed)]
             end = _summary(found)
@@ -117,10 +128,48 @@ def command(
                 end = "nothing was compared"
             elif not found and file is not None:
                 end = _SAME_MEANING
-            text = "".join(f"{line}\n" for line in (*shown, *map(_line, found), end))
+            if broken:
+                lines = f"{len(broken)} line{'' if len(broken) == 1 else 's'}"
+                end += f"; {lines} of your code to change"
+            text = "".join(
+                f"{line}\n" for line in (*shown, *map(_line, found), *map(_code_line, broken), end)
+            )
         write_report(click.unstyle(text) if output is not None else text, output)
-    if (fail_on == "any" and found) or (fail_on == "breaking" and any(e.breaks for e in found)):
+    is_breaking = bool(broken) or any(each.breaks for each in found)
+    if (fail_on == "any" and found) or (fail_on == "breaking" and is_breaking):
         raise click.exceptions.Exit(PROBLEMS)
+
+
+def _broken(
+    old: str, new: str, code: str, reading: Reading, stack: ExitStack
+) -> list[dict[str, Any]]:
+    """Returns the lines of users that the change breaks."""
+    from jausml.generation import GenerationError, broken_code, load_targets, select
+
+    states = []
+    for given in (old, new):
+        path, inside = _found(given, reading, stack)
+        states.append(valid_model(str(path), inside, outcome="no code was compared"))
+    try:
+        targets = select(load_targets()).targets
+        found = broken_code(states[0], states[1], targets, Path(code))
+    except GenerationError as error:
+        raise EnvironmentFault(f"cannot tell which code breaks: {error}") from error
+    return [
+        {
+            "file": str(Path(code, each.path)),
+            "line": each.line,
+            "column": each.column,
+            "severity": each.severity,
+            "text": each.message,
+        }
+        for each in found
+    ]
+
+
+def _code_line(broken: dict[str, Any]) -> str:
+    column = f":{broken['column']}" if broken["column"] else ""
+    return f"{broken['file']}:{broken['line']}{column}: {broken['severity']}: {broken['text']}"
 
 
 def _title(file: str, renamed: str | None) -> str:
@@ -168,11 +217,16 @@ def _read(
             contents=contents,
         )
         return result, path.parent
-    if is_revision(given):
-        folder = Path(stack.enter_context(TemporaryDirectory(prefix="jausml-diff-"))).resolve()
-        path = checked_out(given, folder)
-        reading = replace(reading, project_root=folder)
+    path, reading = _found(given, reading, stack)
     return read([str(path)], reading), path if path.is_dir() else path.parent
+
+
+def _found(given: str, reading: Reading, stack: ExitStack) -> tuple[Path, Reading]:
+    """Returns where a state is, that of a revision in a folder of its own."""
+    if not is_revision(given):
+        return Path(given), reading
+    folder = Path(stack.enter_context(TemporaryDirectory(prefix="jausml-diff-"))).resolve()
+    return checked_out(given, folder), replace(reading, project_root=folder)
 
 
 def _drawn(

@@ -69,6 +69,12 @@ class WholeLibraryOption(click.Option):
 @click.option("--diff", is_flag=True, help="Write nothing; show the changes as a patch.")
 @click.option("--dry-run", is_flag=True, help="Write nothing; list the changes.")
 @click.option(
+    "--fix",
+    is_flag=True,
+    help="Make your own files fit the model where it is certain how: names that are renamed, "
+    "imports that are gone and unused.",
+)
+@click.option(
     "--adopt",
     default="",
     metavar="NAME",
@@ -90,6 +96,7 @@ def command(
     names: tuple[str, ...],
     whole_library: bool,
     strict: bool,
+    fix: bool,
     adopt: str,
     force: bool,
     frequency: float | None,
@@ -100,7 +107,8 @@ def command(
     """Generate a workspace from the system in MODEL.
 
     Validates the model first. Your own files (skeletons) are written once and never changed
-    afterwards.
+    afterwards, except by --fix, which prints what it changes. They are read, not run: what no
+    longer fits the generated code is an error where it ends the program, else a warning.
 
     If the same happens to many files of a package, they are listed as one line. Unchanged files are
     not listed. `jausml --verbose generate` lists every file.
@@ -114,6 +122,8 @@ def command(
     chosen = [mode for mode in _MODES if modes[mode]]
     if len(chosen) > 1:
         raise click.UsageError("--check, --diff and --dry-run exclude each other")
+    if fix and chosen:
+        raise click.UsageError(f"--fix writes, --{chosen[0].replace('_', '-')} does not")
     if frequency is not None and not 0 < frequency <= MAXIMUM_RATE:
         raise click.UsageError(f"--frequency is above 0 and at most {MAXIMUM_RATE:g} hertz")
     folder = _out_folder(model, out)
@@ -127,7 +137,10 @@ def command(
         outcome="nothing generated",
     )
     mode = chosen[0] if chosen else "write"
-    result = _generated(valid, selection, folder, adopt=adopt, force=force, write=mode == "write")
+    result = _generated(
+        valid, selection, folder, adopt=adopt, force=force, write=mode == "write", fix=fix
+    )
+    _report_fixes(result)
     _report_drift(result)
     _report(result, mode, quiet=quiet)
     if (strict or mode == "check") and any(each.severity != "info" for each in result.drift):
@@ -209,11 +222,19 @@ def _no_system(error: NoSystemError) -> str:
     return f"{message}\n\n{_EXAMPLE.format(map=error.maps[0])}"
 
 
+def _report_fixes(result: Result) -> None:
+    for each in result.fixed:
+        edit, place = each.edit, f"{result.plan.out / each.path}:{each.edit.line}"
+        old, new = (" ".join(text.split()) for text in (edit.old, edit.new))
+        click.echo(f"{place}: fixed: {f'{old} -> {new}' if new else f'took out {old}'}", err=True)
+
+
 def _report_drift(result: Result) -> None:
     from jausml.language.validation.formats.text import one_line
 
     for finding in result.drift:
-        place = f"{result.plan.out / finding.path}:{finding.line}"
+        column = f":{finding.column}" if finding.column else ""
+        place = f"{result.plan.out / finding.path}:{finding.line}{column}"
         click.echo(one_line(f"{place}: {finding.severity}: {finding.message}"), err=True)
         if finding.stub:
             click.echo(finding.stub, err=True, nl=not finding.stub.endswith("\n"))
@@ -232,6 +253,8 @@ def _report(result: Result, mode: str, *, quiet: bool) -> None:
     for action in plan.refused:
         click.echo(f"{plan.out / action.path}: error: {action.reason}", err=True)
     remark(_summary(result))
+    if result.drift and not result.fixed and any(each.edits for each in result.drift):
+        remark("--fix changes your files where it is certain how")
     if plan.refused or (mode == "check" and not plan.is_up_to_date):
         raise click.exceptions.Exit(PROBLEMS)
 

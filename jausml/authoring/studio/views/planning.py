@@ -18,7 +18,7 @@ from jausml.language.model import Severity
 from jausml.language.validation.formats import text
 
 if TYPE_CHECKING:
-    from jausml.generation.drift import Finding
+    from jausml.generation.contract.finding import Finding
     from jausml.language.validation.report import Report
 
 _WORDS = {

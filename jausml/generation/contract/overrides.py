@@ -1,0 +1,189 @@
+"""Methods of a user's class against those that its generated base calls."""
+
+from __future__ import annotations
+
+import ast
+import difflib
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from jausml.generation.contract.edits import Edit, attribute_edit, name_edit
+from jausml.generation.contract.finding import Finding, FindingKind
+from jausml.generation.contract.mentions import Mentions
+from jausml.generation.contract.source import Function, read_classes
+from jausml.generation.contract.syntax import last_name
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from jausml.generation.artifact import MethodContract, SkeletonContract
+    from jausml.generation.contract.source import Definition, SourceClass
+
+_SIMILAR = 0.6  # ratio of difflib above which two method names may be one renamed
+
+
+@dataclass
+class Comparison:
+    """A user's class beside what its base calls.
+
+    Attributes:
+        uncalled: Methods that the base calls no more.
+        renamed: Those of them that it calls by another name, for certain.
+    """
+
+    findings: list[Finding] = field(default_factory=list)
+    uncalled: set[str] = field(default_factory=set)
+    renamed: dict[str, str] = field(default_factory=dict)
+
+
+def compare_class(
+    path: str, contract: SkeletonContract, tree: ast.Module, known: Mapping[str, str]
+) -> Comparison:
+    """Compares the class of a skeleton with the contract.
+
+    Args:
+        known: The identities of all methods that the base ever called, by name.
+    """
+    found = Comparison()
+    classes = read_classes(tree)
+    user = classes.get(contract.class_name)
+    if user is None:
+        found.findings.append(_no_class(path, contract, classes))
+        return found
+    found.findings += _compare_methods(path, contract, user, known, found, tree)
+    if contract.base_name not in user.ancestors:
+        message = f"class {user.name} does not derive from {contract.base_name}"
+        found.findings.append(Finding(FindingKind.NO_BASE, path, user.line, message))
+    return found
+
+
+def _no_class(path: str, contract: SkeletonContract, classes: Mapping[str, SourceClass]) -> Finding:
+    heirs = [c for c in classes.values() if contract.base_name in c.ancestors]
+    message = f"there is no class {contract.class_name}({contract.base_name})"
+    if heirs:
+        message += f"; is it {heirs[0].name}, which derives from {contract.base_name}?"
+    return Finding(
+        FindingKind.NO_CLASS, path, heirs[0].line if heirs else 1, message, is_fatal=True
+    )
+
+
+def _compare_methods(
+    path: str,
+    contract: SkeletonContract,
+    user: SourceClass,
+    known: Mapping[str, str],
+    found: Comparison,
+    tree: ast.Module,
+) -> Iterator[Finding]:
+    expected = {method.name: method for method in contract.methods}
+    missing = {n: m for n, m in expected.items() if n not in user.methods}
+    orphans = {
+        name: definition
+        for name, definition in user.methods.items()
+        if name not in expected and (name.startswith(contract.prefixes) or name in known)
+    }
+    for name, definition in orphans.items():
+        found.uncalled.add(name)
+        successor = _successor(name, orphans, missing, known)
+        if successor is None:
+            message = f"{name}: the model has no such element any more, nothing calls it"
+            yield Finding(FindingKind.ORPHAN, path, definition.line, message)
+        else:
+            del missing[successor.name]
+            message = f"{name}: renamed to {successor.name}?"
+            edits: tuple[Edit, ...] = ()
+            if known.get(name):
+                message = f"{name}: renamed to {successor.name}"
+                found.renamed[name] = successor.name
+                edits = _renaming(tree, user, definition, name, successor)
+            yield Finding(
+                FindingKind.RENAMED, path, definition.line, message, successor.stub, edits=edits
+            )
+    for method in missing.values():
+        if not method.optional:
+            message = f"{user.name} does not define {_signature(method)}"
+            yield Finding(FindingKind.MISSING, path, user.line, message, method.stub)
+    for name, definition in user.methods.items():
+        if name in expected and definition.function is not None:
+            problem = _signature_problem(definition.function, expected[name])
+            if problem:
+                message = f"{name}: {problem}, expected {_signature(expected[name])}"
+                is_fatal = problem.startswith(("takes (", "requires"))
+                yield Finding(
+                    FindingKind.SIGNATURE, path, definition.line, message, is_fatal=is_fatal
+                )
+
+
+def _successor(
+    name: str,
+    orphans: Mapping[str, Definition],
+    missing: Mapping[str, MethodContract],
+    known: Mapping[str, str],
+) -> MethodContract | None:
+    """Returns the method that an orphan probably is now.
+
+    The identity in the manifest decides; without one, names that resemble each other and nothing
+    else do.
+    """
+    if known.get(name):
+        same = [method for method in missing.values() if method.identity == known[name]]
+        return same[0] if len(same) == 1 else None
+    candidates = [n for n in missing if _resemble(name, n)]
+    if len(candidates) != 1:
+        return None
+    rivals = [n for n in orphans if _resemble(n, candidates[0])]
+    return missing[candidates[0]] if len(rivals) == 1 else None
+
+
+def _renaming(
+    tree: ast.Module,
+    user: SourceClass,
+    definition: Definition,
+    name: str,
+    successor: MethodContract,
+) -> tuple[Edit, ...]:
+    """Returns the edits that rename a method, where all that has its name in the file is it."""
+    function = definition.function
+    used = [n for n in ast.walk(tree) if isinstance(n, ast.Attribute) and n.attr == name]
+    defined = [n for n in ast.walk(tree) if isinstance(n, Function) and n.name == name]
+    is_certain = (
+        function is not None
+        and defined == [function]
+        and successor.name not in user.methods
+        and not _signature_problem(function, successor)
+        and all(last_name(each.value) in ("self", "super") for each in used)
+        and not Mentions(tree).words & {name}
+    )
+    if function is None or not is_certain:
+        return ()
+    head = "async def " if isinstance(function, ast.AsyncFunctionDef) else "def "
+    edits = [name_edit(function.lineno, function.col_offset + len(head), name, successor.name)]
+    edits += [attribute_edit(each, successor.name) for each in used]
+    return tuple(edits)
+
+
+def _resemble(first: str, second: str) -> bool:
+    pairs = [(first.partition("_")[2], second.partition("_")[2]), (first, second)]
+    return all(difflib.SequenceMatcher(None, a, b).ratio() >= _SIMILAR for a, b in pairs)
+
+
+def _signature(method: MethodContract) -> str:
+    return f"{method.name}({', '.join(('self', *method.parameters))})"
+
+
+def _signature_problem(function: Function, method: MethodContract) -> str:
+    """Says why the base's call, by position, does not fit; other parameter names do no harm."""
+    if isinstance(function, ast.AsyncFunctionDef):
+        return "is async, but the base does not await it"
+    if any(isinstance(d, ast.Name) and d.id == "staticmethod" for d in function.decorator_list):
+        return "is a static method"
+    arguments = function.args
+    names = [a.arg.lstrip("_") for a in (*arguments.posonlyargs, *arguments.args)][1:]
+    wanted = [name.lstrip("_") for name in method.parameters]
+    required = len(names) - len(arguments.defaults)
+    if len(wanted) < required or (len(wanted) > len(names) and arguments.vararg is None):
+        return f"takes ({', '.join(names)})"
+    if None in arguments.kw_defaults:
+        return "requires keyword arguments"
+    swapped = any(n != w and w in names for n, w in zip(names, wanted, strict=False))
+    return f"takes its parameters in another order ({', '.join(names)})" if swapped else ""

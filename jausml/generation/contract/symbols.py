@@ -1,0 +1,378 @@
+"""Names that Python modules and classes define, read from their syntax trees; nothing is run."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import enum
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from jausml.generation.contract.syntax import absolute, flat, is_decorated_by, last_name, parsed
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+
+_KNOWN_BASES = {
+    ("abc", "ABC"): object,
+    ("typing", "Generic"): object,
+    ("typing", "Protocol"): object,
+    **{("enum", each): getattr(enum, each) for each in ("Enum", "Flag", "IntEnum", "IntFlag")},
+}
+"""Classes of the standard library that generated classes derive from: their attributes count."""
+
+
+@dataclass(frozen=True, eq=False)
+class Module:
+    """A module of the workspace.
+
+    Attributes:
+        is_generated: Whether it is of the generated interface; else it is the user's.
+    """
+
+    name: str
+    tree: ast.Module
+    is_package: bool
+    is_generated: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Class:
+    """A class; `name` is dotted inside of another."""
+
+    name: str
+    node: ast.ClassDef
+    module: Module
+
+
+@dataclass(frozen=True, eq=False)
+class Function:
+    """A function, or a method when it has an owner."""
+
+    node: ast.FunctionDef | ast.AsyncFunctionDef
+    module: Module
+    owner: Class | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Value:
+    """What an assignment or an annotation defines."""
+
+    annotation: ast.expr | None
+    value: ast.expr | None
+    module: Module
+    owner: Class | None = None
+
+
+@dataclass(frozen=True)
+class External:
+    """A name of a module outside of the workspace."""
+
+    module: str
+    name: str
+
+
+class Unknown(enum.Enum):
+    """What cannot be known without running the code."""
+
+    UNKNOWN = enum.auto()
+
+
+UNKNOWN = Unknown.UNKNOWN
+Symbol = Module | Class | Function | Value | External | Unknown
+
+
+@dataclass(frozen=True)
+class _Alias:
+    module: str
+    name: str
+
+
+@dataclass
+class _Names:
+    """The names of a body; open when there may be others."""
+
+    symbols: dict[str, Symbol | _Alias] = field(default_factory=dict)
+    stars: list[str] = field(default_factory=list)
+    is_open: bool = False
+
+
+class Modules:
+    """The modules of a workspace by their dotted names.
+
+    Args:
+        read: Returns the text of a path of the workspace; None for none, UNKNOWN for what is
+            there and is no text of Python.
+        packages: Packages whose modules are known, all of them.
+        generated: Tells the paths of the generated interface.
+    """
+
+    def __init__(
+        self,
+        read: Callable[[str], str | bytes | Unknown | None],
+        packages: Iterable[str],
+        generated: Callable[[str], bool],
+    ) -> None:
+        self._read = read
+        self.packages = frozenset(packages)
+        self._generated = generated
+        self._found: dict[str, Module | Unknown | None] = {}
+        self._scopes: dict[Module, _Names] = {}
+        self._members: dict[Class, _Names] = {}
+
+    def find(self, name: str) -> Module | Unknown | None:
+        """Returns a module; None when its package has no such one."""
+        if name.partition(".")[0] not in self.packages:
+            return UNKNOWN
+        if name not in self._found:
+            self._found[name] = self._load(name)
+        return self._found[name]
+
+    def _load(self, name: str) -> Module | Unknown | None:
+        place = "/".join((name.partition(".")[0], *name.split(".")))
+        for path, is_package in ((f"{place}/__init__.py", True), (f"{place}.py", False)):
+            text = self._read(path)
+            if isinstance(text, Unknown):
+                return UNKNOWN
+            if text is not None:
+                tree = parsed(text)
+                generated = self._generated(path)
+                return Module(name, tree, is_package, generated) if tree else UNKNOWN
+        return UNKNOWN if self._read(place) is UNKNOWN else None
+
+    def member(self, module: Module, name: str) -> Symbol | None:
+        """Returns what a module gives to who imports a name; None when it has no such name."""
+        return self._member(module, name, ())
+
+    def _member(self, module: Module, name: str, passed: tuple[Module, ...]) -> Symbol | None:
+        names = self._scope(module)
+        found = names.symbols.get(name)
+        if isinstance(found, _Alias):
+            if module in passed:
+                return UNKNOWN
+            return self._imported(found, (*passed, module))
+        if found is not None:
+            return found
+        if module.is_package:
+            inner = self.find(f"{module.name}.{name}")
+            if inner is not None:
+                return inner
+        for star in names.stars:
+            source = self.find(star)
+            if not isinstance(source, Module) or source in passed:
+                return UNKNOWN
+            starred = self._member(source, name, (*passed, module))
+            if starred is not None:
+                return starred
+        return UNKNOWN if names.is_open or _is_special(name) else None
+
+    def _imported(self, alias: _Alias, passed: tuple[Module, ...]) -> Symbol:
+        source = self.find(alias.module)
+        if source is UNKNOWN:
+            known = alias.module.partition(".")[0] in self.packages
+            return UNKNOWN if known else External(alias.module, alias.name)
+        if source is None or not alias.name:
+            return UNKNOWN if source is None else source
+        found = self._member(source, alias.name, passed)
+        return UNKNOWN if found is None else found
+
+    def names(self, module: Module) -> list[str]:
+        """Returns the names that a module defines or imports."""
+        symbols = self._scope(module).symbols
+        return [name for name, each in symbols.items() if each is not UNKNOWN]
+
+    def offered(self, module: Module) -> set[str]:
+        """Returns the names that a module defines or lists in `__all__`, not its own imports."""
+        symbols = self._scope(module).symbols
+        listed = symbols.get("__all__")
+        values = ast.walk(listed.value) if isinstance(listed, Value) and listed.value else ()
+        return {
+            *(str(each.value) for each in values if isinstance(each, ast.Constant)),
+            *(name for name, each in symbols.items() if not isinstance(each, (_Alias, Unknown))),
+        }
+
+    def _scope(self, module: Module) -> _Names:
+        names = self._scopes.get(module)
+        if names is None:
+            names = self._scopes[module] = _Names()
+            for statement in flat(module.tree.body):
+                _define(names, statement, module, None)
+            for name in _stored(module.tree):
+                names.symbols.setdefault(name, UNKNOWN)
+            names.is_open = "__getattr__" in names.symbols
+        return names
+
+    def members(self, cls: Class) -> dict[str, Symbol]:
+        """Returns what the body and the methods of a class define, without its base classes."""
+        return {
+            name: UNKNOWN if isinstance(each, _Alias) else each
+            for name, each in self._body(cls).symbols.items()
+        }
+
+    def _body(self, cls: Class) -> _Names:
+        names = self._members.get(cls)
+        if names is None:
+            names = self._members[cls] = _Names()
+            for statement in flat(cls.node.body):
+                _define(names, statement, cls.module, cls)
+            for name in _set_by_methods(cls.node):
+                known = names.symbols.get(name)
+                if known is None or (isinstance(known, Value) and known.annotation is None):
+                    names.symbols[name] = UNKNOWN
+            special = names.symbols.keys() & {"__getattr__", "__getattribute__"}
+            names.is_open = bool(special or _is_dynamic(cls.node))
+        return names
+
+    def ancestors(self, cls: Class) -> list[Class | type | None]:
+        """Returns a class and those that it derives from; None for one that is not known."""
+        found: list[Class | type | None] = []
+        self._ancestors(cls, found)
+        return found
+
+    def _ancestors(self, cls: Class, found: list[Class | type | None]) -> None:
+        if cls in found:
+            return
+        found.append(cls)
+        for node in cls.node.bases:
+            base = self._base(node, cls)
+            if isinstance(base, Class):
+                self._ancestors(base, found)
+            else:
+                found.append(base)
+
+    def _base(self, node: ast.expr, cls: Class) -> Class | type | None:
+        node = node.value if isinstance(node, ast.Subscript) else node
+        found = self.symbol(node, cls.module)
+        if isinstance(found, Class):
+            return found
+        if isinstance(found, External):
+            return _KNOWN_BASES.get((found.module, found.name))
+        if found is None and isinstance(node, ast.Name):
+            known = getattr(builtins, node.id, None)
+            return known if isinstance(known, type) else None
+        return None
+
+    def symbol(self, node: ast.expr, module: Module) -> Symbol | None:
+        """Returns what a dotted name means at the top of a module; None for no such name."""
+        if isinstance(node, ast.Name):
+            return self.member(module, node.id)
+        if not isinstance(node, ast.Attribute):
+            return UNKNOWN
+        owner = self.symbol(node.value, module)
+        if isinstance(owner, Module):
+            return self.member(owner, node.attr)
+        return self.attribute(owner, node.attr) if isinstance(owner, Class) else UNKNOWN
+
+    def attribute(self, cls: Class, name: str) -> Symbol | None:
+        """Returns what a class or its objects have by a name; None when they have no such one."""
+        is_open = _is_special(name)
+        for each in self.ancestors(cls):
+            if isinstance(each, Class):
+                body = self._body(each)
+                found = body.symbols.get(name)
+                if found is not None:
+                    return UNKNOWN if isinstance(found, _Alias) else found
+                is_open = is_open or body.is_open
+            elif each is None or any(name in vars(kind) for kind in each.__mro__):
+                is_open = True
+        return UNKNOWN if is_open else None
+
+
+def is_enumeration(modules: Modules, cls: Class) -> bool:
+    """Tells whether the members of a class are its objects."""
+    return any(isinstance(e, type) and issubclass(e, enum.Enum) for e in modules.ancestors(cls))
+
+
+def is_slotted(modules: Modules, cls: Class) -> bool:
+    """Tells whether objects of a class take no other attributes."""
+    return all(
+        isinstance(each, Class) and ("__slots__" in modules.members(each) or _has_slots(each.node))
+        for each in modules.ancestors(cls)
+        if each is not object
+    )
+
+
+def _define(names: _Names, statement: ast.stmt, module: Module, owner: Class | None) -> None:
+    match statement:
+        case ast.ClassDef(name=name):
+            whole = f"{owner.name}.{name}" if owner else name
+            _add(names, name, Class(whole, statement, module))
+        case ast.FunctionDef(name=name) | ast.AsyncFunctionDef(name=name):
+            _add(names, name, Function(statement, module, owner))
+        case ast.Assign(targets=[ast.Name(id=name)], value=value):
+            _add(names, name, Value(None, value, module, owner))
+        case ast.Assign(targets=targets):
+            names.symbols.update((name, UNKNOWN) for each in targets for name in _stored(each))
+        case ast.AnnAssign(target=ast.Name(id=name), annotation=annotation, value=value):
+            _add(names, name, Value(annotation, value, module, owner))
+        case ast.Import() | ast.ImportFrom():
+            _import(names, statement, module)
+
+
+def _import(names: _Names, statement: ast.Import | ast.ImportFrom, module: Module) -> None:
+    for alias in statement.names:
+        if isinstance(statement, ast.Import):
+            name = alias.asname or alias.name.partition(".")[0]
+            _add(names, name, _Alias(alias.name if alias.asname else name, ""))
+            continue
+        source = absolute(statement, module.name, is_package=module.is_package)
+        if alias.name == "*":
+            names.stars.append(source)
+        else:
+            _add(names, alias.asname or alias.name, _Alias(source, alias.name))
+
+
+def _add(names: _Names, name: str, symbol: Symbol | _Alias) -> None:
+    """Adds a name; of one that is defined twice nothing is known but that it is there."""
+    known = names.symbols.setdefault(name, symbol)
+    if known != symbol:
+        names.symbols[name] = UNKNOWN
+
+
+def _stored(tree: ast.AST) -> set[str]:
+    return {
+        each.id
+        for each in ast.walk(tree)
+        if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)
+    }
+
+
+def _set_by_methods(node: ast.ClassDef) -> Iterator[str]:
+    """Yields the names of attributes that methods of a class set on their object."""
+    functions = (
+        e for e in flat(node.body) if isinstance(e, (ast.FunctionDef, ast.AsyncFunctionDef))
+    )
+    for function in functions:
+        arguments = [*function.args.posonlyargs, *function.args.args][:1]
+        for each in ast.walk(function) if arguments else ():
+            match each:
+                case ast.Attribute(value=ast.Name(id=name), ctx=ast.Store()):
+                    if name == arguments[0].arg:
+                        yield each.attr
+
+
+def _is_dynamic(node: ast.ClassDef) -> bool:
+    """Tells whether a class may have attributes that its text does not name."""
+    known = ("dataclass", "final", "total_ordering", "unique")
+    if node.keywords or not all(is_decorated_by(each, *known) for each in node.decorator_list):
+        return True
+    named = {
+        each.value
+        for each in ast.walk(node)
+        if isinstance(each, ast.Subscript) and isinstance(each.slice, ast.Constant)
+    }
+    setters = ("setattr", "__setattr__", "vars")
+    return any(
+        last_name(each) in setters and each not in named
+        if isinstance(each, ast.Call)
+        else isinstance(each, ast.Attribute) and each.attr == "__dict__"
+        for each in ast.walk(node)
+    )
+
+
+def _has_slots(node: ast.ClassDef) -> bool:
+    return any("slots=True" in ast.unparse(each) for each in node.decorator_list)
+
+
+def _is_special(name: str) -> bool:
+    return name.startswith("__") and name.endswith("__")

@@ -1,0 +1,215 @@
+"""Types of expressions, as far as they are certain: names, annotations, calls, fields, lists."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from jausml.generation.contract.symbols import (
+    UNKNOWN,
+    Class,
+    External,
+    Function,
+    Module,
+    Modules,
+    Unknown,
+    Value,
+    is_enumeration,
+)
+from jausml.generation.contract.syntax import is_decorated_by
+
+_LISTS = {"list", "List", "Sequence", "Iterable", "Collection", "tuple", "deque"}
+_DEPTH = 20
+"""Steps from a name to what it means, beyond which nothing is told of it."""
+
+
+@dataclass(frozen=True)
+class Object:
+    """An object of a class; of the classes after it alone, where `super()` gave it."""
+
+    of: Class
+    is_super: bool = False
+
+
+@dataclass(frozen=True)
+class ListOf:
+    """A list of objects."""
+
+    item: Type
+
+
+@dataclass(frozen=True)
+class Method:
+    """A function as an attribute: bound ones are called without their first parameter."""
+
+    function: Function
+    is_bound: bool
+
+
+Type = Module | Class | Function | Method | Object | ListOf | External | Unknown
+LookUp = Callable[[str], Type]
+
+
+class Types:
+    """What expressions of the workspace are.
+
+    Args:
+        modules: The modules of the workspace.
+    """
+
+    def __init__(self, modules: Modules) -> None:
+        self.modules = modules
+        self._depth = 0
+
+    def at_top(self, module: Module) -> LookUp:
+        """Returns what names mean at the top of a module."""
+
+        def look_up(name: str) -> Type:
+            return self.of_symbol(self.modules.member(module, name))
+
+        return look_up
+
+    def of_symbol(self, symbol: object) -> Type:
+        """Returns what reading a symbol gives."""
+        if isinstance(symbol, (Module, Class, Function, External)):
+            return symbol
+        if not isinstance(symbol, Value):
+            return UNKNOWN
+        look_up = self._within(symbol.owner) if symbol.owner else self.at_top(symbol.module)
+        if symbol.owner is not None and is_enumeration(self.modules, symbol.owner):
+            return Object(symbol.owner)
+        if symbol.annotation is not None and "TypeAlias" not in ast.unparse(symbol.annotation):
+            return self.of_annotation(symbol.annotation, look_up)
+        return UNKNOWN if symbol.value is None else self.of(symbol.value, look_up)
+
+    def _within(self, owner: Class) -> LookUp:
+        """Returns what names mean in the body of a class."""
+
+        def look_up(name: str) -> Type:
+            found = self.modules.members(owner).get(name)
+            if found is not None:
+                return self.of_symbol(found)
+            return self.of_symbol(self.modules.member(owner.module, name))
+
+        return look_up
+
+    def of(self, node: ast.expr, look_up: LookUp) -> Type:
+        """Returns what an expression is."""
+        if self._depth > _DEPTH:
+            return UNKNOWN
+        self._depth += 1
+        try:
+            return self._of(node, look_up)
+        finally:
+            self._depth -= 1
+
+    def _of(self, node: ast.expr, look_up: LookUp) -> Type:
+        match node:
+            case ast.Name(id=name):
+                return look_up(name)
+            case ast.Attribute(value=owner, attr=name):
+                return self.attribute(self.of(owner, look_up), name)
+            case ast.Call(func=ast.Name(id="super"), args=[]):
+                return look_up("super")
+            case ast.Call(func=function):
+                return self._result(self.of(function, look_up))
+            case ast.Subscript(value=owner):
+                found = self.of(owner, look_up)
+                if isinstance(found, Class) and is_enumeration(self.modules, found):
+                    return Object(found)
+                is_slice = isinstance(node.slice, ast.Slice)
+                return found.item if isinstance(found, ListOf) and not is_slice else UNKNOWN
+        return UNKNOWN
+
+    def attribute(self, owner: Type, name: str) -> Type:
+        """Returns what an attribute is."""
+        if isinstance(owner, Module):
+            return self.of_symbol(self.modules.member(owner, name))
+        if not isinstance(owner, (Class, Object)):
+            return UNKNOWN
+        symbol = self.find(owner, name)
+        if isinstance(symbol, Function):
+            return self._method(symbol, owner)
+        return self.of_symbol(symbol)
+
+    def find(self, owner: Class | Object, name: str) -> object:
+        """Returns the symbol of an attribute; None when there is certainly no such one."""
+        if isinstance(owner, Class):
+            return self.modules.attribute(owner, name)
+        if not owner.is_super:
+            return self.modules.attribute(owner.of, name)
+        above = [self.modules.symbol(node, owner.of.module) for node in owner.of.node.bases]
+        found = [
+            self.modules.attribute(e, name) if isinstance(e, Class) else UNKNOWN for e in above
+        ]
+        return next((each for each in found if each is not None), None)
+
+    def _method(self, function: Function, owner: Class | Object) -> Type:
+        decorators = function.node.decorator_list
+        is_object = isinstance(owner, Object)
+        match [d for d in decorators if not is_decorated_by(d, "override", "abstractmethod")]:
+            case []:
+                return Method(function, is_bound=is_object)
+            case [each] if is_decorated_by(each, "property", "cached_property"):
+                return self._annotated(function) if is_object else UNKNOWN
+            case [each] if is_decorated_by(each, "classmethod"):
+                return Method(function, is_bound=True)
+            case [each] if is_decorated_by(each, "staticmethod"):
+                return Method(function, is_bound=False)
+        return UNKNOWN
+
+    def _result(self, called: Type) -> Type:
+        match called:
+            case Class():
+                return Object(called)
+            case Method(function=function):
+                return self._annotated(function)
+            case Function() if not called.node.decorator_list:
+                return self._annotated(called)
+        return UNKNOWN
+
+    def _annotated(self, function: Function) -> Type:
+        """Returns what a function returns, as its annotation has it."""
+        if function.node.returns is None or isinstance(function.node, ast.AsyncFunctionDef):
+            return UNKNOWN
+        return self.of_annotation(function.node.returns, self.at_top(function.module))
+
+    def parameter(self, function: Function, position: int) -> Type:
+        """Returns what a method is called with at a position, `self` being the first."""
+        arguments = (*function.node.args.posonlyargs, *function.node.args.args)
+        if position >= len(arguments) or arguments[position].annotation is None:
+            return UNKNOWN
+        annotation = arguments[position].annotation
+        assert annotation is not None  # noqa: S101 - asked above
+        return self.of_annotation(annotation, self.at_top(function.module))
+
+    def of_annotation(self, node: ast.expr, look_up: LookUp) -> Type:
+        """Returns what has an annotation; what may also be None counts as what it is else."""
+        match node:
+            case ast.Constant(value=str(text)):
+                try:
+                    return self.of_annotation(ast.parse(text, mode="eval").body, look_up)
+                except (SyntaxError, ValueError):
+                    return UNKNOWN
+            case ast.BinOp(left=left, op=ast.BitOr(), right=ast.Constant(value=None)):
+                return self.of_annotation(left, look_up)
+            case ast.BinOp(left=ast.Constant(value=None), op=ast.BitOr(), right=right):
+                return self.of_annotation(right, look_up)
+            case ast.Subscript(value=ast.Name(id="Optional"), slice=inner):
+                return self.of_annotation(inner, look_up)
+            case ast.Subscript(value=ast.Name(id=name), slice=inner) if name in _LISTS:
+                if isinstance(inner, ast.Tuple):
+                    inner = (
+                        inner.elts[0] if len(inner.elts) == 2 and _is_rest(inner.elts[1]) else node
+                    )
+                found = UNKNOWN if inner is node else self.of_annotation(inner, look_up)
+                return UNKNOWN if found is UNKNOWN else ListOf(found)
+            case ast.Name() | ast.Attribute():
+                found = self.of(node, look_up)
+                return Object(found) if isinstance(found, Class) else UNKNOWN
+        return UNKNOWN
+
+
+def _is_rest(node: ast.expr) -> bool:
+    return isinstance(node, ast.Constant) and node.value is ...

@@ -1,0 +1,214 @@
+"""Uses of the generated interface in a file of the user that do not fit it."""
+
+from __future__ import annotations
+
+import ast
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.generation.contract.edits import Edit, attribute_edit, name_edit
+from jausml.generation.contract.imports import Imports, Lost, Surroundings, alike
+from jausml.generation.contract.names import Names
+from jausml.generation.contract.signatures import signature
+from jausml.generation.contract.symbols import Class, Function, Module, is_enumeration, is_slotted
+from jausml.generation.contract.types import Method, Object, Type
+from jausml.generation.contract.walk import Place, Walk
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from jausml.generation.contract.mentions import Mentions
+
+_IMPORT_CAUGHT = {"ImportError", "ModuleNotFoundError", "Exception", "BaseException", ""}
+
+
+@dataclass(frozen=True)
+class Use:
+    """A use that does not fit.
+
+    Attributes:
+        line: Line in the file, from 1.
+        column: Column in it, from 1, in bytes of UTF-8.
+        is_import: Whether it is an import; else an attribute or a call.
+        is_run: Whether the program comes to it, so that it ends in an error.
+        edits: What makes it fit for certain; empty when that is for the user to decide.
+    """
+
+    line: int
+    column: int
+    message: str
+    is_import: bool = False
+    is_run: bool = True
+    edits: tuple[Edit, ...] = ()
+
+
+def misfits(data: bytes, module: Module, mentions: Mentions, around: Surroundings) -> list[Use]:
+    """Returns the uses in a file that do not fit.
+
+    Args:
+        module: The file; its name is empty when it is outside of packages.
+    """
+    names = Names(module, around.types)
+    imports = Imports(data, names, mentions, around)
+    found = (
+        use
+        for node, place in Walk(module.tree, names.scopes)
+        for use in _Reader(names, mentions, around, imports, place).read(node)
+    )
+    return list(dict.fromkeys(found))
+
+
+class _Reader:
+    """Looks at one node where it stands."""
+
+    def __init__(
+        self,
+        names: Names,
+        mentions: Mentions,
+        around: Surroundings,
+        imports: Imports,
+        place: Place,
+    ) -> None:
+        self._look_up = names.in_scope(place.scope)
+        self._mentions = mentions
+        self._around = around
+        self._imports = imports
+        self._modules = around.types.modules
+        self._place = place
+
+    def read(self, node: ast.AST) -> Iterator[Use]:
+        """Yields what does not fit of a node itself."""
+        match node:
+            case ast.Import():
+                yield from self._tell_imports(self._imports.of_modules(node))
+            case ast.ImportFrom():
+                yield from self._tell_imports(self._imports.of_names(node, self._place.scope))
+            case ast.Attribute():
+                yield from self._attribute(node)
+            case ast.Subscript(slice=ast.Constant(value=str(name)) as key):
+                yield from self._member(self._type_of(node.value), key, name)
+            case ast.Call():
+                yield from self._call(node)
+
+    def _type_of(self, node: ast.expr) -> Type:
+        return self._around.types.of(node, self._look_up)
+
+    def _tell_imports(self, found: Iterable[Lost]) -> Iterator[Use]:
+        if self._place.caught.isdisjoint(_IMPORT_CAUGHT):
+            for each in found:
+                place = each.node.lineno, each.node.col_offset
+                yield self._use(*place, each.message, each.edits, is_import=True)
+
+    def _attribute(self, node: ast.Attribute) -> Iterator[Use]:
+        owner = self._type_of(node.value)
+        if node.attr in self._mentions.asked or "AttributeError" in self._place.caught:
+            return
+        if isinstance(owner, Module):
+            is_lost = owner.is_generated and self._modules.member(owner, node.attr) is None
+            if is_lost and isinstance(node.ctx, ast.Load):
+                yield self._lost_attribute(
+                    node, owner.name, [owner.name], self._modules.names(owner)
+                )
+        elif isinstance(owner, (Class, Object)):
+            yield from self._look_at(node, owner)
+
+    def _look_at(self, node: ast.Attribute, owner: Class | Object) -> Iterator[Use]:
+        """Looks at an attribute of a class or of an object."""
+        cls = owner.of if isinstance(owner, Object) else owner
+        generated = [each for each in self._classes(cls) if each.module.is_generated]
+        if not generated or not self._is_lost(node, owner, cls):
+            return
+        members = (name for each in generated for name in self._modules.members(each))
+        label = cls.name if cls.module.is_generated else generated[0].name
+        places = [f"{each.module.name}.{each.name}" for each in generated]
+        yield self._lost_attribute(
+            node, label, places, [n for n in members if not n.startswith("_")]
+        )
+
+    def _classes(self, cls: Class) -> list[Class]:
+        return [each for each in self._modules.ancestors(cls) if isinstance(each, Class)]
+
+    def _is_lost(self, node: ast.Attribute, owner: Class | Object, cls: Class) -> bool:
+        """Tells whether an attribute is certainly none that a class or its objects have."""
+        name, is_super = node.attr, isinstance(owner, Object) and owner.is_super
+        if name.startswith("_") or (is_super and self._is_uncalled(name)):
+            return False
+        if not is_slotted(self._modules, cls) and name in self._mentions.stored:
+            return False
+        if isinstance(owner, Class) and hasattr(type, name):
+            return False
+        if self._around.types.find(owner, name) is None:
+            # A class from which others derive may be completed by these.
+            is_whole = cls.module.is_generated or cls.name not in self._around.derived
+            return is_super or is_whole
+        classes = self._classes(cls)
+        return not any(name in self._modules.members(each) for each in classes) and any(
+            f"{each.module.name}.{each.name}.{name}" in self._around.former for each in classes
+        )
+
+    def _is_uncalled(self, name: str) -> bool:
+        """Tells whether this is in a method of the name that nothing calls, as is told already."""
+        method = self._place.scope.function
+        return name in self._around.uncalled and name == getattr(method and method.node, "name", "")
+
+    def _member(self, owner: Type, key: ast.Constant, name: str) -> Iterator[Use]:
+        """Looks at `State["MOVING"]`."""
+        if not isinstance(owner, Class) or not owner.module.is_generated:
+            return
+        if is_enumeration(self._modules, owner) and self._modules.attribute(owner, name) is None:
+            places, names = [f"{owner.module.name}.{owner.name}"], self._modules.members(owner)
+            message, _ = self._lost(owner.name, name, places, names)
+            yield self._use(key.lineno, key.col_offset, message)
+
+    def _call(self, node: ast.Call) -> Iterator[Use]:
+        called = self._type_of(node.func)
+        match called:
+            case Method(function=function) | (Function() as function):
+                module, label = function.module, function.node.name
+            case Class(module=module, name=label):
+                pass
+            case _:
+                return
+        expected = signature(self._modules, called) if module.is_generated else None
+        problem, keyword = expected.problem(node) if expected else ("", None)
+        if expected is None or not problem:
+            return
+        edits: tuple[Edit, ...] = ()
+        if keyword is not None and keyword.arg is not None:
+            name = keyword.arg
+            successor = self._around.former.get(f"{module.name}.{label}.{name}", "")
+            problem += f"; it is {successor} now" if successor else alike(name, expected.named)
+            if successor:
+                edits = (name_edit(keyword.lineno, keyword.col_offset, name, successor),)
+        place = keyword or node
+        yield self._use(place.lineno, place.col_offset, f"{label} {problem}", edits)
+
+    def _lost_attribute(
+        self, node: ast.Attribute, label: str, places: list[str], names: Iterable[str]
+    ) -> Use:
+        message, successor = self._lost(label, node.attr, places, names)
+        edits = (attribute_edit(node, successor),) if successor else ()
+        column = (node.end_col_offset or 0) - len(node.attr.encode())
+        return self._use(node.end_lineno or node.lineno, column, message, edits)
+
+    def _lost(
+        self, label: str, name: str, places: list[str], names: Iterable[str]
+    ) -> tuple[str, str]:
+        """Returns what is said of a name that is not there, and what it is for certain now."""
+        known = [self._around.former.get(f"{each}.{name}") for each in places]
+        successor = next(filter(None, known), "")
+        message = f"{label} has no {name}"
+        message += " any more" if any(each is not None for each in known) else ""
+        message += f"; it is {successor} now" if successor else alike(name, names)
+        return message, successor
+
+    def _use(
+        self,
+        line: int,
+        column: int,
+        message: str,
+        edits: tuple[Edit, ...] = (),
+        *,
+        is_import: bool = False,
+    ) -> Use:
+        return Use(line, column + 1, message, is_import, self._place.is_run, edits)
