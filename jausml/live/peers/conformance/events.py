@@ -196,9 +196,8 @@ def every_change(session: Session) -> None:
             "the target supports no change-based events (code 2)",
         )
         raise CheckFailed(f"every-change event rejected with code {answer.response_code}")
-    client.find(
-        core.Event, within=session.probe.quiet
-    )  # the present value, which some send at once
+    # The present value, which some send at once.
+    client.find(core.Event, within=session.probe.quiet)
     client.expect_none(core.Event, "nothing has changed")
     session.second.send(core.RequestControl(authority_code=session.authority(Authority.LOW)))
     taken = _changed_control(client, answer.event_id, "control was taken")
