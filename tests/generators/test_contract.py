@@ -496,6 +496,9 @@ def test_a_component_whose_service_is_gone_fails_the_check(tmp_path):
     model.write_text(text.replace(", LocalPoseSensor", ""))
     path = out / "vehicle" / "vehicle" / "vehicle.py"
     written = path.read_text()
+    undecided = jausml("generate", model, "-o", out, "--fix")
+    assert "--fix changed nothing: how these fit again is for you to decide" in undecided.stderr
+    assert path.read_text() == written
     written = re.sub(r"    def on_set_local_pose.*?(?=    def )", "", written, flags=re.DOTALL)
     path.write_text(re.sub(r"\n    def report_local_pose.*", "", written, flags=re.DOTALL))
     assert jausml("generate", model, "-o", out).exit_code == 0

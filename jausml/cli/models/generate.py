@@ -142,6 +142,8 @@ def command(
     )
     _report_fixes(result)
     _report_drift(result)
+    if fix and result.drift and not result.fixed:
+        remark("--fix changed nothing: how these fit again is for you to decide")
     _report(result, mode, quiet=quiet)
     if (strict or mode == "check") and any(each.severity != "info" for each in result.drift):
         raise click.exceptions.Exit(PROBLEMS)
