@@ -79,7 +79,7 @@ def test_the_only_system(root, text):
 
 def test_a_project_without_a_system_says_what_makes_one(root):
     (root / "robot.ros2jaus").unlink()
-    with pytest.raises(InputError, match=r"no model in .* has a system: 'jausml init DIR'"):
+    with pytest.raises(InputError, match=r"no model in .* has a system: name one, or make"):
         Index(root).only_system()
 
 

@@ -57,7 +57,7 @@ def test_parts_are_added_without_reading_the_ready_maps(verb, arguments, monkeyp
     monkeypatch.setattr(of_library, "_library", reading)
     done = CliRunner().invoke(verb, [*arguments, "-m", str(tmp_path / "model.xmi")])
     assert done.exit_code == 0, done.output
-    assert asked == {(".xmi",)}
+    assert asked <= {(".xmi",)}
 
 
 def test_the_library_without_maps_has_all_services():

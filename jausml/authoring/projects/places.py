@@ -83,9 +83,9 @@ def system_in(folder: Path) -> Place:
     """
     index = index_around(Path(os.path.realpath(folder)))
     try:
-        path = index.only_system()
+        path = index.only_system("--model")
     except InputError as error:
-        raise ProjectError(f"{error}; --model names one, which is made if need be") from error
+        raise ProjectError(str(error)) from error
     return Place(index.root, path.relative_to(index.root).as_posix())
 
 

@@ -141,18 +141,24 @@ class Index:
         """The files that have a system."""
         return self._files_with(_SYSTEM)
 
-    def only_system(self) -> Path:
+    def only_system(self, option: str = "") -> Path:
         """Returns the one file that has a system.
+
+        Args:
+            option: The option by which a user names one.
 
         Raises:
             InputError: There is none, or more than one.
         """
         found = self.files_with_systems
+        choice = f"name one by {option}" if option else "name one"
         if not found:
-            raise InputError(f"no model in {self.root} has a system: 'jausml init DIR' makes one")
+            raise InputError(
+                f"no model in {self.root} has a system: {choice}, or make a project by jausml init"
+            )
         if len(found) > 1:
             names = ", ".join(str(each.relative_to(self.root)) for each in found[:_FEW])
-            raise InputError(f"several models in {self.root} have a system: name one ({names})")
+            raise InputError(f"several models have a system: {choice} ({names})")
         return found[0]
 
     def _files_with(self, pattern: re.Pattern[bytes]) -> tuple[Path, ...]:
