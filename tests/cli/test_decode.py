@@ -490,7 +490,8 @@ def test_encode_tells_each_bad_line_and_goes_on(jausml, tmp_path):
         "lines.jsonl:6: column 12: Expecting value",
         "lines.jsonl:7: an object is needed, this is a list of 1",
         "lines.jsonl:8: nested too deep",
-        "lines.jsonl:9: no message 'X\\ud800'",
+        "lines.jsonl:9: no message 'X\\ud800' "
+        "(messages of your own are known in their project, elsewhere by --model FILE)",
         "lines.jsonl:10: an integer has too many digits",
         "lines.jsonl:11: code: -1 is not a code of four hexadecimal digits",
     ]

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -386,11 +387,21 @@ def test_own_messages_that_are_not_built_are_named(jausml, workspace, tmp_path):
         assert jausml("run", out).exit_code == 0
 
 
-def test_missing_messages_of_others_are_named(jausml, workspace):
-    result = jausml("run", needing(workspace, "tea_kettle_msgs"))
+@pytest.mark.parametrize(
+    ("package", "cure"),
+    [
+        # The library has it, so ROS has it.
+        ("ackermann_msgs", "apt install ros-jazzy-ackermann-msgs"),
+        ("tea_kettle_msgs", "`colcon build` where the sources of tea_kettle_msgs are"),
+    ],
+)
+def test_missing_messages_of_others_are_named(jausml, workspace, monkeypatch, package, cure):
+    monkeypatch.setattr(run_verb, "PathFinder", SimpleNamespace(find_spec=lambda *_: None))
+    result = jausml("run", needing(workspace, package))
     assert result.exit_code == 2
-    assert "front needs tea_kettle_msgs, which Python does not find" in result.stderr
-    assert "apt install ros-jazzy-tea-kettle-msgs" in result.stderr
+    assert f"front needs {package}, which Python does not find" in result.stderr
+    assert cure in result.stderr
+    assert ("apt" in result.stderr) is ("apt" in cure)
 
 
 @pytest.mark.parametrize("text", ["<package", "<package/>", ""])

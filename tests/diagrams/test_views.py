@@ -14,8 +14,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from jausml.cli import main
+from jausml.language.model.library import LIBRARY_URI
 from jausml.language.model.refs import ref_of
-from jausml.language.model.uris import LIBRARY_URI
 from jausml.views.diagrams.graph import severity
 from jausml.views.diagrams.views import UnknownViewError, graph_of, view_names
 from jausml.views.diagrams.writers import dot, mermaid

@@ -16,7 +16,7 @@ from jausml.authoring.editing.project import Project
 from jausml.authoring.editing.reading import NOTATIONS
 from jausml.authoring.editing.working_copy import WorkingCopy
 from jausml.language.model import read_models
-from jausml.language.model.uris import LIBRARY_URI
+from jausml.language.model.library import LIBRARY_URI
 from jausml.language.validation.engine import check
 
 EXAMPLES = Path("models/examples")

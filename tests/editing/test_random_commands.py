@@ -18,7 +18,7 @@ from random_commands import Commands
 
 from jausml.authoring.editing.commands import Add, EditError
 from jausml.authoring.editing.project import Project
-from jausml.language.model.uris import LIBRARY_URI
+from jausml.language.model.library import LIBRARY_URI
 from jausml.language.model.xmi.writer import to_xmi
 
 MODELS = sorted(Path("models").rglob("*.xmi"))

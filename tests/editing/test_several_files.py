@@ -12,7 +12,7 @@ from random_commands import Commands
 from jausml.authoring.editing.commands import EditError, Move, Remove, Rename
 from jausml.authoring.editing.project import Project
 from jausml.language.model import read_models
-from jausml.language.model.uris import LIBRARY_URI
+from jausml.language.model.library import LIBRARY_URI
 from jausml.language.text.notation import NOTATIONS
 from jausml.language.text.writing.unparsing import to_text
 

@@ -10,7 +10,7 @@ from jausml.authoring.editing.commands import Place, Remove, Rename
 from jausml.authoring.editing.project import Project
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
-from jausml.language.model.uris import LIBRARY_URI
+from jausml.language.model.library import LIBRARY_URI
 from jausml.language.text.notation import NOTATIONS
 from jausml.language.text.writing.unparsing import to_text
 from jausml.language.validation.engine import check

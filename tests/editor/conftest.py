@@ -9,14 +9,14 @@ import pytest
 
 from jausml.authoring.editor.positions import Place
 from jausml.authoring.editor.workbench import Workbench
+from jausml.language.project.library import library
 
 
 @pytest.fixture(scope="session")
 def library_bench():
     """A workbench that has read the library."""
-    bench = Workbench()
-    bench.library()
-    return bench
+    library()
+    return Workbench()
 
 
 @pytest.fixture

@@ -11,12 +11,14 @@ from jsidl_support import ROOT, SHARED
 from needs import EMF
 
 from jausml.language.importers.jsidl import import_jsidl
-from jausml.language.importers.jsidl.inheritance import library_model, services_by_urn
+from jausml.language.importers.jsidl.inheritance import services_by_urn
 from jausml.language.importers.jsidl.scopes import pick_version
 from jausml.language.model import read_models
 from jausml.language.model.comparison import ON_THE_WIRE, compare
 from jausml.language.model.xmi.writer import write_model
-from jausml.language.validation.project import Reading, check_project
+from jausml.language.project.library import library
+from jausml.language.project.reading import Reading
+from jausml.language.validation.project import check_project
 
 JSIDL = SHARED / "jsidl"
 SETS = sorted(path.name for path in JSIDL.glob("urn.*")) if JSIDL.exists() else []
@@ -60,10 +62,10 @@ def files(name):
 def test_no_difference_from_the_library(name):
     result = import_jsidl(files(name))
     assert not result.has_errors
-    library = services_by_urn(library_model())
+    shipped = services_by_urn(library("jaus"))
     found = set()
     for service in (each for root in result.sets for each in root.services):
-        versions = library[service.urn]
+        versions = shipped[service.urn]
         theirs = versions[pick_version(service.version, versions)]
         found |= {str(e) for e in compare(service, theirs, result.model.metamodels, ON_THE_WIRE)}
     assert found == (OTHER_EDITION if "mobility" in name else set())

@@ -10,7 +10,7 @@ from jausml.authoring.differences.finding import changes
 from jausml.authoring.merging.conflicts import MERGE_RULES
 from jausml.authoring.merging.merging import UnmergeableError, merged
 from jausml.language.model import LIBRARY_URI, read_models
-from jausml.language.model.uris import LIBRARY_URI as NAME
+from jausml.language.model.library import LIBRARY_URI as NAME
 
 ROOT = Path(__file__).resolve().parents[2]
 BASE = (ROOT / "models" / "catvehicle" / "catvehicle.xmi").read_text(encoding="utf-8")

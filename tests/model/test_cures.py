@@ -44,6 +44,17 @@ def test_of_two_maps_of_one_name_one_is_renamed(tmp_path):
     assert ambiguous.hint == "rename one of them"
 
 
+def test_a_feature_that_is_unknown_names_those_that_there_are(tmp_path):
+    xmi, text = tmp_path / "model.xmi", tmp_path / "model.ros2jaus"
+    xmi.write_text(SYSTEM.format('<placements bridges="a"/>'))
+    text.write_text("system robot { placement { bridges: a } }\n")
+    for path in (xmi, text):
+        found = check_project([path]).diagnostics
+        (unknown,) = [each for each in found if each.rule == "JML103"]
+        assert unknown.hint.startswith("it has "), unknown.hint
+        assert " host" in unknown.hint
+
+
 def test_the_places_of_many_unknown_attributes_are_found_in_one_walk(tmp_path, monkeypatch):
     walks = []
     whole = parsing.attribute_positions

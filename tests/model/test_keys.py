@@ -7,8 +7,8 @@ from pathlib import Path
 from for_each import for_each
 
 from jausml.language.model import read_models
+from jausml.language.model.library import LIBRARY_URI
 from jausml.language.model.refs import LIBRARY, Keys, find, ref_of
-from jausml.language.model.uris import LIBRARY_URI
 from jausml.language.text.notation import NOTATIONS
 
 MODELS = Path(__file__).resolve().parents[2] / "models"

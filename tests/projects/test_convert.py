@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 
@@ -61,3 +62,60 @@ def test_a_file_that_cannot_be_read_where_it_goes_is_told(text_of_xmi, jausml, t
     done = jausml("convert", model, tmp_path / "other" / "a.ros2jaus")
     assert done.exit_code == 0, done.output
     assert f"lies outside of {tmp_path / 'other'}" in done.output
+
+
+TOPICS = ["fix:sensor_msgs/NavSatFix", "imu:sensor_msgs/Imu", "cmd_vel:geometry_msgs/Twist"]
+HELD = ("--hold", "cmd_vel=a watchdog of the motor stops it")
+
+
+@pytest.fixture(params=["xmi", "text"])
+def joined(request, tmp_path, jausml, monkeypatch):
+    """The model of a project with a map that joins two topics."""
+    made = ("init", "p", "--notation", request.param, "--from", "topics", *TOPICS, "--yes", *HELD)
+    monkeypatch.chdir(tmp_path)
+    done = jausml(*made)
+    assert done.exit_code == 0, done.output
+    monkeypatch.chdir(tmp_path / "p")
+    [model] = Path("models").glob("p.*")
+    assert jausml("validate", model, "--strict").exit_code == 0
+    return model
+
+
+def test_joins_go_where_their_maps_go(joined, jausml):
+    """Both ways, and back again."""
+    endings = [".xmi", ".ros2jaus"] * 2
+    names = [f"{number}{ending}" for number, ending in enumerate(endings)]
+    source = joined
+    for target in (joined.with_name(each) for each in names):
+        done = jausml("convert", source, target)
+        assert done.exit_code == 0, done.output
+        done = jausml("validate", target, "--strict")
+        assert done.exit_code == 0, done.output
+        source = target
+    assert "jausml.org/library/mappings" not in joined.with_name(names[0]).read_text("utf-8")
+
+
+def test_what_would_be_broken_is_not_written(jausml, tmp_path, monkeypatch):
+    """A copy of ready maps that somebody changed lacks what the model refers to."""
+    monkeypatch.chdir(tmp_path)
+    made = ("init", "p", "--notation", "text", "--from", "topics", *TOPICS, "--yes", *HELD)
+    assert jausml(*made).exit_code == 0
+    model, target = Path("p/models/p.ros2jaus"), Path("p/models/p.xmi")
+    assert jausml("convert", model, target).exit_code == 0
+    copy = target.parent / "mappings" / "global_pose_sensor.xmi"
+    words = re.sub('(<joins [^>]*name=")', r"\1other_", copy.read_text("utf-8"))
+    copy.write_text(words, encoding="utf-8")
+    before = target.read_bytes()
+    done = jausml("convert", model, target, "--force")
+    assert done.exit_code == 1, done.output
+    assert "nothing written" in done.stderr
+    assert f"{target}:" in done.stderr
+    assert target.read_bytes() == before
+
+
+def test_what_cannot_be_read_is_not_converted(rover, jausml):
+    model = rover("xmi", "example")
+    text = model.read_text("utf-8").replace("../library/jaus/", "../gone/")
+    model.write_text(text, encoding="utf-8")
+    done = jausml("convert", model, "models/rover.ros2jaus")
+    assert (done.exit_code, Path("models/rover.ros2jaus").exists()) == (1, False), done.output

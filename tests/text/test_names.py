@@ -9,7 +9,7 @@ from collections import defaultdict
 import pytest
 
 from jausml.language.metamodel.classes import bridge, jaus, ros
-from jausml.language.model.uris import library_root
+from jausml.language.model.library import library_root
 from jausml.language.text.reading.imports import library_maps
 
 LIBRARY = "http://www.jausml.org/library/jaus/"
@@ -186,6 +186,18 @@ def test_import_decides_between_versions_that_do_not_understand_each_other(texts
     assert "import `jaus.manipulator-2.0`" in ambiguous.hint
     for written in (f'"{LIBRARY}manipulator-2.0.xmi"', "`jaus.manipulator-2.0`"):
         assert provided(texts.good(f"import {written}\n{text}")) == ["PrimitivePanTilt"]
+
+
+def test_of_two_imported_versions_one_is_dropped_or_said_where_it_stands(texts):
+    """Each of the two cures of the hint helps."""
+    first, second = ("import `jaus.manipulator-1.0`\n", "import `jaus.manipulator-2.0`\n")
+    text = "component a {{ address: 1.1.1 provides: {} }}"
+    [ambiguous] = texts.one(first + second + text.format("PrimitivePanTilt")).diagnostics
+    assert ambiguous.rule == "JML216"
+    assert ambiguous.hint.startswith(f"drop one of the imports, such as {second.strip()}, or say")
+    other = ambiguous.hint.rpartition(": ")[2]
+    assert provided(texts.good(first + text.format("PrimitivePanTilt"))) == ["PrimitivePanTilt"]
+    assert provided(texts.good(first + second + text.format(other))) == ["PrimitivePanTilt"]
 
 
 def test_import_of_library_maps(texts):

@@ -8,7 +8,7 @@ import pytest
 
 from jausml.language.interfaces import Installation
 from jausml.language.metamodel.classes import ros
-from jausml.language.model.uris import library_root
+from jausml.language.model.library import library_root
 from jausml.language.semantics.installed import InstalledTypes
 from jausml.language.validation.project import check_project
 

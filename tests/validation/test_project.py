@@ -8,7 +8,8 @@ import pytest
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.files import InputError
-from jausml.language.validation.project import Reading, check_project, find_models, read_project
+from jausml.language.project.reading import Reading, find_models, read_project
+from jausml.language.validation.project import check_project
 
 MINIMAL = Path(__file__).parents[2] / "models" / "minimal" / "minimal.xmi"
 

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 from jausml.generation.artifact import Kind
 from jausml.generation.target import Target
 from jausml.generation.tasks import FileTask, Task, templates_beside
+from jausml.language.metamodel.classes import ros
 from jausml_generators.bringup.target import bringup_view
 from jausml_generators.deployment.network import deployed_hosts
 from jausml_generators.deployment.views import DeploymentView
+from jausml_generators.ros_interfaces.target import declared_packages
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -80,7 +82,14 @@ def _view(model: Model) -> DeploymentView:
         source=bringup.source,
         deployed=deployed_hosts(model, bringup.processes),
         policies=tuple((policy.enclave, path) for policy, path in policies),
+        packages_apart=_packages_apart(model),
     )
+
+
+def _packages_apart(model: Model) -> tuple[str, ...]:
+    own = model.instances(ros.InterfacePackage, library=False)
+    made = declared_packages(model)
+    return tuple(sorted({str(each.name) for each in own if each not in made}))
 
 
 TARGET = Target(

@@ -30,6 +30,8 @@ class DeploymentView:
     source: str
     deployed: tuple[Deployed, ...]
     policies: tuple[tuple[str, str], ...]
+    packages_apart: tuple[str, ...] = ()
+    """Packages of messages that the workspace needs, and that nothing in it or in ROS provides."""
 
     @property
     def element_id(self) -> str:

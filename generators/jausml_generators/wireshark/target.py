@@ -8,7 +8,7 @@ from jausml.generation.system import source_of, system_of
 from jausml.generation.target import Target, WholeLibrary
 from jausml.generation.tasks import FileTask, Task, templates_beside
 from jausml.language.metamodel.classes import jaus
-from jausml.language.model import library_root, read_models
+from jausml.language.project.library import library
 from jausml.language.semantics.jaus.core_services import CORE, NEWEST_SET
 from jausml_generators.common.components import services_of, with_inherited
 from jausml_generators.wireshark.views import DissectorView
@@ -52,8 +52,9 @@ def library_services(pattern: str = "*.xmi") -> list[jaus.Service]:
     Args:
         pattern: Which of its JAUS models.
     """
-    paths = sorted((library_root() / "jaus").glob(pattern))
-    return list(read_models(paths).model.instances(jaus.Service))
+    model = library("jaus")
+    meant = [each for each in model.documents if each.path.match(pattern)]
+    return [each for each in model.instances(jaus.Service) if model.document_of(each) in meant]
 
 
 def _is_core(service: jaus.Service) -> bool:

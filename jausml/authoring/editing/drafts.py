@@ -10,11 +10,9 @@ from jausml.authoring.editing.applying import converted, feature_of
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.layout import is_layout
 from jausml.authoring.editing.reading import (
-    SUFFIXES,
     can_be_parsed,
     digest,
     is_library,
-    is_model_file,
     is_text,
     stored,
 )
@@ -23,7 +21,9 @@ from jausml.authoring.editing.splices import applied, difference, merged
 from jausml.language.metamodel import FeatureKind, load_metamodels
 from jausml.language.metamodel.filling import new_object, set_value, set_values
 from jausml.language.model import refs
+from jausml.language.model.library import SUFFIXES
 from jausml.language.model.model import Model
+from jausml.language.model.project import is_model_file
 from jausml.language.model.values import suggest
 from jausml.language.model.xmi.writer import UnwritableError, to_xmi
 from jausml.language.text.notation import SUFFIX

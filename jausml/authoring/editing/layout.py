@@ -10,6 +10,7 @@ import re
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from jausml.language.model.library import SUFFIXES as MODEL_SUFFIXES
 from jausml.language.model.refs import Keys
 from jausml.language.text.notation import SUFFIX as TEXT_SUFFIX
 from jausml.views.diagrams.views import view_names
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 
 SUFFIX = ".layout.json"
+SUFFIXES = (*MODEL_SUFFIXES, SUFFIX)
+"""The endings of models and of their layouts."""
 
 Positions: TypeAlias = "dict[LayoutKey, tuple[int, int]]"
 """Upper left corners of boxes, in pixels."""

@@ -15,14 +15,12 @@ from jausml.authoring.editing.describing import described, pasted
 from jausml.authoring.editing.disk import Disk
 from jausml.authoring.editing.drafts import Draft
 from jausml.authoring.editing.executing import execute, referrers
-from jausml.authoring.editing.layout import is_layout, layout_file, read_layout
+from jausml.authoring.editing.layout import SUFFIXES, is_layout, layout_file, read_layout
 from jausml.authoring.editing.log import Log, takes_back
 from jausml.authoring.editing.reading import (
     Reader,
     encoded,
     is_library,
-    is_model_file,
-    model_files,
     stored,
 )
 from jausml.authoring.editing.rebasing import OutsideChange, Rebasing
@@ -39,6 +37,7 @@ from jausml.authoring.editing.splices import applied, difference, unified_diff
 from jausml.authoring.editing.working_copy import WorkingCopy
 from jausml.language.model import refs
 from jausml.language.model.inputs import read_input
+from jausml.language.model.project import is_model_file, model_files
 from jausml.language.text.notation import SUFFIX
 
 if TYPE_CHECKING:
@@ -88,7 +87,7 @@ class Project:
         self._working_copy: WorkingCopy | None = None
         self._unreported: list[Change] = []
         self._files: dict[str, Stored] = {}
-        names = list(model_files(self.root))
+        names = list(model_files(self.root, SUFFIXES))
         if self.opened and self.opened not in names:
             names.append(self.opened)
         for file in names:
@@ -136,6 +135,11 @@ class Project:
         """Returns the model of a file as `model` does, and what it is worth at this moment."""
         with self._lock:
             return self.model(file), self._reader.freshness(file, self._files, self._revision)
+
+    def beside(self, file: str) -> Model:
+        """Returns the model of the files to which the model of a file does not refer."""
+        with self._lock:
+            return self._reader.beside(file, self._files)
 
     def text(self, file: str) -> bytes:
         """Returns the bytes of a file."""
@@ -315,8 +319,10 @@ class Project:
             project wrote itself.
         """
         with self._lock:
-            wanted = set(paths) or {*self._files, *model_files(self.root)}
-            wanted = {f for f in wanted if f in self._files or is_model_file(f, self.root)}
+            wanted = set(paths) or {*self._files, *model_files(self.root, SUFFIXES)}
+            wanted = {
+                f for f in wanted if f in self._files or is_model_file(f, self.root, SUFFIXES)
+            }
             return (*self.unreported(), *filter(None, map(self._refreshed, sorted(wanted))))
 
     def unreported(self) -> tuple[Change, ...]:

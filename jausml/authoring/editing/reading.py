@@ -6,35 +6,31 @@ import codecs
 import hashlib
 import os
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing import layout
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.records import Freshness, Stored
 from jausml.language.model.diagnostics import Severity
-from jausml.language.model.reading.library_cache import LibraryCache
+from jausml.language.model.library import library_root
 from jausml.language.model.reading.reader import ReadResult, read_models
 from jausml.language.model.refs import LIBRARY, file_of
-from jausml.language.model.uris import library_root, shipped_as
 from jausml.language.model.xmi.parsing import parse as parse_xmi
+from jausml.language.project.index import Index, Models
 from jausml.language.text.notation import SUFFIX, Ros2Jaus, decode
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Mapping
+    from pathlib import Path
 
     from jausml.language.model.diagnostics import Diagnostic
     from jausml.language.model.documents import Document
+    from jausml.language.model.model import Model
     from jausml.language.text.reading.parsing import Parsed
 
 
-XMI_SUFFIX = ".xmi"
-SUFFIXES = (XMI_SUFFIX, SUFFIX)
-_MOST_FILES = 10_000
-_BUILT = frozenset({"build", "install", "log", "node_modules", "__pycache__"})
-_KEPT = 2
 _MARKS = (b"<<<<<<< ", b">>>>>>> ")
 
 _LINE_END = re.compile(rb"\r\n|\n|\r")
@@ -56,42 +52,6 @@ def digest(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
 
 
-def model_files(root: Path) -> Iterator[str]:
-    """Yields model and layout files below a folder, relative to it with `/`, in order."""
-    count = 0
-    for folder, folders, names in os.walk(root):
-        folders[:] = sorted(each for each in folders if _is_shown(each))
-        for name in sorted(names):
-            file = os.path.relpath(os.path.join(folder, name), root).replace(os.sep, "/")  # noqa: PTH118 -- many
-            if is_model_file(file, root):
-                yield file
-                count += 1
-                if count >= _MOST_FILES:
-                    return
-
-
-def is_model_file(file: str, root: Path) -> bool:
-    """Tells whether a file is one of the models or layouts of a folder, by its name and place.
-
-    Hidden files and folders and those of builds are left out, links that lead out of the folder,
-    and the shipped library with its copies.
-    """
-    if not file.endswith((*SUFFIXES, layout.SUFFIX)) or not all(map(_is_shown, file.split("/"))):
-        return False
-    real = os.path.realpath(root / file)
-    # A device or pipe would keep its reader waiting.
-    if os.path.exists(real) and not os.path.isfile(real):  # noqa: PTH110, PTH113 -- many
-        return False
-    library = os.path.realpath(library_root()) + os.sep
-    if not real.startswith(f"{root}{os.sep}") or real.startswith(library):
-        return False
-    return shipped_as(Path(real)) is None
-
-
-def _is_shown(name: str) -> bool:
-    return not name.startswith(".") and name not in _BUILT
-
-
 def stored(file: str, data: bytes, revision: int, before: Stored | None = None) -> Stored:
     """Returns a file with new bytes; while these cannot be parsed, its model stays what it was."""
     good, since = data, revision
@@ -110,37 +70,22 @@ def can_be_parsed(file: str, data: bytes) -> bool:
     return parse_xmi(data).root is not None
 
 
-@dataclass(frozen=True, slots=True)
-class _Kept:
-    """A model that was read, and of what."""
-
-    result: ReadResult
-    contents: Mapping[str, bytes]
-    names: frozenset[str]
-
-
 class Reader:
     """Reads the models of a project's files, and keeps those whose files are as they were."""
 
     def __init__(self, root: Path) -> None:
         self._root = root
-        self._kept: dict[str, list[_Kept]] = {}
+        self._models = Models(root, NOTATIONS)
         self._library: dict[str, ReadResult] = {}
         self._known_faults: dict[str, tuple[str, tuple[Diagnostic, ...]]] = {}
-        self._cache = LibraryCache()
 
     def read(self, file: str, files: Mapping[str, Stored]) -> ReadResult:
         """Returns the model of a file and all that it refers to."""
-        kept = self._kept.setdefault(file, [])
-        names = frozenset(files)
-        for each in kept:
-            if each.names == names and _is_current(each, files):
-                return self._with_faults(each.result, files)
-        result = self._read(file, files)
-        held = {file_of(each, self._root) for each in result.model.documents} & files.keys()
-        kept.insert(0, _Kept(result, {each: files[each].good for each in held}, names))
-        del kept[_KEPT:]
-        return self._with_faults(result, files)
+        return self._with_faults(self._models.read((file,), _contents(files)), files)
+
+    def beside(self, file: str, files: Mapping[str, Stored]) -> Model:
+        """Returns the model of the files that a file does not refer to."""
+        return Index(self._root, _contents(files), self._models).beside(file)
 
     def library(self, file: str) -> ReadResult:
         """Returns the model of a file of the library.
@@ -162,17 +107,6 @@ class Reader:
         """Returns the files of the project that the model of a file has elements of."""
         model = self.read(file, files).model
         return [f for f in (file_of(each, self._root) for each in model.documents) if f in files]
-
-    def _read(self, file: str, files: Mapping[str, Stored]) -> ReadResult:
-        models = (each for each in files.values() if not layout.is_layout(each.file))
-        contents = {self._root / each.file: each.good for each in models}
-        return read_models(
-            [self._root / file],
-            project_root=self._root,
-            notations=NOTATIONS,
-            contents=contents,
-            cache=self._cache,
-        )
 
     def _with_faults(self, result: ReadResult, files: Mapping[str, Stored]) -> ReadResult:
         names = (file_of(each, self._root) for each in result.model.documents)
@@ -228,8 +162,9 @@ def _has_markers(held: Stored) -> bool:
     return all(re.search(rb"^%b" % each, held.data, re.MULTILINE) for each in _MARKS)
 
 
-def _is_current(kept: _Kept, files: Mapping[str, Stored]) -> bool:
-    return all(files[file].good == good for file, good in kept.contents.items())
+def _contents(files: Mapping[str, Stored]) -> dict[str, bytes]:
+    """Returns what the models of files are read of."""
+    return {each.file: each.good for each in files.values() if not layout.is_layout(each.file)}
 
 
 def is_text(file: str) -> bool:

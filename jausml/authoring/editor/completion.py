@@ -66,7 +66,7 @@ class Completion:
 
     Attributes:
         text: What is written, when that is not the label.
-        module: What of the library is imported with it; empty for nothing.
+        module: What is imported with it, as a text writes it; empty for nothing.
         is_first: Whether it goes better than others with what stands around.
     """
 
@@ -140,7 +140,13 @@ def _jaus_type(bench: Workbench, path: Path, context: Context) -> Iterator[Compl
         service = getattr(each.eContainer(), "name", "") or ""
         detail = f"{each.code} {service}".strip()
         name = written_word(each.name or "")
-        yield Completion(name, CompletionKind.MESSAGE, detail, each.documentation or "")
+        yield Completion(
+            name,
+            CompletionKind.MESSAGE,
+            detail,
+            each.documentation or "",
+            module=bench.file_of(path, each),
+        )
 
 
 def _ros_type(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
@@ -148,7 +154,13 @@ def _ros_type(bench: Workbench, path: Path, context: Context) -> Iterator[Comple
         package = getattr(each.eContainer(), "name", None)
         if package and each.name:
             name = written_word(f"{package}/{each.name}")
-            yield Completion(name, CompletionKind.MESSAGE, "", each.documentation or "")
+            yield Completion(
+                name,
+                CompletionKind.MESSAGE,
+                "",
+                each.documentation or "",
+                module=bench.file_of(path, each),
+            )
 
 
 def _member(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:
@@ -226,8 +238,13 @@ def _value(bench: Workbench, path: Path, context: Context) -> Iterator[Completio
 
 def _reference(candidate: Candidate) -> Completion:
     name = written_path(candidate.name)
-    detail, module = candidate.detail, candidate.module
-    return Completion(name, CompletionKind.NAME, detail, module=module, is_first=candidate.fits)
+    return Completion(
+        name,
+        CompletionKind.NAME,
+        candidate.detail,
+        module=candidate.module,
+        is_first=candidate.fits,
+    )
 
 
 def _literals(feature: FeatureTable) -> Iterator[Completion]:
@@ -298,7 +315,8 @@ def services(bench: Workbench, path: Path) -> Iterator[Candidate]:
     for each in bench.elements(path, jaus.Service):
         named.setdefault(each.name or "", []).append(each)
     for name, found in named.items():
-        modules = [bench.module_of(each) for each in found] if len(found) > 1 else [""]
+        module_of = bench.module_of if len(found) > 1 else bench.file_of
+        modules = [module_of(path, each) for each in found]
         known = [each for each in zip(found, modules, strict=True) if each[1] in {"", *imported}]
         for service, module in known[:1] or zip(found, modules, strict=True):
             detail = f"{qualified_name(service)} {service.version or ''}".strip()

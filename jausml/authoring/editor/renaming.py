@@ -16,7 +16,7 @@ from jausml.authoring.editor.definition import declaration_at
 from jausml.authoring.editor.positions import is_within, start_of
 from jausml.authoring.editor.workbench import names_in
 from jausml.language.model import refs
-from jausml.language.model.uris import library_root
+from jausml.language.model.library import library_root
 from jausml.language.text.reading.document import TextDocument
 from jausml.language.text.tree import Span
 

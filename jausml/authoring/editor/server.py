@@ -224,9 +224,11 @@ class _Handlers:
         """Returns the edit that imports what a completion needs."""
         if not completion.module:
             return None
+        module = completion.module
+        module = module if module.startswith('"') else word(module)
         line, column = found.imports_end.line, found.imports_end.column
         where = _range(self._columns(path), Span(line, column, line, column))
-        return [types.TextEdit(where, f"import {word(completion.module)}\n")]
+        return [types.TextEdit(where, f"import {module}\n")]
 
     async def hover(self, params: types.HoverParams) -> types.Hover | None:
         path, place = self._at(params)

@@ -2,28 +2,33 @@
 
 from __future__ import annotations
 
+import os
 import re
 import threading
 from dataclasses import dataclass, field
 from functools import lru_cache
+from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from jausml.authoring.editor.names import Names, names_of
 from jausml.language.model.diagnostics import Severity
 from jausml.language.model.inputs import read_input
+from jausml.language.model.library import LIBRARY_URI, library_root, module_of
 from jausml.language.model.names import qualified_name
+from jausml.language.model.project import made_project
 from jausml.language.model.reading.reader import ReadResult, read_models
-from jausml.language.model.uris import LIBRARY_URI, library_root
+from jausml.language.project.index import Index, Models, own_instances, stored_files
+from jausml.language.project.library import library
 from jausml.language.text.notation import SUFFIX, Ros2Jaus, decode
 from jausml.language.text.reading.imports import resolve
 from jausml.language.text.reading.parsing import Parsed, parse
 from jausml.language.text.reading.segments import joined, parse_segment, segments_of
 from jausml.language.text.tree import Import, Span, Text
+from jausml.language.text.writing.spelling import quoted
 from jausml.language.validation.engine import RuleError, check
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
+    from collections.abc import Mapping, Sequence
 
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.diagnostics import Diagnostic
@@ -89,7 +94,8 @@ class Workbench:
     texts: dict[Path, str] = field(default_factory=dict)
     root: Path | None = None
     _models: dict[Path, Model] = field(default_factory=dict)
-    _library: Model | None = None
+    _beside: dict[Path, Model] = field(default_factory=dict)
+    _read: dict[Path, Models] = field(default_factory=dict)
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
     def text(self, path: Path) -> str:
@@ -125,27 +131,36 @@ class Workbench:
             [path], project_root=self.root, notations=_NOTATIONS, contents=contents
         )
         self._models[path] = result.model
+        self._read_beside(path, contents)
         shown = result.model.documents[0].display
         return [each for each in _checked(result) if each.location.path == shown]
+
+    def _read_beside(self, path: Path, held: Mapping[Path, bytes]) -> None:
+        """Reads the other files of the project of a text, which a text can name by an import."""
+        root = made_project(path.parent)
+        if root is None or not self._may_read(root):
+            return
+        inside = {each: data for each, data in held.items() if each.is_relative_to(root)}
+        texts = {each.relative_to(root).as_posix(): data for each, data in inside.items()}
+        with self._lock:
+            models = self._read.setdefault(root, Models(root, _NOTATIONS))
+            index = Index(root, {**stored_files(root), **texts}, models)
+            self._beside[path] = index.beside(path.resolve().relative_to(root).as_posix())
 
     def forget(self, path: Path) -> None:
         """Forgets a text that is no longer open."""
         self.texts.pop(path, None)
         self._models.pop(path, None)
-
-    def library(self) -> Model:
-        """Returns all of the shipped library; the first call takes seconds."""
-        with self._lock:
-            if self._library is None:
-                files = sorted(library_root().rglob("*.xmi"))
-                self._library = read_models(files).model
-            return self._library
+        self._beside.pop(path, None)
 
     def elements(self, path: Path, kind: type[ElementT]) -> list[ElementT]:
-        """Returns the elements of a class that a text can name: its own, then the library's."""
-        model = self._models.get(path)
-        own = model.instances(kind, library=False) if model is not None else []
-        return own + self.library().instances(kind)
+        """Returns the elements of a class that a text can name: its own, then the library's.
+
+        Between them stand those of the project's other files, which a text has to import.
+        """
+        known = (self._models.get(path), self._beside.get(path))
+        own = own_instances([each for each in known if each is not None], kind)
+        return [*own, *library().instances(kind)]
 
     def find(self, path: Path, kind: type[ElementT], name: str) -> ElementT | None:
         """Returns the first element of a class that a name means in a text, None without one."""
@@ -159,17 +174,22 @@ class Workbench:
         """Returns the syntax tree of a text."""
         return pieces_parsed(self.text(path)).document
 
-    def module_of(self, element: EObject) -> str:
-        """Returns what a text imports for an element of the library; empty for another element."""
-        document = self.library().document_of(element)
-        if document is None:
+    def module_of(self, path: Path, element: EObject) -> str:
+        """Returns what a text imports for an element; empty for one that it knows."""
+        document = library().document_of(element)
+        return module_of(document.path) if document is not None else self.file_of(path, element)
+
+    def file_of(self, path: Path, element: EObject) -> str:
+        """Returns the file that a text imports for an element, quoted; empty for what it knows."""
+        beside = self._beside.get(path)
+        document = beside.document_of(element) if beside is not None else None
+        if document is None or document.is_library:
             return ""
-        relative = document.path.relative_to(library_root().resolve()).with_suffix("")
-        return ".".join(relative.parts)
+        return quoted(Path(os.path.relpath(document.path, path.parent)).as_posix())
 
     def place_of(self, path: Path, element: EObject) -> tuple[Path, int, int] | None:
         """Returns file, line and column of an element that `elements` gave."""
-        for model in (self._models.get(path), self._library):
+        for model in (self._models.get(path), self._beside.get(path), library()):
             document = model.document_of(element) if model is not None else None
             if model is not None and document is not None:
                 location = model.location(element)

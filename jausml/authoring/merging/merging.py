@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import EditError
-from jausml.authoring.editing.reading import NOTATIONS, XMI_SUFFIX, Reader, model_files, stored
+from jausml.authoring.editing.reading import NOTATIONS, Reader, stored
 from jausml.authoring.merging.conflicts import ELSEWHERE, MERGE_RULES, Conflict
 from jausml.authoring.merging.executing import Execution
 from jausml.authoring.merging.planning import planned
@@ -16,6 +16,8 @@ from jausml.authoring.merging.sides import Sides
 from jausml.language.model import refs
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity
 from jausml.language.model.inputs import read_input
+from jausml.language.model.library import XMI
+from jausml.language.model.project import model_files
 from jausml.language.model.reading.reader import read_models
 from jausml.language.model.xmi.writer import attribute_text
 from jausml.language.text.reading.scanning import scan
@@ -104,7 +106,7 @@ def merged(file: str, root: Path, base: bytes, ours: bytes, theirs: bytes) -> Me
     conflicts = [*plan.conflicts, *execution.conflicts]
     conflicts += _elsewhere(files, execution.files, file, mine)
     data = execution.files[file].data
-    is_xmi = file.endswith(XMI_SUFFIX)
+    is_xmi = file.endswith(XMI)
     comments = _comments if is_xmi else _text_comments
     known = {*comments(base), *comments(data)}
     left_out = tuple(each for each in comments(theirs) if each not in known)
@@ -213,7 +215,7 @@ def placeholders(lost: Iterable[LostReference], metamodels: Metamodels) -> dict[
         path = each.path
         if path is None or table is None or not _ID.fullmatch(each.fragment):
             continue
-        if path.name.endswith(XMI_SUFFIX):
+        if path.name.endswith(XMI):
             elements.setdefault(path, {}).setdefault(each.fragment, table)
     uris = {each.name: each.ns_uri for each in metamodels.packages.values()}
     return {

@@ -9,26 +9,25 @@ from jausml.authoring.editing.commands import EditError
 from jausml.authoring.projects.eclipse import MAPPINGS, as_xmi_beside
 from jausml.authoring.projects.places import Opened, ProjectError, opened
 from jausml.authoring.proposals.bridging import bridges_of, offer_of
-from jausml.authoring.proposals.elements import AnswerError, Scope, library
+from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.fresh import participant_name
 from jausml.authoring.proposals.participants import new_bridge, new_connections
 from jausml.language.metamodel.classes import bridge, system
 from jausml.language.model.names import name_of
-from jausml.language.model.reading.reader import read_models
-from jausml.language.model.uris import shipped_as
 from jausml.language.model.words import snake_case
 from jausml.language.model.xmi.writer import replace_file
+from jausml.language.project.index import Index, own_instances
+from jausml.language.project.library import library
 from jausml.language.semantics.names import is_identifier, taken
-from jausml.language.text.notation import NOTATIONS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Collection, Sequence
     from pathlib import Path
 
     from jausml.authoring.editing.commands import Command
     from jausml.authoring.projects.places import Place
+    from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.proposals.topics import Crossing, TopicEnd
-    from jausml.language.model import Model
 
 
 def add(
@@ -135,9 +134,8 @@ def _carry(
         replace_file(path, as_xmi_beside(copies[path], path, place.root).encode())
 
     def commands(at: Opened) -> Sequence[Command]:
-        models = [read_models([path], project_root=place.root).model for path in copies]
-        scope = Scope(at.scope.model, place.root, tuple(models))
-        return made(at, scope, [_present(each, scope) for each in chosen])
+        scope = at.scope
+        return made(at, scope, [_present(each, scope, copies) for each in chosen])
 
     try:
         files = add(place, label, commands)
@@ -159,14 +157,14 @@ def check_name(name: str, whole: system.System) -> None:
 
 
 def ready_maps(place: Place) -> list[bridge.AttributeMap]:
-    """Returns the maps of a model, and those of the library that it has no copies of."""
+    """Returns the maps of a project, and those of the library that it has no copies of."""
     ready = library().instances(bridge.AttributeMap)
-    if not place.path.exists():
-        return list(ready)
-    own = read_models([place.path], project_root=place.root, notations=NOTATIONS).model
-    mine = own.instances(bridge.AttributeMap, library=False)
-    copied = set(map(_identity, mine))
-    return [*mine, *(each for each in ready if _identity(each) not in copied)]
+    if place.path.exists():
+        there = opened(place).scope.own(bridge.AttributeMap)
+    else:
+        there = own_instances([Index(place.root).whole()], bridge.AttributeMap)
+    own = {_identity(each): each for each in reversed(there)}
+    return [*reversed(own.values()), *(each for each in ready if _identity(each) not in own)]
 
 
 def _identity(used: bridge.AttributeMap) -> tuple[str, str, str]:
@@ -175,20 +173,19 @@ def _identity(used: bridge.AttributeMap) -> tuple[str, str, str]:
     return name_of(used), name_of(message) if message else "", name_of(kind) if kind else ""
 
 
-def _present(crossing: Crossing, scope: Scope) -> Crossing:
+def _present(crossing: Crossing, scope: Scope, copies: Collection[Path]) -> Crossing:
     """Returns a way with its map as the models have it now; a copy replaces that of the library."""
-    models = scope.others
-    if library().document_of(crossing.map) is None:
-        models = (scope.model,)
-    elif not models:
-        return crossing
-    for model in models:
-        for each in model.instances(bridge.AttributeMap, library=False):
-            offer = offer_of(each.message, to_ros=crossing.offer.to_ros) if each.message else None
-            if name_of(each) == name_of(crossing.map) and offer is not None:
-                return replace(crossing, map=each, offer=offer)
-    files = ", ".join(model.documents[0].display for model in models)
-    raise ProjectError(f"{files}: there is no map {name_of(crossing.map)}")
+    shipped = library().document_of(crossing.map)
+    is_copied = shipped is not None and any(each.stem == shipped.path.stem for each in copies)
+    for each in scope.instances(bridge.AttributeMap):
+        if is_copied and library().document_of(each) is not None:
+            break
+        offer = offer_of(each.message, to_ros=crossing.offer.to_ros) if each.message else None
+        if _identity(each) == _identity(crossing.map) and offer is not None:
+            return replace(crossing, map=each, offer=offer)
+    files = ", ".join(str(each) for each in copies)
+    place = f"{files}: " if is_copied else ""
+    raise ProjectError(f"{place}there is no map {name_of(crossing.map)}")
 
 
 def _copies(place: Place, chosen: Sequence[Crossing]) -> dict[Path, Path]:
@@ -200,13 +197,6 @@ def _copies(place: Place, chosen: Sequence[Crossing]) -> dict[Path, Path]:
             continue
         found[place.path.parent / MAPPINGS / f"{document.path.stem}.xmi"] = document.path
     return found
-
-
-def models_beside(at: Opened) -> list[Model]:
-    """Returns the other models of the project, without copies of the library."""
-    paths = (each.path for each in at.project.files if each.path != at.place.file)
-    own = (each for each in paths if shipped_as(at.place.root / each) is None)
-    return [at.project.model(each).model for each in own]
 
 
 def check_map_name(name: str, owner: bridge.Bridge) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import re
 from dataclasses import dataclass, replace
+from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,11 +23,9 @@ from jausml.authoring.projects.places import (
     place_of,
     text_of,
 )
-from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.proposals.fresh import free_address
 from jausml.language.model.inputs import read_input
-from jausml.language.model.reading.reader import read_models
-from jausml.language.model.uris import library_root
+from jausml.language.model.library import XMI, library_paths, place_in_library
 from jausml.language.model.xmi.writer import replace_file, to_xmi
 from jausml.language.semantics.names import DEVICES
 
@@ -146,15 +145,14 @@ def _contents(wish: Wish) -> dict[str, bytes]:
 def copies_for() -> dict[str, dict[str, bytes]]:
     """Returns the copies that Eclipse needs, by folder and path in it."""
     library: dict[str, bytes] = {}
-    for source in sorted(library_root().rglob("*.xmi")):
-        path = source.relative_to(library_root()).as_posix()
+    for source in library_paths(suffixes=(XMI,)):
         text = with_schema_location(source.read_text(encoding="utf-8"), f"../../{METAMODELS}")
-        library[path] = text.encode()
+        library[place_in_library(source)] = text.encode()
     return {_LIBRARY: library, METAMODELS: _metamodels()}
 
 
 def _metamodels() -> dict[str, bytes]:
-    folder = Path(str(library_root())).parent.parent / METAMODELS
+    folder = Path(str(resources.files("jausml.metamodels")))
     return {each.name: each.read_bytes() for each in sorted(folder.glob("*.ecore"))}
 
 
@@ -239,9 +237,9 @@ def start_from_services(folder: Path, wish: Wish, imported: ImportResult) -> lis
     replace_file(services, localized(xmi, services.resolve(), place.root).encode())
 
     def commands(at: Opened) -> Sequence[Command]:
-        model = read_models([services], project_root=place.root).model
-        scope = Scope(at.scope.model, place.root, (model,))
-        provided = tuple(map(scope.ref, _outermost(model.documents[0].roots)))  # type: ignore[arg-type]
+        scope = at.scope
+        made = at.project.model(services.relative_to(folder).as_posix()).model
+        provided = tuple(at.project.ref(each, made) for each in _outermost(made.documents[0].roots))  # type: ignore[arg-type]
         values = {
             "name": (f"{wish.name}_component",),
             "address": (free_address(scope.model),),

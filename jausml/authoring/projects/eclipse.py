@@ -7,16 +7,17 @@ import re
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
-from jausml.language.metamodel.classes import bridge
 from jausml.language.model.identifiers import name_identifiers
-from jausml.language.model.names import name_of
+from jausml.language.model.library import LIBRARY_URI, copy_in_project, library_root
+from jausml.language.model.names import name_of, qualified_name
 from jausml.language.model.reading.reader import read_models
-from jausml.language.model.uris import LIBRARY_URI, copy_in_project, library_root
 from jausml.language.model.xmi.writer import to_xmi
 from jausml.language.text.notation import NOTATIONS
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from jausml.language.metamodel.classes.ecore import EObject
 
 METAMODELS = "metamodels"
 MAPPINGS = "mappings"
@@ -109,14 +110,22 @@ def with_ready_maps(xmi: str, target: Path, root: Path) -> tuple[str, dict[Path,
 
 
 def _copied_fragments(source: Path, copy: Path) -> dict[str, str]:
-    """Returns by which fragments a copy has the maps of a text, by those that the text has."""
+    """Returns by which fragments a copy has the elements of a text, by those that the text has.
+
+    A connection refers to a map, and its topics to joins of it.
+    """
     text = read_models([source], notations=NOTATIONS).model
-    maps = text.instances(bridge.AttributeMap)
-    places = {text.path_of(each): name_of(each) for each in maps}
+    own = text.elements_of(text.documents[0])
+    places = {text.path_of(each): _key(each) for each in own if name_of(each)}
     model = read_models([copy]).model if copy.exists() else text
     if model is text:
         name_identifiers(text.documents[0].roots, text)
-    else:
-        maps = model.instances(bridge.AttributeMap)
-    known = {name_of(each): model.identifier(each) or model.path_of(each) for each in maps}
-    return {place: known[name] for place, name in places.items() if name in known}
+    elements = model.elements_of(model.documents[0])
+    named = (each for each in elements if name_of(each))
+    known = {_key(each): model.identifier(each) or model.path_of(each) for each in named}
+    return {place: known[key] for place, key in places.items() if key in known}
+
+
+def _key(element: EObject) -> tuple[str, str]:
+    """Returns what an element and a copy of it have in common."""
+    return element.eClass.name, qualified_name(element)

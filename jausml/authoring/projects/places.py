@@ -3,33 +3,26 @@
 from __future__ import annotations
 
 import os
-import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 from jausml.authoring.editing.project import Project
-from jausml.authoring.editing.reading import SUFFIXES, can_be_parsed, model_files
+from jausml.authoring.editing.reading import can_be_parsed
 from jausml.authoring.projects.eclipse import metamodels_for, with_schema_location
 from jausml.authoring.proposals.elements import Scope
 from jausml.language.metamodel.classes import jaus, system
-from jausml.language.model.inputs import read_input
+from jausml.language.model.files import InputError
+from jausml.language.model.library import LIBRARY_URI, SUFFIXES, library_root
+from jausml.language.model.project import project_folder
 from jausml.language.model.reading.reader import read_models
-from jausml.language.model.uris import LIBRARY_URI, library_root
 from jausml.language.model.xmi.writer import replace_file
+from jausml.language.project.index import index_around
 from jausml.language.text.notation import SUFFIX
 from jausml.language.text.writing.unparsing import to_text
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-
 RootT = TypeVar("RootT", system.System, jaus.ServiceSet)
-
-_MARKS = (".project", ".git")
-_SYSTEM = re.compile(rb"<\w+:System\b|^\s*system\s+[\w`]", re.MULTILINE)
-"""What a file with a system begins it with, in either notation."""
 
 _EXAMPLE = "minimal"
 
@@ -78,7 +71,7 @@ def place_of(path: Path) -> Place:
     if not path.name.endswith(SUFFIXES):
         raise ProjectError(f"{path} must end in {' or '.join(SUFFIXES)}")
     real = Path(os.path.realpath(path))
-    root = _project_around(real)
+    root = project_folder(real) or real.parent
     return Place(root, real.relative_to(root).as_posix())
 
 
@@ -88,17 +81,12 @@ def system_in(folder: Path) -> Place:
     Raises:
         ProjectError: There is none, or more than one.
     """
-    root = _project_around(Path(os.path.realpath(folder)) / "any")
-    found = [Place(root, each) for each in _models(root) if _has_system(root / each)]
-    if not found:
-        raise ProjectError(
-            f"no model in {root} has a system: name a file to be made by --model, "
-            "or make a project by jausml init"
-        )
-    if len(found) > 1:
-        names = ", ".join(sorted(each.file for each in found)[:5])
-        raise ProjectError(f"several models have a system: name one by --model ({names})")
-    return found[0]
+    index = index_around(Path(os.path.realpath(folder)))
+    try:
+        path = index.only_system("--model")
+    except InputError as error:
+        raise ProjectError(str(error)) from error
+    return Place(index.root, path.relative_to(index.root).as_posix())
 
 
 @dataclass(frozen=True)
@@ -112,7 +100,9 @@ class Opened:
     @property
     def scope(self) -> Scope:
         """The model as proposals see it."""
-        return Scope(self.project.model(self.place.file).model, self.place.root)
+        file = self.place.file
+        model = self.project.model(file).model
+        return Scope(model, self.place.root, lambda: self.project.beside(file))
 
     @property
     def scope_without_maps(self) -> Scope:
@@ -161,27 +151,6 @@ def opened(place: Place, *, is_of_services: bool = False) -> Opened:
     place.path.parent.mkdir(parents=True, exist_ok=True)
     replace_file(place.path, text.encode())
     return Opened(place, Project(place.root), (place.path,))
-
-
-def _models(root: Path) -> Iterator[str]:
-    return (each for each in model_files(root) if each.endswith(SUFFIXES))
-
-
-def _has_system(path: Path) -> bool:
-    try:
-        data = read_input(path)
-    except OSError:
-        return False
-    return _SYSTEM.search(data.replace(b"\0", b"")) is not None
-
-
-def _project_around(path: Path) -> Path:
-    """Returns the nearest folder with a project or a checkout, else that of the file."""
-    return next(_marked(path), path.parent)
-
-
-def _marked(path: Path) -> Iterator[Path]:
-    return (each for each in path.parents if any((each / mark).exists() for mark in _MARKS))
 
 
 class ProjectError(Exception):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import NEW, Add, Child, Set
 from jausml.authoring.editing.describing import described
-from jausml.authoring.proposals.elements import library, literal, values_of
+from jausml.authoring.proposals.elements import literal, values_of
 from jausml.authoring.proposals.fresh import free_address, name_among, participant_name
 from jausml.language.metamodel.classes import bridge, jaus, system
 from jausml.language.model.names import name_of
@@ -299,12 +299,6 @@ def _new_bridge(scope: Scope, owner: EObject, offer: Offer) -> Add:
     return Add(scope.ref(owner), "bridges", "bridge.Bridge", values)
 
 
-def maps_of(scope: Scope) -> list[bridge.AttributeMap]:
-    """Returns the maps of the project, then those of the library."""
-    own = scope.model.instances(bridge.AttributeMap, library=False)
-    return [*own, *library().instances(bridge.AttributeMap)]
-
-
 def between(
     scope: Scope, message: jaus.MessageDef, kind: ros.MessageType
 ) -> list[bridge.AttributeMap]:
@@ -315,7 +309,7 @@ def between(
     ways = (fitting(scope, message, kind, to_ros=way) for way in (True, False))
     found = dict.fromkeys(each for way in ways for each in way)
     by_name: dict[str, bridge.AttributeMap] = {}
-    for each in maps_of(scope):
+    for each in scope.instances(bridge.AttributeMap):
         if each in found:
             by_name.setdefault(name_of(each), each)
     return list(by_name.values())
@@ -349,7 +343,7 @@ def fitting(
     """
     return [
         each
-        for each in maps_of(scope)
+        for each in scope.instances(bridge.AttributeMap)
         if each.message is not None
         and each.type is not None
         and (each.toRos if to_ros else each.toJaus)

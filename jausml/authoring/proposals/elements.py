@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache, cached_property
-from threading import Lock
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.language.metamodel.classes import bridge, jaus, ros
-from jausml.language.model import library_root, read_models, refs
+from jausml.language.model import refs
 from jausml.language.model.names import name_of
 from jausml.language.model.values import suggest
+from jausml.language.project.index import own_instances
+from jausml.language.project.library import library
 from jausml.language.semantics.paths.ros_paths import ros_name
-from jausml.language.text.notation import NOTATIONS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model import Document, Model
 
-_READING = Lock()
-
 FoundT = TypeVar("FoundT", bound="EObject")
 
 
@@ -34,15 +32,16 @@ class AnswerError(Exception):
 
 @dataclass(frozen=True)
 class Scope:
-    """A model as answers see it.
+    """A model as answers see it, and the rest of its project.
 
     Attributes:
+        beside: Gives the model of the project's other files, which is read when it is needed.
         with_maps: Whether ready maps are wanted: they are text, and half of reading the library.
     """
 
     model: Model
     root: Path
-    others: tuple[Model, ...] = ()
+    beside: Callable[[], Model] | None = None
     with_maps: bool = True
 
     @property
@@ -50,25 +49,41 @@ class Scope:
         """The shipped library as far as it is wanted."""
         return library(with_maps=self.with_maps)
 
+    @cached_property
+    def _rest(self) -> tuple[Model, ...]:
+        return () if self.beside is None else (self.beside(),)
+
+    def instances(self, kind: type[FoundT]) -> list[FoundT]:
+        """Returns the elements of a class: of the model, of the rest, and of the library."""
+        return [*self.own(kind), *self.library.instances(kind)]
+
+    def own(self, kind: type[FoundT]) -> list[FoundT]:
+        """Returns the elements of a class in the model, then in the rest of the project."""
+        return own_instances((self.model, *self._rest), kind)
+
     def ref(self, element: EObject | None) -> str:
         """Returns the text that names an element, empty for none and for what was not read."""
-        for each in (self.model, *self.others):
-            if found := refs.ref_of(element, each, self._top):
-                return found
-        return refs.ref_of(element, self.library, self._top)
+        return refs.ref_of(element, self.model_of(element), self._top)
 
     def find(self, ref: str) -> EObject:
-        """Returns the element of a text, which may be one of the library that nobody uses yet."""
+        """Returns the element of a text, which may be one that the model does not use yet."""
         found = refs.find(ref, self.model, self._top)
-        if found is None and ref.startswith(refs.LIBRARY):
-            found = refs.find(ref, self.library, self._top)
+        if found is None:
+            others = (self.library,) if ref.startswith(refs.LIBRARY) else self._rest
+            tried = (refs.find(ref, each, self._top) for each in others)
+            found = next((each for each in tried if each is not None), None)
         if found is not None:
             return found
         raise AnswerError(f"there is no element {ref!a} any more")
 
-    def model_of(self, element: EObject) -> Model:
-        """Returns the model that has an element: this one, or that of the library."""
-        return self.model if self.model.document_of(element) is not None else self.library
+    def model_of(self, element: EObject | None) -> Model:
+        """Returns the model that has an element: this one, that of the library, or the rest."""
+        if element is None or self.model.document_of(element) is not None:
+            return self.model
+        if self.library.document_of(element) is not None:
+            return self.library
+        having = (each for each in self._rest if each.document_of(element) is not None)
+        return next(having, self.library)
 
     def find_in(self, document: Document, fragment: str) -> EObject:
         """Returns the element of a fragment in a document."""
@@ -87,23 +102,6 @@ class Scope:
     def is_text(self) -> bool:
         """Whether the file that was asked for is text and no XMI."""
         return self.model.documents[0].notation is not None
-
-
-def library(*, with_maps: bool = True) -> Model:
-    """Returns the shipped library, read at the first call; all threads get the same.
-
-    Elements of the library with its ready maps are others than those of the one without.
-    """
-    with _READING:
-        return _library(with_maps=with_maps)
-
-
-@cache
-def _library(*, with_maps: bool) -> Model:
-    folder = library_root()
-    maps = [suffix for each in NOTATIONS for suffix in each.suffixes] if with_maps else []
-    paths = sorted(each for each in folder.rglob("*") if each.name.endswith((".xmi", *maps)))
-    return read_models(paths, project_root=folder, notations=NOTATIONS).model
 
 
 def map_around(element: EObject | None) -> bridge.AttributeMap | None:
@@ -140,19 +138,20 @@ def service_of(scope: Scope, word: str) -> jaus.Service:
     Raises:
         AnswerError: There is none, or services of several URNs have the name.
     """
-    found = [each for each in _all(scope, jaus.Service) if word in (name_of(each), each.urn)]
+    found = [each for each in scope.instances(jaus.Service) if word in (name_of(each), each.urn)]
     urns = sorted({str(each.urn) for each in found})
     if len(urns) > 1:
         raise AnswerError(f"several services are named {word}: say which ({', '.join(urns)})")
     if not found:
-        raise _missing("service", word, map(name_of, _all(scope, jaus.Service)))
+        known = map(name_of, scope.instances(jaus.Service))
+        raise _missing("service", word, known, f"'jausml new service {word}' makes one")
     return max(found, key=_version)
 
 
 def message_of(scope: Scope, word: str) -> jaus.MessageDef:
     """Returns the message of a name, or of a name behind that of its service and a dot."""
     service, _, name = word.rpartition(".")
-    services = [service_of(scope, service)] if service else _all(scope, jaus.Service)
+    services = [service_of(scope, service)] if service else scope.instances(jaus.Service)
     by_urn: dict[str, jaus.MessageDef] = {}
     for each in sorted(services, key=_version):
         for message in (*each.inputs, *each.outputs):
@@ -163,7 +162,8 @@ def message_of(scope: Scope, word: str) -> jaus.MessageDef:
         raise AnswerError(f"several services have a {name}: say which ({owners})")
     if not by_urn:
         names = (name_of(m) for each in services for m in (*each.inputs, *each.outputs))
-        raise _missing("message", name, names)
+        way = "'jausml new service' makes messages, 'jausml import jsidl' reads them"
+        raise _missing("message", name, names, way)
     return next(iter(by_urn.values()))
 
 
@@ -171,23 +171,18 @@ def type_of(scope: Scope, word: str) -> ros.MessageType:
     """Returns the message type of a name such as `geometry_msgs/Twist`."""
     types = [
         each
-        for each in _all(scope, ros.MessageType)
+        for each in scope.instances(ros.MessageType)
         if isinstance(each.eContainer(), ros.InterfacePackage)
     ]
     name = word.replace("/msg/", "/", 1)
     found = next((each for each in types if ros_name(each) == name), None)
     if found is None:
-        raise _missing("ROS type", name, map(ros_name, types), "jausml import ros makes others")
+        package = name.partition("/")[0]
+        near = [each for each in map(ros_name, types) if each.partition("/")[0] == package]
+        # Of a package that is known nowhere, the names of others only lead astray.
+        way = f"'jausml import ros {package}' brings that package into the project"
+        raise _missing("ROS type", name, near, "" if near else way)
     return found
-
-
-def _all(scope: Scope, kind: Callable[..., FoundT]) -> list[FoundT]:
-    own: list[FoundT] = [
-        each
-        for model in (scope.model, *scope.others)
-        for each in model.instances(kind, library=False)  # type: ignore[arg-type]
-    ]
-    return [*own, *scope.library.instances(kind)]  # type: ignore[arg-type]
 
 
 def _version(service: jaus.Service) -> tuple[int, ...]:
@@ -195,7 +190,8 @@ def _version(service: jaus.Service) -> tuple[int, ...]:
 
 
 def _missing(what: str, word: str, known: Iterable[str], otherwise: str = "") -> AnswerError:
-    hint = suggest(word, set(known)) or otherwise
+    near = suggest(word, set(known))
+    hint = f"{near} Else {otherwise}" if near and otherwise else near or otherwise
     return AnswerError(f"there is no {what} {word!a}{f'; {hint}' if hint else ''}")
 
 

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
     from jausml.authoring.proposals.elements import Scope
     from jausml.language.metamodel.classes import system
-    from jausml.language.model import Model
 
 _VERSION = "1.0"
 _FIRST, _LAST = 0xD000, 0xFFFF
@@ -49,7 +48,6 @@ def new_service(
     *,
     urn: str = "",
     inherits: str = "",
-    others: Sequence[Model] = (),
 ) -> Add:
     """Returns what makes a service: in a service set, or in a system with a set of its own.
 
@@ -59,7 +57,6 @@ def new_service(
         urn: Its URN; empty for one of its name.
         inherits: Name or URN of the service that it inherits, `none` for none; empty for the core
             service that brings what its messages need.
-        others: Further models of the project, whose URNs and codes are taken too.
 
     Raises:
         AnswerError: The name is none, there is no such service, one has the URN already, or the
@@ -68,11 +65,7 @@ def new_service(
     if not is_identifier(name):
         raise AnswerError(f"{name!a} is no name: letters, digits and single _ after a letter")
     urn = urn or f"urn:example:{name_of(whole)}:{name}"
-    known = [
-        each
-        for model in (scope.model, *others, scope.library)
-        for each in model.instances(jaus.Service)
-    ]
+    known = scope.instances(jaus.Service)
     fault = urn_fault(urn)
     if fault:
         raise AnswerError(f"URN {show(urn)} {fault}; one is urn:example:sea:Sonar")

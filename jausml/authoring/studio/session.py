@@ -7,12 +7,11 @@ import logging
 import os
 import threading
 from contextlib import asynccontextmanager
-from pathlib import PurePath
 from typing import TYPE_CHECKING
 
 from watchfiles import awatch
 
-from jausml.authoring.editing.reading import SUFFIXES
+from jausml.authoring.editing.layout import SUFFIXES
 from jausml.authoring.studio.checking import Checking
 from jausml.authoring.studio.handlers import (
     editing,
@@ -26,6 +25,7 @@ from jausml.authoring.studio.handlers.live_system import LiveRequests
 from jausml.authoring.studio.rpc import Answering
 from jausml.authoring.studio.views.palette import library_entries
 from jausml.language.metamodel import load_metamodels
+from jausml.language.model.project import is_model_file
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -44,8 +44,6 @@ _LOG = logging.getLogger(__name__)
 
 DEBOUNCE_MS, STEP_MS = 50, 10
 """Milliseconds: what changes within them is told at once; how long it must have been quiet."""
-
-LAYOUT_SUFFIX = ".layout.json"
 
 
 class Session:
@@ -117,9 +115,8 @@ async def changes(root: Path, end: asyncio.Event) -> AsyncIterator[list[str]]:
     """Yields model files that have changed, relative to a folder with forward slashes."""
 
     def is_model(_: Change, path: str) -> bool:
-        parts = PurePath(os.path.relpath(path, root)).parts
-        is_hidden = any(part.startswith(".") for part in parts)
-        return not is_hidden and path.endswith((*SUFFIXES, LAYOUT_SUFFIX))
+        file = os.path.relpath(path, root).replace(os.sep, "/")
+        return is_model_file(file, root, SUFFIXES)
 
     watching = awatch(
         root,

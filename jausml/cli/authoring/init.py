@@ -134,8 +134,8 @@ def _from_topics(
     holds: Sequence[str],
 ) -> tuple[list[str], Sequence[Crossing]]:
     from jausml.authoring.projects.creating import start_from_topics
-    from jausml.authoring.proposals.elements import library
     from jausml.language.metamodel.classes import bridge
+    from jausml.language.project.library import library
 
     topics = topics_of(sources)
     maps = library().instances(bridge.AttributeMap)

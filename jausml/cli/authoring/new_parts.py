@@ -57,16 +57,14 @@ def service(
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """  # noqa: D301 - click wants the character
-    from jausml.authoring.projects.adding import add, models_beside
+    from jausml.authoring.projects.adding import add
     from jausml.authoring.proposals.services import new_service
 
     made: list[Add] = []
 
     def commands(at: Opened) -> list[Command]:
-        scope, own, others = at.scope_without_maps, at.home_of_services, models_beside(at)
-        made.append(
-            new_service(scope, own, name, messages, urn=urn, inherits=inherits, others=others)
-        )
+        scope, own = at.scope_without_maps, at.home_of_services
+        made.append(new_service(scope, own, name, messages, urn=urn, inherits=inherits))
         return [*made]
 
     with stopping():

@@ -82,8 +82,8 @@ def topics_of(words: Sequence[str]) -> list[TopicEnd]:
 
 def _full(message: str) -> str:
     """Returns the type with its package of which ready maps have a message name; empty for none."""
-    from jausml.authoring.proposals.elements import library
     from jausml.language.metamodel.classes import bridge
+    from jausml.language.project.library import library
     from jausml.language.semantics.paths.ros_paths import ros_name
 
     maps = library().instances(bridge.AttributeMap)
@@ -166,10 +166,11 @@ def _without(
     known = {ros_name(each.type) for each in maps if each.type is not None}
     hint = suggest(topic.type, known - {topic.type}) if topic.type not in known else ""
     reason = f"no ready map carries {topic.type} of {topic.name} for a {side}"
+    begun = f"jausml new map {topic.name} MESSAGE {topic.type} begins one"
     if is_error:
-        ask = "jausml list maps tells which there are; jausml new map begins one"
+        ask = f"jausml list maps tells which there are; {begun}"
         raise click.UsageError(f"{reason}; {hint or ask}")
-    click.echo(f"left out: {reason}", err=True)
+    click.echo(f"left out: {reason}; {begun}", err=True)
 
 
 def _taken(topic: TopicEnd, ways: Sequence[Crossing], *, yes: bool) -> list[Crossing]:

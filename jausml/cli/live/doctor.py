@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli.shared.files import PROBLEMS
-from jausml.cli.shared.models import read, reading_options
+from jausml.cli.shared.models import project_files, read, reading_options
 from jausml.cli.shared.options import (
     format_option,
     interface_option,
@@ -22,7 +22,7 @@ from jausml.cli.shared.terminal import painted
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.language.validation.project import Reading
+    from jausml.language.project.reading import Reading
     from jausml.live.machine.finding import Finding
 
 
@@ -48,10 +48,11 @@ def command(
     """Show what this machine lacks to run bridges and components, and how to fix it.
 
     Checks Python, ROS 2 and its settings, the network interface, multicast, the port of JAUS, and
-    node managers. With a MODEL or a folder of models, also checks the message packages that it
-    uses. With --peer, also asks these components for their services and their state, and says what
-    they do otherwise than the standard has it, and what jausml does instead. Changes nothing; sends
-    one datagram from this host to itself, and a few questions to each peer.
+    node managers. With a MODEL or a folder of models, by default those of the project of the
+    current folder, also checks the message packages that they use, your own among them. With
+    --peer, also asks these components for their services and their state, and says what they do
+    otherwise than the standard has it, and what jausml does instead. Changes nothing; sends one
+    datagram from this host to itself, and a few questions to each peer.
 
     Exit status: 0 nothing is wrong (notes and warnings may be shown), 1 something cannot work, 2
     usage, 3 internal error.
@@ -63,7 +64,8 @@ def command(
         settings = network.settings_of(interface, port, multicast_group)
     except ValueError as error:
         raise click.UsageError(str(error)) from error
-    packages = _packages(models, reading) if models else []
+    paths = models or project_files()
+    packages = _packages(paths, reading) if paths else {}
     found = [*python.checks(), *ros.checks(packages), *network.checks(settings)]
     if peers:
         found += _peers(interface, port, multicast_group, peers)
@@ -91,13 +93,14 @@ def _peers(interface: str, port: int, group: str, peers: Sequence[str]) -> list[
     return [Finding("peers", each.name, Outcome(each.verdict), each.text) for each in found]
 
 
-def _packages(paths: Sequence[str], reading: Reading) -> list[str]:
-    """Returns the packages of messages that models use and do not declare themselves."""
+def _packages(paths: Sequence[str], reading: Reading) -> dict[str, bool]:
+    """Returns the packages of messages that models use, and whether each is the user's own."""
     from jausml.language.metamodel.classes import ros
 
     model = read(paths, reading).model
     used = model.instances(ros.InterfacePackage)
-    return sorted({each.name for each in used if each.name and model.is_library(each)})
+    found = {str(each.name): not model.is_library(each) for each in used if each.name}
+    return dict(sorted(found.items()))
 
 
 def _as_text(found: Sequence[Finding]) -> str:

@@ -10,7 +10,7 @@ import click
 
 from jausml.cli.shared.files import PROBLEMS
 from jausml.cli.shared.lines import STDIN, read_lines, shown_path, write
-from jausml.cli.shared.models import model_option, open_catalogue
+from jausml.cli.shared.models import model_option, open_catalogue, told
 
 
 @click.command("encode")
@@ -42,7 +42,7 @@ def command(words: tuple[str, ...], models: tuple[str, ...]) -> None:
             write(catalogue.encode(_message(line)).hex())
         except (MessageError, _LineError) as error:
             failed = True
-            click.echo(f"{name}:{number}: {error}", err=True)
+            click.echo(f"{name}:{number}: {told(error, models)}", err=True)
     if failed:
         raise click.exceptions.Exit(PROBLEMS)
 

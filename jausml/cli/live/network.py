@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml.cli.shared.files import EnvironmentFault
-from jausml.cli.shared.models import model_option, open_catalogue
+from jausml.cli.shared.models import model_option, open_catalogue, told
 from jausml.cli.shared.options import (
     TRANSPORTS,
     FiniteRange,
@@ -176,7 +176,7 @@ class Settings:
         except Refused as error:
             raise click.ClickException(str(error)) from error
         except MessageError as error:
-            raise click.UsageError(str(error)) from error
+            raise click.UsageError(told(error, self.models)) from error
         except OSError as error:
             raise EnvironmentFault(fault(error, self.network, _REMEDY)) from error
 

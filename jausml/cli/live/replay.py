@@ -145,7 +145,7 @@ def command(
     done), 2 usage or environment, 3 internal error.
     """
     from jausml.generation import GenerationError, NoSystemError
-    from jausml.language.validation.project import Reading
+    from jausml.language.project.reading import Reading
     from jausml.live.recording.bags import is_bag
     from jausml.live.recording.filters import TimeSpan
     from jausml.live.recording.mcap_files import RecordingError

@@ -234,6 +234,14 @@ def require_packages(entries: Sequence[Mapping[str, Any]], folder: Path, python_
 
 
 def _cure(name: str, folder: Path, is_own: bool) -> str:
+    from jausml.language.model.library import has_package
+
+    if not (is_own or has_package(name)):
+        return (
+            "which Python does not find: it is a package of yours, or was imported: run"
+            f" `colcon build` where the sources of {name} are, source install/setup.bash,"
+            " then run this again"
+        )
     if not is_own:
         debian = name.replace("_", "-")
         return (

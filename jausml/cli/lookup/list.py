@@ -8,7 +8,7 @@ import click
 
 from jausml.cli.shared.known import known, library_file
 from jausml.cli.shared.lines import line_format_option, to_json, write
-from jausml.cli.shared.models import model_option
+from jausml.cli.shared.models import is_in_project, model_option, project_files
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -46,7 +46,7 @@ def services(set_name: str | None, output_format: str, models: tuple[str, ...]) 
 
 
 def _services(models: tuple[str, ...]) -> list[dict[str, Any]]:
-    if not models:
+    if not (models or is_in_project()):
         return known("services")
     from jausml.cli.lookup import listed
 
@@ -84,7 +84,7 @@ def messages(service: str | None, output_format: str, models: tuple[str, ...]) -
 
 
 def _messages(models: tuple[str, ...], service: str | None) -> list[dict[str, Any]]:
-    if not models and service is None:
+    if not (models or is_in_project()) and service is None:
         return known("messages")
     from jausml.cli.lookup import listed
 
@@ -142,6 +142,7 @@ def maps(
 
 
 def _maps(models: tuple[str, ...]) -> list[dict[str, Any]]:
+    models = models or tuple(project_files())
     if not models:
         return [each | {"file": library_file(each["file"])} for each in known("maps")]
     from jausml.cli.lookup import listed

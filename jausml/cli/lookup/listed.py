@@ -13,7 +13,7 @@ from jausml.cli.shared.models import open_catalogue, readable_model
 from jausml.language.importers.jsidl.rules import JSIDL_RULES
 from jausml.language.importers.ros.rules import ROS_RULES
 from jausml.language.metamodel.classes import bridge
-from jausml.language.model import library_root
+from jausml.language.model.library import library_paths, module_of
 from jausml.language.semantics.connections.map_overview import MapOverview, overview
 from jausml.language.text.rules import TEXT_RULES
 from jausml.language.validation.catalogue import catalogue
@@ -110,9 +110,7 @@ def open_maps(models: Sequence[str], word: str = "") -> list[FoundMap]:
     Args:
         word: Text that stands in the files of the library that are meant; all when empty.
     """
-    folder = library_root() / "mappings"
-    ready = sorted(folder.glob("*.ros2jaus"))
-    ready = [path for path in ready if word in path.read_text(encoding="utf-8")]
+    ready = [path for path in library_paths("mappings") if word in path.read_text(encoding="utf-8")]
     paths = [*map(str, ready), *models]
     if not paths:
         return []
@@ -120,7 +118,7 @@ def open_maps(models: Sequence[str], word: str = "") -> list[FoundMap]:
     found = []
     for each in model.instances(bridge.AttributeMap):
         place = model.location(each)
-        is_ready = Path(place.path).parent == folder
-        module = f"{folder.name}.{Path(place.path).stem}" if is_ready else ""
+        path = Path(place.path)
+        module = module_of(path) if path in ready else ""
         found.append(FoundMap(overview(each), str(place.path), place.line, module))
     return found

@@ -9,7 +9,7 @@ import click
 
 from jausml.cli.shared.known import known
 from jausml.cli.shared.lines import line_format_option, to_json, write
-from jausml.cli.shared.models import model_option, open_catalogue
+from jausml.cli.shared.models import model_option, open_catalogue, project_files, told
 from jausml.cli.shared.options import completing
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ def message(name: str, service: str | None, output_format: str, models: tuple[st
     try:
         found = [(entry, rows(entry)) for entry in _meanings(catalogue, name, service)]
     except MessageError as error:
-        raise click.UsageError(str(error)) from error
+        raise click.UsageError(told(error, models)) from error
     if output_format == "json":
         _write(to_json(_message_json(entry, fields)) for entry, fields in found)
         return
@@ -153,7 +153,7 @@ def service(name: str, output_format: str, models: tuple[str, ...]) -> None:
     try:
         found = open_catalogue(models).find_services(name)
     except MessageError as error:
-        raise click.UsageError(str(error)) from error
+        raise click.UsageError(told(error, models)) from error
     if output_format == "json":
         _write(to_json(_service_json(each)) for each in found)
         return
@@ -204,6 +204,7 @@ def map_(name: str, output_format: str, models: tuple[str, ...]) -> None:
     from jausml.cli.lookup.listed import open_maps
     from jausml.live.messages.errors import did_you_mean, similar
 
+    models = models or tuple(project_files())
     found = [each for each in open_maps(models, name) if each.overview.name == name]
     if not found:
         known = {each.overview.name for each in open_maps(models)}

@@ -18,6 +18,7 @@ from jausml.cli.shared.files import (
 from jausml.cli.shared.models import (
     SUFFIXES,
     bridge_options,
+    checked,
     fail,
     frequency_option,
     read,
@@ -27,13 +28,13 @@ from jausml.cli.shared.models import (
 from jausml.cli.shared.options import quiet_option
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.documents import Document
     from jausml.language.model.model import Model
     from jausml.language.model.reading.reader import ReadResult
-    from jausml.language.validation.project import Reading
+    from jausml.language.project.reading import Reading
 
 _XMI, _TEXT = SUFFIXES
 
@@ -56,8 +57,8 @@ def command(
     """Write a model in another notation: XMI as ros2jaus text, or text as XMI.
 
     The endings .xmi and .ros2jaus determine the notation. The new file has exactly the same content
-    as the old one, and refers to the same other files. If the model cannot be read, the findings
-    are reported and no file is written.
+    as the old one, and refers to the same other files. If the model cannot be read, or the new file
+    would have errors that the old one has not, they are reported and no file is written.
 
     Exit status: 0 done, 1 errors in the model, 2 FROM cannot be read or TO cannot be written, 3
     internal error.
@@ -74,7 +75,9 @@ def command(
         raise click.ClickException(
             f"cannot write {click.format_filename(target)}: {error}"
         ) from error
-    state = write_document(target, written.encode("utf-8"), (), force=force)
+    data = written.encode("utf-8")
+    _check_written(source, target, {Path(target): data, **copies}, reading, quiet=quiet)
+    state = write_document(target, data, (), force=force)
     for path, data in copies.items():
         shown = click.format_filename(os.path.relpath(path))
         path.parent.mkdir(exist_ok=True)
@@ -111,13 +114,48 @@ def _report(result: ReadResult, source: str, *, quiet: bool) -> None:
         fail(report, "nothing written", quiet=quiet)
 
 
+def _check_written(
+    source: str, target: str, contents: Mapping[Path, bytes], reading: Reading, *, quiet: bool
+) -> None:
+    """Ends where the new file would have errors that the old one has not."""
+    from jausml.language.model.diagnostics import Severity
+    from jausml.language.model.reading.reader import read_models
+    from jausml.language.text.notation import NOTATIONS
+    from jausml.language.validation.engine import check
+    from jausml.language.validation.report import Report
+
+    held = {Path(os.path.realpath(path)): data for path, data in contents.items()}
+    result = read_models(
+        [target],
+        project_root=reading.project_root,
+        allow_outside=True,  # what is read with an option alone is told as a warning
+        projects=reading.projects,
+        notations=NOTATIONS,
+        contents=held,
+    )
+    after = check(result)
+    if not after.has_errors:
+        return
+    before = checked([source], reading)
+    known = {each.rule for each in before.diagnostics}
+    new = tuple(
+        each
+        for each in after.diagnostics
+        if each.severity is Severity.ERROR and each.rule not in known
+    )
+    if new:
+        report = Report(after.model, (target,), new)
+        show_findings(report)
+        fail(report, "nothing written", quiet=quiet)
+
+
 def _written(
     roots: list[EObject], model: Model, target: str, project_root: str | os.PathLike[str] | None
 ) -> tuple[str, dict[Path, bytes]]:
     """Returns the new file, and the copies of ready maps that Eclipse needs beside it."""
     from jausml.authoring.projects.eclipse import as_xmi_beside, localized, with_ready_maps
     from jausml.language.model.identifiers import name_identifiers
-    from jausml.language.model.uris import find_project_root
+    from jausml.language.model.project import find_project_root
     from jausml.language.model.xmi.writer import to_xmi
     from jausml.language.text.writing.unparsing import to_text
 
@@ -135,7 +173,7 @@ def _written(
 
 def _left_behind(result: ReadResult, target: str, written: str) -> Iterator[str]:
     """Yields what the new file does not say, and where it leads that cannot be followed."""
-    from jausml.language.model.uris import find_project_root
+    from jausml.language.model.project import find_project_root
 
     document, *others = result.model.documents
     number = _comments(document)

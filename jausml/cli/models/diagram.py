@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli.shared.files import EnvironmentFault, write_report
-from jausml.cli.shared.models import checked, fail, reading_options, show_findings
+from jausml.cli.shared.models import checked, fail, model_argument, reading_options, show_findings
 from jausml.cli.shared.terminal import step
 
 if TYPE_CHECKING:
-    from jausml.language.validation.project import Reading
+    from jausml.language.project.reading import Reading
     from jausml.views.diagrams.graph import Graph
 
 SUFFIXES = (".svg", ".png", ".html", ".mmd", ".dot")
@@ -20,7 +20,7 @@ THEMES = ("auto", "light", "dark")
 
 
 @click.command("diagram")
-@click.argument("model", metavar="MODEL")
+@model_argument
 @click.option(
     "--view",
     default="system",

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault
-from jausml.cli.shared.models import bridge_options, reading_options, valid_model
+from jausml.cli.shared.models import bridge_options, model_argument, reading_options, valid_model
 from jausml.cli.shared.options import quiet_option
 from jausml.cli.shared.terminal import remark, step, verbosity
 
 if TYPE_CHECKING:
     from jausml.generation import NoSystemError, Plan, Result, Selection, Target
     from jausml.language.model.model import Model
-    from jausml.language.validation.project import Reading
+    from jausml.language.project.reading import Reading
 
 _FEW = 3
 """Files of a package that are listed one by one when the same becomes of them."""
@@ -41,7 +41,7 @@ class WholeLibraryOption(click.Option):
 
 
 @click.command("generate")
-@click.argument("model", metavar="MODEL")
+@model_argument
 @click.option(
     "-o",
     "--out",
@@ -104,7 +104,7 @@ def command(
     quiet: bool,
     **modes: bool,
 ) -> None:
-    """Generate a workspace from the system in MODEL.
+    """Generate a workspace from the system in MODEL, by default the only one of the project.
 
     Validates the model first. Your own files (skeletons) are written once and never changed
     afterwards, except by --fix, which prints what it changes. They are read, not run: what no

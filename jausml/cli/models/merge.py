@@ -37,7 +37,7 @@ def command(base: str, ours: str, theirs: str, file: str | None, output: str | N
     """
     from jausml.authoring.merging.conflicts import AS_LINES
     from jausml.authoring.merging.merging import UnmergeableError, merged
-    from jausml.language.model.uris import find_project_root
+    from jausml.language.model.project import find_project_root
     from jausml.language.text.notation import SUFFIX
     from jausml.language.validation.formats.text import lines_of
 

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, TypeVar
 import click
 
 from jausml.cli.shared.files import EnvironmentFault, write_report
-from jausml.cli.shared.models import reading_options, valid_model
+from jausml.cli.shared.models import model_argument, reading_options, valid_model
 from jausml.cli.shared.options import format_option
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from jausml.language.metamodel.classes.system import System
-    from jausml.language.validation.project import Reading
+    from jausml.language.project.reading import Reading
     from jausml.views.analysis.assumptions import Assumptions
 
 Number = TypeVar("Number", int, float)
@@ -122,7 +122,7 @@ FORMATS = ("text", "json", "html")
 
 
 @click.command("report")
-@click.argument("model", metavar="MODEL")
+@model_argument
 @format_option("Format of the report; HTML is a single self-contained page.", FORMATS)
 @click.option("-o", "--output", metavar="FILE", help="Write to a file instead of stdout.")
 @click.option("--bridge", "bridge_name", metavar="NAME", help="Report only this bridge.")

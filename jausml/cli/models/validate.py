@@ -12,18 +12,19 @@ from jausml.cli.shared.models import (
     bridge_options,
     checked,
     frequency_option,
+    models_argument,
     reading_options,
 )
 from jausml.cli.shared.options import REPORT_FORMATS, format_option, quiet_option
 from jausml.cli.shared.terminal import painted_findings
 
 if TYPE_CHECKING:
-    from jausml.language.validation.project import Reading
+    from jausml.language.project.reading import Reading
     from jausml.language.validation.report import Report
 
 
 @click.command("validate")
-@click.argument("paths", nargs=-1, required=True, metavar="PATH...")
+@models_argument
 @format_option("Format of the report.", REPORT_FORMATS)
 @click.option("--output", metavar="FILE", help="Write the report to a file instead of stdout.")
 @reading_options
@@ -54,6 +55,8 @@ def command(
     quiet: bool,
 ) -> None:
     """Check models: files, or all *.xmi and *.ros2jaus files below folders.
+
+    Without a PATH, checks the project of the current folder.
 
     Follows references to other files. Reports all problems in one run, the same on each run.
     Ignores findings that an @allow in the documentation of an element allows, until its date.

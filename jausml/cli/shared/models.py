@@ -11,13 +11,13 @@ import click
 
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault
 from jausml.cli.shared.options import FiniteRange
-from jausml.cli.shared.terminal import painted_findings, step
+from jausml.cli.shared.terminal import painted_findings, step, warn
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from jausml.language.model import Model, ReadResult
-    from jausml.language.validation.project import Reading
+    from jausml.language.project.reading import Reading
     from jausml.language.validation.report import Report
     from jausml.live.messages import Catalogue
 
@@ -29,8 +29,75 @@ model_option = click.option(
     "models",
     multiple=True,
     metavar="FILE",
-    help="Also use the messages of a model, or of all models below a folder; may be repeated.",
+    help="Also use the messages of a model, or of all models below a folder; by default, those of "
+    "the project of the current folder. May be repeated.",
 )
+
+
+def model_argument(command: Callable[..., None]) -> Callable[..., None]:
+    """Adds MODEL, by default the one in the project of the current folder that has a system."""
+    return click.argument(
+        "model", metavar="[MODEL]", required=False, default="", callback=_or_only_system
+    )(command)
+
+
+def _or_only_system(_: click.Context, __: click.Parameter, value: str) -> str:
+    from jausml.language.project.index import Index
+
+    if value:
+        return value
+    with _usable_input():
+        return from_here(Index(_project("MODEL")).only_system())
+
+
+def models_argument(command: Callable[..., None]) -> Callable[..., None]:
+    """Adds PATH..., by default the project of the current folder."""
+    return click.argument("paths", nargs=-1, metavar="[PATH]...", callback=_or_project)(command)
+
+
+def _or_project(_: click.Context, __: click.Parameter, values: tuple[str, ...]) -> tuple[str, ...]:
+    return values or (from_here(_project("PATH")),)
+
+
+def _project(argument: str) -> Path:
+    """Returns the folder of the project of the current folder.
+
+    Raises:
+        UsageError: There is none.
+    """
+    from jausml.language.model.project import project_folder
+
+    found = project_folder(Path.cwd() / "any")
+    if found is None:
+        raise click.UsageError(
+            f"Missing argument '{argument}': no project is here; 'jausml init DIR' makes one."
+        )
+    return found
+
+
+def from_here(path: Path) -> str:
+    """Returns a path as it is best named from the current folder."""
+    here = Path.cwd()
+    return str(path.relative_to(here)) if path.is_relative_to(here) else str(path)
+
+
+def is_in_project() -> bool:
+    """Tells whether `jausml init` made the folder around the current one: by a look at names.
+
+    What reads models says it in full; that takes a while to load.
+    """
+    here = Path.cwd()
+    return any((each / ".project").is_file() for each in (here, *here.parents))
+
+
+def project_files() -> list[str]:
+    """Returns the models of the project of the current folder, none where it is in none."""
+    if not is_in_project():
+        return []
+    from jausml.language.project.index import Index
+
+    index = Index.here()
+    return [from_here(index.root / each) for each in sorted(index.contents)] if index else []
 
 
 class ModelFault(click.ClickException):
@@ -70,7 +137,7 @@ def reading_options(command: Callable[..., None]) -> Callable[..., None]:
         bridge_frequency: float | None = None,
         **others: object,
     ) -> None:
-        from jausml.language.validation.project import Reading
+        from jausml.language.project.reading import Reading
 
         reading = Reading(project_root, allow_outside, projects, bridge_address, bridge_frequency)
         command(*arguments, reading=reading, **others)
@@ -146,7 +213,7 @@ def read(
     Raises:
         EnvironmentFault: A path cannot be read.
     """
-    from jausml.language.validation.project import read_project
+    from jausml.language.project.reading import read_project
 
     with _usable_input():
         return read_project(paths, reading, is_one=is_one)
@@ -217,18 +284,24 @@ def fail(report: Report, outcome: str = "", *, quiet: bool = False) -> NoReturn:
 def open_catalogue(models: Iterable[str]) -> Catalogue:
     """Returns the messages of the library, and of the models in files and folders.
 
+    Without any, those of the project of the current folder are known.
+
     Raises:
         EnvironmentFault: A path cannot be read.
         ModelFault: A model has errors.
     """
     paths = list(models)
+    if not paths and is_in_project():
+        from jausml.live.messages.of_project import project_catalogue
+
+        return project_catalogue(warn)
     # Options and output of the verbs alone need no reader.
     from jausml.language.text.notation import NOTATIONS
     from jausml.live.messages import CatalogueError, load_catalogue
 
     found: list[str] = []
     if paths:
-        from jausml.language.validation.project import find_models
+        from jausml.language.project.reading import find_models
 
         with _usable_input():
             found = find_models(paths)
@@ -236,3 +309,22 @@ def open_catalogue(models: Iterable[str]) -> Catalogue:
         return load_catalogue(found, notations=NOTATIONS)
     except CatalogueError as error:
         raise ModelFault(str(error)) from error
+
+
+def told(error: Exception, models: Sequence[str]) -> str:
+    """Returns what is wrong with a message, and where those come from that are known.
+
+    Args:
+        models: Files and folders whose messages are known too.
+    """
+    from jausml.live.messages import UnknownServiceError
+
+    if not isinstance(error, UnknownServiceError) or error.suggestions:
+        return str(error)
+    if models:
+        known = f"known are the library and {', '.join(models)}"
+    elif is_in_project():
+        known = "known are the library and this project: see 'jausml list messages'"
+    else:
+        known = "messages of your own are known in their project, elsewhere by --model FILE"
+    return f"{error} ({known})"

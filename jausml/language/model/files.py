@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jausml.language.model.inputs import leads_out, open_input
-from jausml.language.model.uris import find_project_root
+from jausml.language.model.project import find_project_root, walk
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterable, Sequence
 
 
 class InputError(Exception):
@@ -21,7 +21,7 @@ class InputError(Exception):
 def find_files(paths: Iterable[str], suffixes: tuple[str, ...]) -> list[str]:
     """Returns files as they are, and the files with certain endings below folders.
 
-    Hidden folders are left out.
+    Hidden folders and those of builds are left out.
 
     Raises:
         InputError: A path does not exist or cannot be read, or a folder holds no such file.
@@ -53,19 +53,6 @@ def files_at(path: str, suffixes: tuple[str, ...], hint: str = "") -> Sequence[s
         raise InputError(f"{shown(path)}: {reason}{near}") from error
 
 
-def walk(folder: str, suffixes: tuple[str, ...]) -> Iterator[str]:
-    """Yields the files with certain endings below a folder, hidden ones left out.
-
-    Raises:
-        OSError: A folder cannot be read.
-    """
-    for parent, subfolders, names in os.walk(folder, onerror=_raise):
-        subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))
-        for name in names:
-            if name.endswith(suffixes) and not name.startswith("."):
-                yield os.path.normpath(os.path.join(parent, name))  # noqa: PTH118
-
-
 def shown(path: str | Path) -> str:
     """Returns how messages name a path; bytes that are no UTF-8 are replaced by a sign."""
     return os.fsencode(path).decode("utf-8", "replace")
@@ -92,7 +79,3 @@ def _near(path: str, suffixes: tuple[str, ...]) -> str:
         return ""
     near = get_close_matches(wanted.name, there, n=1)
     return f"; did you mean {shown(wanted.with_name(near[0]))}?" if near else ""
-
-
-def _raise(error: OSError) -> None:
-    raise error

@@ -15,7 +15,13 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel import FeatureKind
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.model.documents import Document
-from jausml.language.model.uris import LIBRARY_URI, library_root
+from jausml.language.model.library import (
+    LIBRARY_URI,
+    XMI,
+    library_paths,
+    module_of,
+    place_in_library,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -94,8 +100,8 @@ class NameFinder:
         file_name = document.path.name if document is not None else ""
         return f"{qualified_name(element)} ({file_name})"
 
-    def how_to_choose(self, elements: list[EObject]) -> str:
-        """Returns what makes one of several elements the one that is meant."""
+    def how_to_choose(self, elements: list[EObject], document: Document) -> str:
+        """Returns what makes one of several elements the one that a document means."""
         documents = [self._model.document_of(each) for each in elements]
         if len({qualified_name(each) for each in elements}) < len(elements) and len(
             set(documents)
@@ -104,8 +110,13 @@ class NameFinder:
         shipped = [each.path for each in documents if each is not None and each.is_library]
         if len(set(shipped)) < len(elements):
             return "write enough of the name, or import the document that is meant"
-        path = shipped[-1].relative_to(library_root().resolve()).with_suffix("")
-        return f"import the document that is meant, for example: import `{'.'.join(path.parts)}`"
+        module = f"import `{module_of(shipped[-1])}`"
+        if all(each in document.imports for each in documents):
+            href = f"{LIBRARY_URI}{place_in_library(shipped[0])}"
+            fragment = self._model.fragment(elements[0])
+            other = f'or say where the other one stands: @"{href}#{fragment}"'
+            return f"drop one of the imports, such as {module}, {other}"
+        return f"import the document that is meant, for example: {module}"
 
     def kind(self, element: EObject) -> str:
         """Returns the class of an element with its package."""
@@ -256,9 +267,8 @@ def library_codes() -> frozenset[int]:
 
 
 def _library_texts() -> Iterator[tuple[str, str]]:
-    root = library_root()
-    for path in sorted(root.rglob("*.xmi")):
-        yield path.relative_to(root).as_posix(), path.read_text(encoding="utf-8")
+    for path in library_paths(suffixes=(XMI,)):
+        yield place_in_library(path), path.read_text(encoding="utf-8")
 
 
 def _library_names(tags: frozenset[str]) -> list[str]:

@@ -14,7 +14,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
-from jausml.language.model.uris import library_root
+from jausml.language.model.library import library_root
 from jausml.language.model.xmi.fragments import FragmentFinder
 
 if TYPE_CHECKING:

@@ -10,27 +10,31 @@ from __future__ import annotations
 import os
 import re
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import unquote, urlsplit
 
 from lxml import etree
 
-from jausml.language.model.inputs import open_input, read_input
+from jausml.language.model.inputs import open_input
+from jausml.language.model.library import (
+    LIBRARY_URI,
+    XMI,
+    library_paths,
+    library_root,
+    place_in_library,
+    shipped_as,
+)
+from jausml.language.model.project import MARKER, enclosing_project
 from jausml.language.model.values import suggest
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterable, Iterator, Mapping
+    from collections.abc import Container, Iterator, Mapping
 
     from jausml.language.model.documents import Document
 
-
-LIBRARY_URI = "http://www.jausml.org/library/"
-
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):")
 _WINDOWS = re.compile(r"[A-Za-z]:[\\/]|.*\\")
-_SCHEMA_LOCATION = re.compile(rb' xsi:schemaLocation="[^"<]*"')
 _PLATFORM = "platform:/resource/"
 
 
@@ -50,61 +54,6 @@ class UriFault:
     rule: str
     message: str
     hint: str = ""
-
-
-def library_root() -> Path:
-    """Returns the folder of the shipped library."""
-    return Path(str(files("jausml.models"))) / "library"
-
-
-def shipped_as(path: Path) -> Path | None:
-    """Returns the file of the shipped library of which a file is a copy, None for any other.
-
-    Eclipse needs copies in its workspace; they may say there where the metamodels are.
-    """
-    library = Path(os.path.realpath(library_root()))
-    if path.parent.parent.name != library.name:
-        return None
-    shipped = library / path.parent.name / path.name
-    try:
-        copied = _SCHEMA_LOCATION.sub(b"", read_input(path), count=1)
-        return shipped if read_input(shipped) == copied else None
-    except (OSError, ValueError):
-        return None
-
-
-def copy_in_project(place: str, folder: Path, root: Path) -> Path | None:
-    """Returns the copy of a file of the shipped library that a project has, None without one."""
-    for each in (folder, *folder.parents):
-        if not each.is_relative_to(root):
-            return None
-        copy = each / "library" / place
-        if shipped_as(copy) is not None:
-            return copy
-    return None
-
-
-def find_project_root(paths: Iterable[Path]) -> Path:
-    """Returns the folder that hrefs may not leave, when the user names none.
-
-    It is the nearest folder above the first file that is a Git checkout; else the Eclipse project
-    that holds the file; else the current folder, when all files lie in it; else the folder that all
-    files share.
-    """
-    real = [Path(os.path.realpath(path)) for path in paths]
-    folders = [path.parent for path in real]
-    if not folders:
-        return Path.cwd()
-    for folder in (folders[0], *folders[0].parents):
-        if (folder / ".git").exists():
-            return folder
-    project = enclosing_project(real[0])
-    if project is not None:
-        return project
-    here = Path.cwd()
-    if all(folder.is_relative_to(here) for folder in folders):
-        return here
-    return Path(os.path.commonpath(folders))
 
 
 class UriResolver:
@@ -241,7 +190,7 @@ class UriResolver:
         real = Path(os.path.realpath(self._library / path))
         if real.is_relative_to(self._library) and os.path.isfile(real):  # noqa: PTH113 -- as above
             return FileTarget(real, _shown(real), is_library=True)
-        known = [str(each.relative_to(self._library)) for each in self._library.rglob("*.xmi")]
+        known = map(place_in_library, library_paths(suffixes=(XMI,)))
         return UriFault("JML212", f"the library has no model '{path}'", suggest(path, known))
 
 
@@ -250,14 +199,8 @@ def _shown(path: Path) -> str:
     return str(path.relative_to(here)) if path.is_relative_to(here) else str(path)
 
 
-_FILE = ".project"
 _LONGEST_FILE = 1_000_000
 _MOST_FOLDERS = 10_000
-
-
-def enclosing_project(path: Path) -> Path | None:
-    """Returns the nearest folder above a file that is an Eclipse project, None without one."""
-    return next((each for each in path.parents if (each / _FILE).is_file()), None)
 
 
 def projects_around(path: Path) -> dict[str, Path]:
@@ -296,7 +239,7 @@ def _folders(folder: Path) -> Iterator[Path]:
 def _name_of(folder: Path) -> str:
     """The name of a project; empty for a folder that is none, or whose file cannot be read."""
     try:
-        with open_input(folder / _FILE) as file:
+        with open_input(folder / MARKER) as file:
             content = file.read(_LONGEST_FILE)
         parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
         root = etree.fromstring(content, parser)

@@ -71,6 +71,12 @@ def suggest(wrong: str, known: Iterable[str]) -> str:
     return f"did you mean '{near}'?" if near else ""
 
 
+def suggest_or_list(wrong: str, known: Iterable[str]) -> str:
+    """Returns the hint that names the nearest known word, or those that there are."""
+    words = tuple(known)
+    return suggest(wrong, words) or (f"it has {', '.join(words)}" if words else "")
+
+
 def show(text: str) -> str:
     """Quotes a text for a message, shortened and on one line."""
     flat = " ".join(text.split()) if any(each in text for each in "\r\n\t") else text

@@ -1,50 +1,19 @@
-"""Models of a project: found, read with all that they refer to, and judged, in one call."""
+"""Models of a project: read with all that they refer to, and judged, in one call."""
 
 from __future__ import annotations
 
-import os
-import re
-from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
-from jausml.language.model.files import InputError, files_at, shown, walk
-from jausml.language.model.reading.reader import read_models
-from jausml.language.model.uris import shipped_as
-from jausml.language.text.notation import NOTATIONS, SUFFIX, Ros2Jaus
-from jausml.language.text.reading.bridge_of_maps import BridgeOfMaps
+from jausml.language.project.reading import read_project
 from jausml.language.validation.engine import check
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    import os
+    from collections.abc import Iterable
 
-    from jausml.language.model.notation import Notation
-    from jausml.language.model.reading.reader import ReadResult
+    from jausml.language.project.reading import Reading
     from jausml.language.validation.report import Report
-
-SUFFIXES = (".xmi", SUFFIX)
-"""The endings of model files."""
-
-_ADDRESS = re.compile(r"\d+\.\d+\.\d+")
-
-
-@dataclass(frozen=True, slots=True)
-class Reading:
-    """How models are read.
-
-    Attributes:
-        project_root: Folder that references may not leave; None for the one around the files.
-        projects: Folders of Eclipse projects by name.
-        bridge_address: JAUS id of a bridge that carries all maps of a text; None for none.
-        frequency: Messages each second of that bridge; None for the default.
-    """
-
-    project_root: str | os.PathLike[str] | None = None
-    allow_outside: bool = False
-    projects: Mapping[str, str | os.PathLike[str]] = field(default_factory=dict)
-    bridge_address: str | None = None
-    frequency: float | None = None
 
 
 def check_project(
@@ -69,69 +38,3 @@ def check_project(
         for owner in read.model.instances(bridge.Bridge):
             owner.frequency = frequency
     return check(read)
-
-
-def read_project(
-    paths: Iterable[str | os.PathLike[str]],
-    reading: Reading | None = None,
-    *,
-    is_one: bool = False,
-) -> ReadResult:
-    """Reads models with all that they refer to: files, and those below folders.
-
-    Raises:
-        InputError: A path cannot be read, a folder holds no model, or there can be no such bridge.
-    """
-    reading = reading or Reading()
-    named = [os.fspath(each) for each in paths]
-    files = [_one_model(each) for each in named] if is_one else find_models(named)
-    return read_models(
-        files,
-        project_root=reading.project_root,
-        allow_outside=reading.allow_outside,
-        projects=reading.projects,
-        notations=_notations(files, reading),
-    )
-
-
-def find_models(paths: Iterable[str]) -> list[str]:
-    """Returns model files: files as they are, and the *.xmi and *.ros2jaus files below folders.
-
-    Hidden folders are left out, and the shipped library with its copies in projects, unless a
-    folder holds nothing else.
-
-    Raises:
-        InputError: A path cannot be read, or a folder holds no model.
-    """
-    hint = "; 'jausml init DIR' makes a project of models"
-    return [file for path in paths for file in _own_models(files_at(path, SUFFIXES, hint))]
-
-
-def _own_models(files: Sequence[str]) -> Sequence[str]:
-    """Returns the files that are no copies of the shipped library; all where all are copies."""
-    if len(files) == 1:
-        return files
-    own = [each for each in files if shipped_as(Path(os.path.realpath(each))) is None]
-    return own or files
-
-
-def _one_model(path: str) -> str:
-    if Path(path).is_dir():
-        there = min(walk(path, SUFFIXES), default=None)
-        such = f", such as {shown(there)}" if there else ""
-        raise InputError(f"{shown(path)} is a folder; name one model file{such}")
-    return files_at(path, SUFFIXES)[0]
-
-
-def _notations(files: Sequence[str], reading: Reading) -> Sequence[Notation]:
-    """Returns what reads files that are no XMI, with a bridge of maps where one is asked for."""
-    address = reading.bridge_address
-    if address is None:
-        return NOTATIONS
-    if not _ADDRESS.fullmatch(address):
-        raise InputError("--bridge-address is a JAUS id such as 100.1.20")
-    if len(files) != 1:
-        raise InputError("--bridge-address takes one file of maps")
-    if not files[0].endswith(SUFFIX):
-        raise InputError(f"--bridge-address takes the maps of a {SUFFIX} file")
-    return (Ros2Jaus(BridgeOfMaps(Path(files[0]).resolve(), address, reading.frequency)),)

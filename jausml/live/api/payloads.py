@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from functools import lru_cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from jausml.language.model.project import made_project
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.messages import load_catalogue
+from jausml.live.messages.of_project import project_catalogue
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -19,19 +23,27 @@ if TYPE_CHECKING:
     """One file, or several."""
 
 
+_LOG = logging.getLogger(__name__)
+
+
 @lru_cache(maxsize=8)
-def _catalogue(models: tuple[str, ...]) -> Catalogue:
+def _catalogue(models: tuple[str, ...], project: Path | None) -> Catalogue:
+    if project is not None:
+        return project_catalogue(_LOG.warning)
     return load_catalogue(models, notations=NOTATIONS)
 
 
 def catalogue(models: Models = ()) -> Catalogue:
     """Returns the messages of the library and of models, read once.
 
+    Without any, those of the project of the current folder count, if `jausml init` made it.
+
     Raises:
         MessageError: A model cannot be read; the text has all errors with their places.
     """
     each_model = (models,) if isinstance(models, (str, os.PathLike)) else models
-    return _catalogue(tuple(os.fspath(each) for each in each_model))
+    names = tuple(os.fspath(each) for each in each_model)
+    return _catalogue(names, None if names else made_project(Path.cwd()))
 
 
 def decode(

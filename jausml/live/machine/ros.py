@@ -13,7 +13,7 @@ from jausml.language.interfaces.installed import Installation
 from jausml.live.machine.finding import Finding, Outcome
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterator, Mapping
 
 _TOPIC = "ros"
 _LARGEST_DOMAIN, _LARGEST_SAFE_DOMAIN = 232, 101
@@ -28,8 +28,12 @@ _PROFILES = (
 _SHARED_MEMORY = Path("/dev/shm")  # noqa: S108 - where Fast DDS puts what it shares
 
 
-def checks(packages: Iterable[str]) -> Iterator[Finding]:
-    """Yields what is to be said of ROS."""
+def checks(packages: Mapping[str, bool]) -> Iterator[Finding]:
+    """Yields what is to be said of ROS.
+
+    Args:
+        packages: Packages of messages that are needed, and whether each is the user's own.
+    """
     if find_spec("rclpy") is None:
         cure = "source the setup.bash of a ROS 2 installation, or pip install 'jausml[ros]'"
         text = "Python finds no rclpy: bridges do not start; JAUS alone works"
@@ -156,18 +160,16 @@ def _shared_memory() -> Finding:
     return Finding(_TOPIC, name, Outcome.NOTE, text, "in a container: --ipc=host")
 
 
-def _packages(packages: Iterable[str]) -> Iterator[Finding]:
-    for name in packages:
+def _packages(packages: Mapping[str, bool]) -> Iterator[Finding]:
+    for name, is_own in packages.items():
         found = PathFinder.find_spec(name)
         # Without an __init__ it is a folder that happens to be there.
         if found is not None and found.origin is not None:
             yield Finding("model", name, Outcome.OK, "its messages are installed")
             continue
         debian = name.replace("_", "-")
-        yield Finding(
-            "model",
-            name,
-            Outcome.ERROR,
-            "Python finds no such package of messages",
-            f"apt install ros-jazzy-{debian}, pip install ros-jazzy-{debian}, or colcon build it",
-        )
+        cure = f"apt install ros-jazzy-{debian}, or pip install ros-jazzy-{debian}"
+        if is_own:
+            cure = "no library has it: colcon build it, and source install/setup.bash"
+        text = "Python finds no such package of messages"
+        yield Finding("model", name, Outcome.ERROR, text, cure)

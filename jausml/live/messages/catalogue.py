@@ -6,10 +6,11 @@ import re
 from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
-from jausml.language.metamodel import load_jaus_metamodel
 from jausml.language.metamodel.classes import jaus
-from jausml.language.model import library_root, read_models
+from jausml.language.model import read_models
 from jausml.language.model.diagnostics import Severity
+from jausml.language.model.library import library_paths
+from jausml.language.project.library import services_alone
 from jausml.live.messages.embedded import (
     MAXIMUM_DEPTH,
     DecodedMessage,
@@ -32,7 +33,6 @@ from jausml.live.messages.legal import check_names, shown
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterable, Mapping, Sequence
-    from pathlib import Path
 
     from jausml.language.model import Model, ReadResult
     from jausml.language.model.notation import Notation
@@ -62,7 +62,7 @@ def load_catalogue(
     if not models:
         return _library_catalogue()
     result = read_models(
-        [*models, *_library_files()],
+        [*models, *library_paths("jaus")],
         project_root=project_root,
         allow_outside=allow_outside,
         notations=notations,
@@ -72,12 +72,7 @@ def load_catalogue(
 
 @cache
 def _library_catalogue() -> Catalogue:
-    # The library needs no other metamodel; all four would take twice as long to load.
-    return _catalogue_of(read_models(_library_files(), metamodels=load_jaus_metamodel()))
-
-
-def _library_files() -> list[Path]:
-    return sorted((library_root() / "jaus").glob("*.xmi"))
+    return Catalogue(services_alone())
 
 
 def _catalogue_of(result: ReadResult) -> Catalogue:

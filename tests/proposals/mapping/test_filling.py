@@ -11,12 +11,13 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from jausml.authoring.editing.project import Project
-from jausml.authoring.proposals.elements import Scope, library
+from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.proposals.mapping.assigning import assign
 from jausml.authoring.proposals.mapping.filling import fill_map
 from jausml.authoring.proposals.mapping.members import member
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.names import name_of
+from jausml.language.project.library import library
 from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.validation.engine import check
 

@@ -13,7 +13,7 @@ from urllib.parse import urlsplit
 import pytest
 from browsers import browser, build_page, missing
 
-from jausml.language.model.uris import LIBRARY_URI
+from jausml.language.model.library import LIBRARY_URI
 
 MODELS = Path(__file__).parents[3] / "models"
 PATIENCE = 40_000

@@ -10,7 +10,7 @@ from browsers import BROWSER
 from desktop import Desktop
 from playwright.sync_api import expect
 
-from jausml.language.model.uris import LIBRARY_URI
+from jausml.language.model.library import LIBRARY_URI
 
 pytestmark = [BROWSER, pytest.mark.ports, pytest.mark.timeout(300)]
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import pytest
 from studio_client import serving
 
-from jausml.language.model.uris import LIBRARY_URI
+from jausml.language.model.library import LIBRARY_URI
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from studio_client import serving
 
-from jausml.language.model.uris import LIBRARY_URI
+from jausml.language.model.library import LIBRARY_URI
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

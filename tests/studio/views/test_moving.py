@@ -8,12 +8,13 @@ import pytest
 
 from jausml.authoring.editing.commands import Add, Remove, Rename
 from jausml.authoring.editing.project import Project
-from jausml.authoring.proposals.elements import Scope, library
+from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.studio.views.forms import form_of
 from jausml.authoring.studio.views.inheriting import cut, heritage, join
 from jausml.authoring.studio.views.moving import lead
 from jausml.language.metamodel.classes import jaus
-from jausml.language.model.uris import LIBRARY_URI
+from jausml.language.model.library import LIBRARY_URI
+from jausml.language.project.library import library
 from jausml.language.validation.engine import check
 from jausml.views.diagrams.views import graph_of
 

@@ -21,6 +21,7 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.metamodel.filling import hang, link, new_object, point, set_value, set_values
 from jausml.language.model.names import name_of
 from jausml.language.model.values import convert
+from jausml.language.model.words import snake_case
 from jausml.language.semantics.connections.exchanges import FEATURES, infer
 from jausml.language.text.tree import Direction, Element, End, Feature, Import, Item, Table, Vector
 from jausml.language.text.writing.elements import ElementWriter
@@ -123,6 +124,9 @@ class EditedText:
             kind, name = self.table(obj).name, name_of(obj)
             what = f"{kind} '{name}'" if name else f"this {kind}"
             message = f"{what} follows from the rest of {self.context.file}: edit the text"
+            if obj.eContainer() is None:
+                keyword = snake_case(kind)
+                message += f", and put {keyword} {name or 'NAME'} {{ ... }} around what it has"
             raise EditError(message)
         return part
 

@@ -12,14 +12,9 @@ from jausml.authoring.editing.reading import is_library
 from jausml.authoring.editing.working_copy import ElementCopy
 from jausml.language.metamodel import FeatureKind
 from jausml.language.model import refs
+from jausml.language.model.library import LIBRARY_URI, copy_in_project, library_root
 from jausml.language.model.reading.classes import XSI, is_xmi
-from jausml.language.model.uris import (
-    LIBRARY_URI,
-    UriFault,
-    UriResolver,
-    copy_in_project,
-    library_root,
-)
+from jausml.language.model.uris import UriFault, UriResolver
 from jausml.language.model.xmi.fragments import FragmentFinder
 from jausml.language.model.xmi.writer import attribute_text, element_text
 

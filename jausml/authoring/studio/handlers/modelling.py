@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from jausml.authoring.studio.context import StudioContext
     from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.model import Model
 
 
 @dataclass(frozen=True)
@@ -111,14 +112,19 @@ def methods(context: StudioContext) -> Mapping[str, Method[Any]]:
 
 def scope_of(context: StudioContext, file: str) -> Scope:
     """Returns the model of a file as answers see it."""
-    return Scope(context.project.model(file).model, context.project.root)
+    return scope_around(context, file, context.project.model(file).model)
+
+
+def scope_around(context: StudioContext, file: str, model: Model) -> Scope:
+    """Returns a model of a file as answers see it, with the rest of the project."""
+    return Scope(model, context.project.root, lambda: context.project.beside(file))
 
 
 def _form(context: StudioContext, request: OfElement) -> object:
     file, _ = refs.split(request.element)
     if not file.startswith(refs.LIBRARY):
         verdict = context.verdicts.of(file)
-        scope = Scope(verdict.report.model, context.project.root)
+        scope = scope_around(context, file, verdict.report.model)
         return form(scope, request.element, verdict.report.diagnostics)
     _, model = context.project.find(request.element)
     return form(Scope(model, context.project.root), request.element)

@@ -11,7 +11,7 @@ from jausml.authoring.studio.handlers.showing import OfFile, OfView
 from jausml.authoring.studio.rpc import Method
 from jausml.authoring.studio.views.sources import element_at, source
 from jausml.language.model import refs
-from jausml.language.model.uris import library_root
+from jausml.language.model.library import library_root
 from jausml.language.text.notation import SUFFIX
 from jausml.views.diagrams.views import maps
 from jausml.views.diagrams.views.context import Context

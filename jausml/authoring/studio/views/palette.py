@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child, Set
 from jausml.authoring.proposals.bridging import bridges_of, map_commands, system_of
-from jausml.authoring.proposals.elements import AnswerError, label_of, library
+from jausml.authoring.proposals.elements import AnswerError, label_of
 from jausml.authoring.proposals.fresh import free_address, name_among, participant_name
 from jausml.authoring.studio.views.beginnings import PACKAGES, usual_values
 from jausml.authoring.studio.views.forms import in_words, kinds_of
@@ -20,6 +20,7 @@ from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.model.names import name_of
 from jausml.language.model.refs import LIBRARY
 from jausml.language.model.words import snake_case, words
+from jausml.language.project.library import library
 from jausml.language.semantics.jaus.core_services import CORE
 from jausml.language.semantics.paths.ros_paths import ros_name
 
@@ -168,13 +169,9 @@ def _external(scope: Scope) -> Entry:
 
 def _own(scope: Scope) -> Iterator[Entry]:
     """Yields the services, types and maps of the project."""
-    model = scope.model
-    yield from _services(model.instances(jaus.Service, library=False))
-    yield from _types(
-        model.instances(ros.MessageType, library=False),
-        model.instances(ros.ServiceType, library=False),
-    )
-    yield from _maps(model.instances(bridge.AttributeMap, library=False))
+    yield from _services(scope.own(jaus.Service))
+    yield from _types(scope.own(ros.MessageType), scope.own(ros.ServiceType))
+    yield from _maps(scope.own(bridge.AttributeMap))
 
 
 def _services(services: Iterable[jaus.Service]) -> Iterator[Entry]:

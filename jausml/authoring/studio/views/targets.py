@@ -7,10 +7,11 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jausml.authoring.proposals.elements import Scope, label_of, library
+from jausml.authoring.proposals.elements import Scope, label_of
 from jausml.authoring.studio.views.shapes import Choice
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.model.names import name_of
+from jausml.language.project.library import library
 from jausml.language.semantics.jaus.services import lineage, outputs
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ def everywhere(
     if target is None:
         return ()
     kind = target.python_class
-    own = [each for each in scope.model.instances(kind, library=False) if each is not element]
+    own = [each for each in scope.own(kind) if each is not element]
     if any(issubclass(kind, each) for each in _OF_THE_SYSTEM):
         around = _system_of(element)
         return _choices(scope, [each for each in own if _system_of(each) is around])

@@ -20,7 +20,6 @@ from jausml.language.importers.jsidl.fields import FieldBuilder
 from jausml.language.importers.jsidl.inheritance import (
     BehaviourNames,
     finish_machines,
-    library_model,
     services_by_urn,
 )
 from jausml.language.importers.jsidl.messages import MessageBuilder
@@ -45,6 +44,7 @@ from jausml.language.model.model import Model
 from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import show
 from jausml.language.model.xmi.parsing import Node, parse
+from jausml.language.project.library import library
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -226,9 +226,9 @@ class _Import:
     @cached_property
     def _library_services(self) -> ByUrn:
         """The services of the library, which is read when a service needs it."""
-        library = library_model()
-        self._model.join(library)
-        return services_by_urn(library)
+        shipped = library("jaus")
+        self._model.join(shipped)
+        return services_by_urn(shipped)
 
     def _report_unused(self, fields: FieldBuilder) -> None:
         """Looks at declared types that no message uses too: what is wrong there is said."""

@@ -5,8 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, cast
 
 from jausml.language.metamodel.classes import jaus
-from jausml.language.model.reading.reader import read_models
-from jausml.language.model.uris import library_root
 from jausml.language.model.values import show, suggest
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.inherited_machines import (
@@ -23,15 +21,6 @@ if TYPE_CHECKING:
     from jausml.language.importers.jsidl.building import Findings
     from jausml.language.importers.jsidl.services import ImportedService
     from jausml.language.model.model import Model
-
-
-def library_model() -> Model:
-    """Reads the JAUS service sets of the library, as documents that nobody named."""
-    folder = library_root() / "jaus"
-    model = read_models(sorted(folder.glob("*.xmi")), project_root=folder).model
-    for document in model.documents:
-        document.given = False
-    return model
 
 
 def services_by_urn(model: Model) -> dict[str, dict[str, jaus.Service]]:

@@ -17,11 +17,10 @@ from jausml.language.metamodel.classes import ros
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity
 from jausml.language.model.documents import Document
 from jausml.language.model.model import Model
-from jausml.language.model.reading.reader import read_models
 from jausml.language.model.rules import READER_RULES
-from jausml.language.model.uris import library_root
 from jausml.language.model.values import suggest
 from jausml.language.model.xmi.parsing import Node
+from jausml.language.project.library import library
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -219,10 +218,7 @@ class _Import:
 
 def library_types(model: Model) -> dict[tuple[str, str], ros.MessageType]:
     """Returns the message types of the shipped library by package and name."""
-    folder = library_root() / "ros"
-    shipped = read_models(sorted(folder.glob("*.xmi")), project_root=folder).model
-    for document in shipped.documents:
-        document.given = False
+    shipped = library("ros")
     model.join(shipped)
     packages = shipped.instances(ros.InterfacePackage)
     return {(each.name, message.name): message for each in packages for message in each.messages}

@@ -21,7 +21,7 @@ from jausml.language.model.diagnostics import Related
 from jausml.language.model.notation import BY_NAME
 from jausml.language.model.reading.classes import XSI, ClassFinder, is_xmi, target_class
 from jausml.language.model.reading.problems import NodePlace, Problems, XmlAttribute
-from jausml.language.model.values import convert, nearest, show
+from jausml.language.model.values import convert, nearest, show, suggest_or_list
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -143,7 +143,7 @@ class ElementBuilder:
         if near:
             # A misspelt feature is one error, not a missing feature as well.
             self._problems.mark_unread(owner.obj, near)
-        hint = f"did you mean '{near}'?" if near else ""
+        hint = suggest_or_list(name, table.features)
         self._report("JML103", node, f"unknown feature '{name}' of {table.name}", hint, attribute)
 
     def _identify(self, node: Node, identifier: str, attribute: XmlAttribute | None) -> None:

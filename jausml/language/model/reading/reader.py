@@ -16,6 +16,7 @@ from jausml.language.model.inputs import bounded, read_input
 from jausml.language.model.model import Model
 from jausml.language.model.names import NameFinder
 from jausml.language.model.notation import Explanation
+from jausml.language.model.project import find_project_root
 from jausml.language.model.reading.classes import check_bounds
 from jausml.language.model.reading.elements import ElementBuilder, Mention
 from jausml.language.model.reading.library_cache import NotShareableError
@@ -26,7 +27,7 @@ from jausml.language.model.reading.references_by_name import (
     NameResolution,
     in_order_of_import,
 )
-from jausml.language.model.uris import FileTarget, UriFault, UriResolver, find_project_root
+from jausml.language.model.uris import FileTarget, UriFault, UriResolver
 from jausml.language.model.xmi.parsing import Node, parse
 
 if TYPE_CHECKING:

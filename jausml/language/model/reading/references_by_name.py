@@ -61,7 +61,7 @@ class NameResolution:
             "JML216",
             reference.place,
             f"{show(reference.name)} may be {', '.join(names[:_FEW])}{more}",
-            self._names.how_to_choose(found),
+            self._names.how_to_choose(found, reference.place.document),
             tuple(self._related(each) for each in found[:_FEW]),
         )
 

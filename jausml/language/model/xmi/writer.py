@@ -18,7 +18,7 @@ from urllib.parse import quote
 
 from jausml.language.metamodel import DataTypeTable, FeatureKind, FeatureTable, ValueKind
 from jausml.language.metamodel.filling import count, is_set
-from jausml.language.model.uris import LIBRARY_URI, library_root
+from jausml.language.model.library import LIBRARY_URI, library_root
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

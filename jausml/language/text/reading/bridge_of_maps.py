@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from jausml.language.model.library import LIBRARY_URI
 from jausml.language.model.names import qualified_name
-from jausml.language.model.uris import LIBRARY_URI
 from jausml.language.semantics.connections.exchanges import EVENT, MESSAGE, TO_JAUS, TO_ROS
 from jausml.language.text.reading.declarations.messages import message_feature
 from jausml.language.text.root_names import system_name

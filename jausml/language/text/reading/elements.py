@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel import ClassTable, FeatureKind, FeatureTable, Metamodels, ValueKind
 from jausml.language.model.reading.classes import target_class
-from jausml.language.model.values import nearest, show, suggest
+from jausml.language.model.values import nearest, show, suggest_or_list
 from jausml.language.model.xmi.parsing import MAX_DEPTH
 from jausml.language.text.keywords import KEYWORDS, classes_by_keyword, owning_features, snake_case
 from jausml.language.text.tree import (
@@ -175,7 +175,7 @@ class ElementReader:
         table = self._nodes.classes[node]
         feature = table.features.get(item.name.text)
         if feature is None:
-            near = suggest(item.name.text, table.features)
+            near = suggest_or_list(item.name.text, table.features)
             what = f"unknown feature {show(item.name.text)} of {table.name}"
             meant = nearest(item.name.text, table.features)
             self._nodes.fault("JML103", item.name.span, what, near, owner=node, feature=meant)

@@ -9,8 +9,15 @@ from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from jausml.language.model.inputs import read_text
+from jausml.language.model.library import (
+    LIBRARY_URI,
+    TEXT,
+    has_package,
+    library_paths,
+    module_of,
+    place_in_library,
+)
 from jausml.language.model.notation import Explanation, Fault, ImportedDocument
-from jausml.language.model.uris import LIBRARY_URI, library_root
 from jausml.language.model.values import show, suggest
 from jausml.language.text.tree import Text
 
@@ -19,9 +26,6 @@ if TYPE_CHECKING:
 
     from jausml.language.text.reading.declarations.messages import OwnService
     from jausml.language.text.tree import Import
-
-
-_SUFFIXES = (".xmi", ".ros2jaus")
 
 
 def resolve(item: Import) -> ImportedDocument | Fault:
@@ -47,16 +51,13 @@ def resolve(item: Import) -> ImportedDocument | Fault:
 
 def library_files() -> Mapping[str, str]:
     """Returns the files of the library (relative, forward slashes) by their names in imports."""
-    root = library_root()
-    paths = sorted(path.relative_to(root) for path in root.rglob("*") if path.suffix in _SUFFIXES)
-    return {".".join(path.with_suffix("").parts): path.as_posix() for path in paths}
+    return {module_of(path): place_in_library(path) for path in library_paths()}
 
 
 _MAP = re.compile(
     r"^(\w+) \{\n(?:(?!\}).*\n)*?    JAUS (?:\w+\.)*(\w+).*\n(?:(?!\}).*\n)*?    ROS ([\w/]+)",
     re.MULTILINE,
 )
-_TEXT = ".ros2jaus"
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,10 +74,9 @@ class LibraryMap:
 def library_maps() -> tuple[LibraryMap, ...]:
     """Returns the maps of the library; its texts are looked through at the first call."""
     found = []
-    for module, path in library_files().items():
-        if path.endswith(_TEXT):
-            text = read_text(library_root() / path)
-            found += [LibraryMap(name, module, *ends) for name, *ends in _MAP.findall(text)]
+    for path in library_paths(suffixes=(TEXT,)):
+        maps = _MAP.findall(read_text(path))
+        found += [LibraryMap(name, module_of(path), *ends) for name, *ends in maps]
     return tuple(found)
 
 
@@ -101,8 +101,7 @@ def explain(qualified_class: str, name: str, service: OwnService) -> Explanation
         hint = f"list its members to declare it: {name} ( uint16 x )"
         return Explanation(f"{hint}; jausml import jsidl reads service sets")
     package, _, type_name = name.replace("/msg/", "/").rpartition("/")
-    is_shipped = bool(package) and (library_root() / "ros" / f"{package}.xmi").is_file()
-    if qualified_class == "ros.MessageType" and not is_shipped:
+    if qualified_class == "ros.MessageType" and not has_package(package):
         hint = f"list its members to declare it: {package or 'my_msgs'}/{type_name} ( float64 x )"
         return Explanation(f"{hint}; jausml import ros reads packages")
     return Explanation()

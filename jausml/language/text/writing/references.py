@@ -15,9 +15,9 @@ from jausml.language.metamodel import FeatureKind
 from jausml.language.metamodel.classes import ros
 from jausml.language.metamodel.filling import count
 from jausml.language.model.documents import Document
+from jausml.language.model.library import LIBRARY_URI, library_root
 from jausml.language.model.names import NameFinder, name_of
 from jausml.language.model.reading.reader import read_models
-from jausml.language.model.uris import LIBRARY_URI, UriFault, library_root
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.model.xmi.writer import external_href
 from jausml.language.text.tree import Href, Name, Text
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from jausml.language.metamodel import ClassTable, FeatureTable, Metamodels
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.model import Model
+    from jausml.language.model.uris import UriFault
 
 _Reference: TypeAlias = "tuple[EObject, EObject, FeatureTable]"
 """Who refers, to what, by which feature."""

@@ -6,7 +6,7 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from jausml.language.model.uris import library_root
+from jausml.language.model.library import has_package
 from jausml.language.model.words import words
 from jausml.language.text.reading.declarations.messages import OwnService
 from jausml.language.text.reading.declarations.types import (
@@ -90,8 +90,7 @@ class Declarer:
         package, _, name = end.type.text.replace("/msg/", "/").rpartition("/")
         if end.is_jaus:
             package, name = "", end.type.text
-        is_shipped = bool(package) and (library_root() / "ros" / f"{package}.xmi").is_file()
-        if not _NAME.fullmatch(name) or is_shipped:
+        if not _NAME.fullmatch(name) or has_package(package):
             return False
         kind = "jaus.MessageDef" if end.is_jaus else "ros.MessageType"
         return not known.find(kind, end.type.text)

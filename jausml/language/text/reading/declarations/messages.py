@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from jausml.language.model.uris import LIBRARY_URI
+from jausml.language.model.library import LIBRARY_URI
 from jausml.language.model.words import snake_case
 from jausml.language.text.reading.declarations.jaus import JausFields
 from jausml.language.text.root_names import service_name, system_name

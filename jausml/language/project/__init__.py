@@ -1,0 +1,1 @@
+"""Projects: what they are, what they have, and the library that all of them may use."""

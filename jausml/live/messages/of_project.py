@@ -1,0 +1,46 @@
+"""The messages of the project of a folder, which nobody has to name."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.language.model.diagnostics import Severity
+from jausml.language.model.files import shown
+from jausml.language.model.reading.reader import read_models
+from jausml.language.project.index import Index
+from jausml.language.text.notation import NOTATIONS
+from jausml.live.messages.catalogue import load_catalogue
+from jausml.live.messages.errors import CatalogueError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
+
+    from jausml.live.messages.catalogue import Catalogue
+
+
+def project_catalogue(warn: Callable[[str], None]) -> Catalogue:
+    """Returns the messages of the library and of the project of the current folder, if it is one.
+
+    Args:
+        warn: Takes what is to be said of models with errors, which are left out.
+    """
+    index = Index.here()
+    files = index.files_with_messages if index is not None else ()
+    try:
+        return load_catalogue(files, notations=NOTATIONS)
+    except CatalogueError:
+        return load_catalogue(_sound(files, warn), notations=NOTATIONS)
+
+
+def _sound(files: Sequence[Path], warn: Callable[[str], None]) -> list[Path]:
+    """Returns the files that can be read, with all that they refer to, without an error."""
+    found = []
+    for each in files:
+        diagnostics = read_models([each], notations=NOTATIONS).diagnostics
+        fault = next((d for d in diagnostics if d.severity is Severity.ERROR), None)
+        if fault is None:
+            found.append(each)
+        else:
+            warn(f"the messages of {shown(each)} are left out: {fault.location}: {fault.message}")
+    return found

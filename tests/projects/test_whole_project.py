@@ -1,0 +1,207 @@
+"""Verbs know the whole project: what stands in its other files is named like what stands in one."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from jausml import decode, encode
+from jausml.live.messages import UnknownMessageError
+
+TANK = "uint8 SEALED=0\nuint8 FLOODING=1\nuint8 state\nfloat32 level # [%]\n"
+REPORT = "ReportTanks: Level percent 0..100, State sealed|flooding"
+MANIFEST = '<package format="3"><name>{}</name><version>1.0.0</version></package>\n'
+WINCH = Path(__file__).resolve().parents[1] / "importers" / "winch"
+
+
+@pytest.fixture(params=["xmi", "text"])
+def abyss(request, rover, jausml):
+    """A project with a bridge and an own package of messages, imported into its models."""
+    model = rover(request.param)
+    package = model.parents[2] / "src" / "abyss_msgs"
+    (package / "msg").mkdir(parents=True)
+    (package / "msg" / "Tank.msg").write_text(TANK, encoding="utf-8")
+    (package / "package.xml").write_text(MANIFEST.format("abyss_msgs"), encoding="utf-8")
+    for words in (
+        ("import", "ros", package, "-o", "models/"),
+        ("new", "bridge", "main", "odom:nav_msgs/Odometry", "--yes"),
+    ):
+        done = jausml(*words)
+        assert done.exit_code == 0, done.output
+    return model
+
+
+@pytest.fixture
+def tanks(abyss, jausml):
+    """The project with a map of its own and a topic that it carries."""
+    for words in (
+        ("new", "service", "Tanks", "--message", REPORT),
+        ("new", "map", "tanks", "ReportTanks", "abyss_msgs/Tank", "--yes"),
+        ("new", "connection", "tank:abyss_msgs/Tank", "--yes"),
+    ):
+        done = jausml(*words)
+        assert done.exit_code == 0, done.output
+    return abyss
+
+
+def test_a_type_of_an_imported_package_needs_no_import_by_hand(tanks, jausml):
+    text = tanks.read_text("utf-8")
+    way = 'import "abyss_msgs.xmi"' if tanks.suffix == ".ros2jaus" else 'href="abyss_msgs.xmi#'
+    assert way in text
+    done = jausml("validate")
+    assert done.exit_code == 0, done.output
+    assert "error" not in done.output
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("ReportTanks", "abyss_msgs/Tnak"), "did you mean 'abyss_msgs/Tank'?"),
+        (("ReportTanks", "other_msgs/Tank"), "'jausml import ros other_msgs' brings that package"),
+        (("ReportTanksx", "abyss_msgs/Tank"), "did you mean 'ReportTanks'?"),
+    ],
+)
+def test_what_is_not_found_names_what_is_near_and_what_helps(abyss, jausml, words, told):
+    assert jausml("new", "service", "Tanks", "--message", REPORT).exit_code == 0
+    before = abyss.read_bytes()
+    done = jausml("new", "map", "tanks", *words)
+    assert done.exit_code == 2
+    assert told in done.output
+    assert abyss.read_bytes() == before
+
+
+@pytest.mark.usefixtures("abyss")
+def test_a_topic_without_a_map_says_what_begins_one(jausml):
+    done = jausml("new", "connection", "tank:abyss_msgs/Tank")
+    assert done.exit_code == 2
+    assert "jausml new map tank MESSAGE abyss_msgs/Tank begins one" in done.output
+
+
+@pytest.mark.parametrize("origin", ["new", "jsidl"])
+def test_services_of_other_files_are_found(rover, jausml, origin):
+    model = rover("text")
+    if origin == "new":
+        made = ("new", "service", "Winch", "-m", "models/winch.ros2jaus")
+    else:
+        made = ("import", "jsidl", WINCH, "-o", "models/winch.xmi")
+    done = jausml(*made)
+    assert done.exit_code == 0, done.output
+    done = jausml("new", "component", "deck", "--provides", "Winch")
+    assert done.exit_code == 0, done.output
+    assert 'import "winch.' in model.read_text("utf-8")
+    assert jausml("validate").exit_code == 0
+
+
+def test_the_map_of_another_file_carries_a_topic(tanks, jausml):
+    other = f"models/second{tanks.suffix}"
+    words = f"new bridge second tank:abyss_msgs/Tank --yes -m {other}".split()
+    done = jausml(*words)
+    assert done.exit_code == 0, done.output
+    assert "tanks: reported as ReportTanks" in done.output
+    done = jausml("validate", other)
+    assert done.exit_code == 0, done.output
+
+
+def test_verbs_take_the_only_system_of_the_project(tanks, jausml, monkeypatch):
+    monkeypatch.chdir(tanks.parent)
+    done = jausml("generate", "-o", "../src", "-q")
+    assert done.exit_code == 0, done.output
+    assert list((tanks.parents[1] / "src").glob("*/package.xml"))
+    assert jausml("diagram", "-o", "../system.mmd").exit_code == 0
+    assert jausml("report", "-o", "../report.txt").exit_code == 0
+    other = tanks.with_name(f"second{tanks.suffix}")
+    assert (
+        jausml("new", "bridge", "b", "odom:nav_msgs/Odometry", "--yes", "-m", other).exit_code == 0
+    )
+    done = jausml("generate", "-o", "../src", "-q")
+    assert done.exit_code == 2
+    assert "several models" in done.output
+    assert other.name in done.output
+
+
+def test_outside_of_a_project_a_model_has_to_be_named(tmp_path, jausml, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for verb, missing in (("generate", "MODEL"), ("validate", "PATH")):
+        done = jausml(verb)
+        assert done.exit_code == 2
+        assert f"Missing argument '{missing}'" in done.output
+        assert "jausml init DIR" in done.output
+
+
+MESSAGE = json.dumps({"message": "ReportTanks", "fields": {"Level": 50, "State": 1}})
+
+
+def test_messages_of_the_project_are_known_in_it(tanks, jausml, tmp_path, monkeypatch):
+    done = jausml("encode", MESSAGE)
+    assert done.exit_code == 0, done.output
+    payload = done.stdout.strip()
+    done = jausml("decode", payload)
+    assert json.loads(done.stdout)["message"] == "ReportTanks"
+    assert "ReportTanks" in jausml("show", "message", "ReportTanks").output
+    assert "ReportTanks" in jausml("list", "messages").output
+    assert "abyss_msgs/Tank" in jausml("list", "maps").output
+    assert "urn:example:rover:Tanks" in jausml("list", "services").output
+    done = jausml("encode", '{"message": "ReportTankz"}')
+    assert "did you mean ReportTanks?" in done.output
+    monkeypatch.chdir(tmp_path)
+    done = jausml("encode", MESSAGE)
+    assert done.exit_code == 1
+    assert "known in their project, elsewhere by --model FILE" in done.output
+    done = jausml("encode", MESSAGE, "--model", tanks)
+    assert done.stdout.strip() == payload
+
+
+def test_the_python_interface_knows_them_too(tanks, jausml, tmp_path, monkeypatch):
+    payload = encode("ReportTanks", {"Level": 50, "State": 1})
+    assert payload.hex() == jausml("encode", MESSAGE).stdout.strip()
+    assert decode(payload).entry.name == "ReportTanks"
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(UnknownMessageError):
+        encode("ReportTanks")
+    assert encode("ReportTanks", {"Level": 50, "State": 1}, models=str(tanks)) == payload
+
+
+def test_a_broken_model_beside_it_hides_no_other_messages(tanks, jausml):
+    broken = tanks.with_name("broken.ros2jaus")
+    broken.write_text("service Broken {{{\n", encoding="utf-8")
+    done = jausml("encode", MESSAGE)
+    assert done.exit_code == 0, done.output
+    assert f"the messages of {broken} are left out" in done.stderr
+    assert jausml("validate").exit_code == 1
+
+
+@pytest.mark.usefixtures("tanks")
+def test_an_own_package_is_looked_for_on_this_machine(jausml):
+    done = jausml("doctor", "--format", "json")
+    found = {each["name"]: each for each in json.loads(done.stdout)["checks"]}
+    assert found["abyss_msgs"]["verdict"] == "error"
+    assert "colcon build" in found["abyss_msgs"]["cure"]
+    assert "apt" not in found["abyss_msgs"]["cure"]
+    assert "nav_msgs" in found
+
+
+def test_the_deployment_says_what_the_workspace_does_not_have(tanks, jausml):
+    done = jausml("generate", "-o", "src", "-q", "--target", "deployment")
+    assert done.exit_code == 1
+    host = {
+        ".xmi": '<hosts name="onboard" interface="10.0.0.1"/>\n</system:System>',
+        ".ros2jaus": '    host onboard { interface: "10.0.0.1" }\n}',
+    }[tanks.suffix]
+    text = tanks.read_text("utf-8").rstrip()
+    end = "</system:System>" if tanks.suffix == ".xmi" else "}"
+    tanks.write_text(f"{text.removesuffix(end)}{host}\n", encoding="utf-8")
+    done = jausml("generate", "-o", "src", "-q", "--target", "deployment")
+    assert done.exit_code == 0, done.output
+    folder = tanks.parents[1] / "src" / "rover_deployment"
+    assert "- `abyss_msgs`: a package of messages" in (folder / "README.md").read_text("utf-8")
+    assert "# abyss_msgs is not generated" in (folder / "Containerfile").read_text("utf-8")
+
+
+def test_a_text_without_a_system_says_what_it_lacks_for_a_service(rover, jausml):
+    model = rover("text")
+    model.write_text("bridge b { address: 100.1.1 }\n", encoding="utf-8")
+    done = jausml("new", "service", "Tanks")
+    assert done.exit_code == 2
+    assert "put system rover { ... } around what it has" in done.output
