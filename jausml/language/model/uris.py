@@ -14,8 +14,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import unquote, urlsplit
 
-from lxml import etree
-
 from jausml.language.model.inputs import open_input
 from jausml.language.model.library import (
     LIBRARY_URI,
@@ -27,6 +25,7 @@ from jausml.language.model.library import (
 )
 from jausml.language.model.project import MARKER, enclosing_project
 from jausml.language.model.values import suggest
+from jausml.language.model.xmi.parsing import parse
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterator, Mapping
@@ -240,11 +239,9 @@ def _name_of(folder: Path) -> str:
     """The name of a project; empty for a folder that is none, or whose file cannot be read."""
     try:
         with open_input(folder / MARKER) as file:
-            content = file.read(_LONGEST_FILE)
-        parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
-        root = etree.fromstring(content, parser)
-    except (OSError, etree.XMLSyntaxError, ValueError):
+            root = parse(file.read(_LONGEST_FILE)).root
+    except OSError:
         return ""
-    if root.tag != "projectDescription":
+    if root is None or root.tag != "projectDescription":
         return ""
-    return (root.findtext("name") or "").strip()
+    return next((each.text.strip() for each in root.children if each.tag == "name"), "")
