@@ -125,6 +125,36 @@ def test_a_list_driver_gives_its_goals(robot, jausml, notation):
 
 
 @NOTATION
+def test_own_types_of_the_project_are_carried(robot, jausml, notation):
+    model = robot(notation)
+    package = model.parents[2] / "winch_msgs"
+    for name, text in (
+        ("srv/Pull.srv", "float64 length # [m]\n---\nbool finished\nfloat64 left # [m]\n"),
+        ("action/Survey.action", "nav_msgs/Path path\nfloat64 depth\n---\n---\nuint32 leg\n"),
+    ):
+        (package / name).parent.mkdir(parents=True)
+        (package / name).write_text(text, "utf-8")
+    assert jausml("import", "ros", package, "-o", "models/").exit_code == 0
+    words = ("PullWinch: Length m 0..50", "report ConfirmWinch: Left m 0..50")
+    messages = [each for word in words for each in ("--message", word)]
+    assert jausml("new", "service", "Winch", *messages).exit_code == 0
+    done = jausml("new", "service-connection", "pull:winch_msgs/Pull", "PullWinch")
+    assert done.exit_code == 0, done.output
+    assert "successMember (finished)" in done.output
+    done = jausml("new", "action-connection", "survey:winch_msgs/Survey")
+    assert done.exit_code == 0, done.output
+    assert "nothing tells which element is active: progressMember (leg)" in done.output
+    made = the_bridge(model)
+    [pull] = made.serviceConnections
+    [survey] = made.actionConnections
+    assert (name_of(pull.request), name_of(pull.response)) == ("pull_request", "pull_response")
+    assert (pull.successMember, survey.progressMember) == (None, None)
+    assert survey.goalMember == "path.poses"
+    assert "Open: name the bool of winch_msgs/Pull.response" in pull.documentation
+    sound(jausml, model)
+
+
+@NOTATION
 def test_goals_of_an_operator_need_a_speed_that_a_person_states(robot, jausml, notation):
     model = robot(notation)
     words = ("poses:nav2_msgs/NavigateThroughPoses", "--side", "operator")

@@ -193,11 +193,9 @@ def _ros_type(scope: Scope, kind: type[RosTypeT], word: str, what: str) -> RosTy
     name = plain_type(word)
     found = next((each for each in types if ros_name(each) == name), None)
     if found is None:
-        package, _, own = name.partition("/")
-        names = [ros_name(each) for each in types]
-        near = [each for each in names if each.partition("/")[0] == package]
-        # Of a package that is known nowhere, other names of others only lead astray.
-        near = near or [each for each in names if each.partition("/")[2] == own]
+        package = name.partition("/")[0]
+        near = [each for each in map(ros_name, types) if each.partition("/")[0] == package]
+        # Of a package that is known nowhere, the names of others only lead astray.
         way = f"'jausml import ros {package}' brings that package into the project"
         raise _missing(f"ROS {what}", name, near, "" if near else way)
     return found
