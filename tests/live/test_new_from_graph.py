@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from threading import Thread
+
 import pytest
 from click.testing import CliRunner
 from ports import free_domain
+from type_support import CannotBuildError, built
 
 pytest.importorskip("rclpy")
 
@@ -23,19 +26,28 @@ pytestmark = [
 
 @pytest.fixture
 def vehicle(monkeypatch):
-    """A node: it hears a command, and publishes odometry, a grid that is kept, and a text."""
+    """A node: it hears a command, and publishes odometry, a grid that is kept, and a text.
+
+    It also has an arm, whose joints it names, serves a service and calls one.
+    """
     import rclpy
     from geometry_msgs.msg import Twist
     from nav_msgs.msg import OccupancyGrid, Odometry
     from rclpy.context import Context
+    from rclpy.executors import SingleThreadedExecutor
     from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+    from sensor_msgs.msg import JointState
     from std_msgs.msg import String
+    from std_srvs.srv import SetBool, Trigger
 
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
     context = Context()
     rclpy.init(context=context, args=[])
     node = rclpy.create_node("wheels", context=context, namespace="car")
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(node)
+    thread = Thread(target=executor.spin)
     try:
         node.create_subscription(Twist, "cmd_vel", print, 1)
         node.create_publisher(Odometry, "odom", QoSProfile(depth=5))
@@ -46,8 +58,18 @@ def vehicle(monkeypatch):
         )
         node.create_publisher(OccupancyGrid, "grid", kept)
         node.create_publisher(String, "chatter", 10)
+        node.create_subscription(JointState, "arm/cmd", print, 1)
+        joints = node.create_publisher(JointState, "joint_states", 1)
+        state = JointState(name=["shoulder", "elbow"], position=[0.1, 0.2])
+        node.create_timer(0.2, lambda: joints.publish(state))
+        node.create_service(Trigger, "drop_weight", lambda _, answer: answer)
+        node.create_client(SetBool, "lamp")
+        thread.start()
         yield node
     finally:
+        executor.shutdown()
+        if thread.is_alive():
+            thread.join()
         node.destroy_node()
         context.try_shutdown()
 
@@ -70,11 +92,21 @@ def new(*words):
 @pytest.mark.usefixtures("vehicle")
 def test_it_lists_what_runs_and_proposes_a_bridge(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    done = new("--yes")
+    done = new("--yes", "--hold", "car/arm/cmd=the arm has brakes that hold it")
     assert done.exit_code == 0, done.output
     assert "/car/cmd_vel  geometry_msgs/msg/Twist  from nobody to /car/wheels" in done.output
     assert "/car/odom  nav_msgs/msg/Odometry  from /car/wheels to nobody" in done.output
-    assert "left out: no ready map carries std_msgs/String of car/chatter" in done.output
+    assert "/car/drop_weight  std_srvs/srv/Trigger  served by /car/wheels" in done.output
+    assert "get_parameters" not in done.output
+    for told in (
+        "no ready map carries std_msgs/String of car/chatter for a vehicle; "
+        "next: jausml new map car_chatter MESSAGE std_msgs/String",
+        "service car/drop_weight: no type says which JAUS message asks; "
+        "next: jausml new service-connection car/drop_weight:std_srvs/Trigger MESSAGE",
+        "service car/lamp: no type says which JAUS message asks; "
+        "next: jausml new service-connection car/lamp:std_srvs/SetBool MESSAGE --side operator",
+    ):
+        assert f"left out: {told}\n" in done.output
     model = read_models([tmp_path / "car.ros2jaus"], notations=NOTATIONS).model
     [made] = model.instances(bridge.Bridge, library=False)
     # Relative names, which a namespace of the bridge would move.
@@ -88,10 +120,26 @@ def test_it_lists_what_runs_and_proposes_a_bridge(tmp_path, monkeypatch):
         for each in made.bridgeConnections
     }
     assert found == {
+        "car/arm/cmd": (
+            "car_arm_cmd_set_joint_positions",
+            "jausToRos",
+            "reliable",
+            "volatile",
+        ),
+        "car/joint_states": (
+            "car_joint_states_joint_positions",
+            "rosToJaus",
+            "reliable",
+            "volatile",
+        ),
         "car/cmd_vel": ("velocity_command", "jausToRos", "reliable", "volatile"),
         "car/grid": ("cost_map", "rosToJaus", "reliable", "transient_local"),
         "car/odom": ("local_pose", "rosToJaus", "reliable", "volatile"),
     }
+    for used in made.maps:
+        assert [list(each.names) for each in used.toRos if hasattr(each, "names")] == [
+            ["shoulder", "elbow"]
+        ]
     done = CliRunner().invoke(main, ["validate", "car.ros2jaus", "--strict"])
     assert done.exit_code == 0, done.output
     other = new("/car/odom:velocity_state", "--model", "other.ros2jaus")
@@ -109,3 +157,44 @@ def test_it_lists_what_runs_and_proposes_a_bridge(tmp_path, monkeypatch):
     model = read_models([tmp_path / "car.ros2jaus"], notations=NOTATIONS).model
     [made] = model.instances(bridge.Bridge, library=False)
     assert [each.topics[0].name for each in made.bridgeConnections][-2:] == ["car/odom", "odom"]
+
+
+@pytest.fixture
+def surveyor(monkeypatch):
+    """A node that serves an action of Nav2, and nothing that a ready map carries."""
+    try:
+        parts = ("msg/MissedWaypoint.msg", "action/FollowWaypoints.action")
+        monkeypatch.syspath_prepend(str(built("nav2_msgs", parts)))
+    except CannotBuildError as error:
+        pytest.skip(str(error))
+    import rclpy
+    from nav2_msgs.action import FollowWaypoints
+    from rclpy.action import ActionServer
+    from rclpy.context import Context
+
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
+    context = Context()
+    rclpy.init(context=context, args=[])
+    node = rclpy.create_node("surveyor", context=context, namespace="car")
+    server = ActionServer(node, FollowWaypoints, "survey", print)
+    try:
+        yield node
+    finally:
+        server.destroy()
+        node.destroy_node()
+        context.try_shutdown()
+
+
+@pytest.mark.usefixtures("surveyor")
+def test_it_says_how_an_action_is_carried(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = new()
+    assert done.exit_code == 0, done.output
+    assert "/car/survey  nav2_msgs/action/FollowWaypoints  served by /car/surveyor" in done.output
+    command = "new action-connection car/survey:nav2_msgs/FollowWaypoints"
+    assert f"; next: jausml {command}\n" in done.output
+    done = CliRunner().invoke(main, [*command.split(), "--model", "car.ros2jaus"])
+    assert done.exit_code == 0, done.output
+    done = CliRunner().invoke(main, ["validate", "car.ros2jaus", "--strict"])
+    assert done.exit_code == 0, done.output

@@ -9,14 +9,14 @@ from jausml.authoring.editing.commands import EditError
 from jausml.authoring.projects.eclipse import MAPPINGS, as_xmi_beside
 from jausml.authoring.projects.places import Opened, ProjectError, opened
 from jausml.authoring.proposals.bridging import bridges_of, offer_of
-from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.proposals.fresh import participant_name
 from jausml.authoring.proposals.participants import new_bridge, new_connections
 from jausml.language.metamodel.classes import bridge, system
 from jausml.language.model.names import name_of
 from jausml.language.model.words import snake_case
 from jausml.language.model.xmi.writer import replace_file
-from jausml.language.project.index import Index, own_instances
+from jausml.language.project.index import Index
 from jausml.language.project.library import library
 from jausml.language.semantics.names import is_identifier, taken
 
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
     from jausml.authoring.editing.commands import Command
     from jausml.authoring.projects.places import Place
-    from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.proposals.topics import Crossing, TopicEnd
 
 
@@ -80,7 +79,7 @@ def add_bridge(
                 f"jausml new connection --bridge {name} adds topics to it"
             )
         check_name(name, whole)
-        return [new_bridge(scope, whole, name, ways, topics=topics, address=address)]
+        return new_bridge(scope, whole, name, ways, topics=topics, address=address)
 
     return _carry(place, f"Add bridge {name}", chosen, made)
 
@@ -156,14 +155,17 @@ def check_name(name: str, whole: system.System) -> None:
         raise ProjectError(f"{name_of(whole)} has something of the name {name} already")
 
 
-def ready_maps(place: Place) -> list[bridge.AttributeMap]:
+def scope_of(place: Place) -> Scope:
+    """Returns a model and its project as proposals see them; the model may be missing."""
+    if place.path.exists():
+        return opened(place).scope
+    return Scope(Index(place.root).whole(), place.root)
+
+
+def ready_maps(scope: Scope) -> list[bridge.AttributeMap]:
     """Returns the maps of a project, and those of the library that it has no copies of."""
     ready = library().instances(bridge.AttributeMap)
-    if place.path.exists():
-        there = opened(place).scope.own(bridge.AttributeMap)
-    else:
-        there = own_instances([Index(place.root).whole()], bridge.AttributeMap)
-    own = {_identity(each): each for each in reversed(there)}
+    own = {_identity(each): each for each in reversed(scope.own(bridge.AttributeMap))}
     return [*reversed(own.values()), *(each for each in ready if _identity(each) not in own)]
 
 
@@ -175,6 +177,8 @@ def _identity(used: bridge.AttributeMap) -> tuple[str, str, str]:
 
 def _present(crossing: Crossing, scope: Scope, copies: Collection[Path]) -> Crossing:
     """Returns a way with its map as the models have it now; a copy replaces that of the library."""
+    if crossing.names:
+        return crossing
     shipped = library().document_of(crossing.map)
     is_copied = shipped is not None and any(each.stem == shipped.path.stem for each in copies)
     for each in scope.instances(bridge.AttributeMap):
@@ -193,7 +197,7 @@ def _copies(place: Place, chosen: Sequence[Crossing]) -> dict[Path, Path]:
     found: dict[Path, Path] = {}
     for each in chosen:
         document = library().document_of(each.map)
-        if document is None or document.is_xml:
+        if document is None or document.is_xml or each.names:
             continue
         found[place.path.parent / MAPPINGS / f"{document.path.stem}.xmi"] = document.path
     return found

@@ -133,7 +133,7 @@ class Draft:
         made: list[Command] = []
         if isinstance(owner, bridge.Bridge):
             place = scope.ref(owner)
-            made += _with_service(scope, owner, self.offer)
+            made += with_service(scope, owner, self.offer)
         else:
             place = f"{NEW}{0}"
             made.append(_new_bridge(scope, owner, self.offer))
@@ -272,8 +272,8 @@ def profile_of(scope: Scope, end: ros.TopicEndpoint | bridge.Topic) -> dict[str,
     }
 
 
-def _with_service(scope: Scope, owner: bridge.Bridge, offer: Offer) -> list[Command]:
-    """Lets a bridge provide or use the service of a message."""
+def with_service(scope: Scope, owner: bridge.Bridge, offer: Offer) -> list[Command]:
+    """Returns what lets a bridge provide or use the service of a message."""
     feature = "uses" if offer.is_provided else "provides"
     known = list(getattr(owner, feature))
     if has_message(known, offer.message):
@@ -315,12 +315,13 @@ def between(
     return list(by_name.values())
 
 
-def copied(
-    scope: Scope, owner: bridge.Bridge, used: bridge.AttributeMap, name: str
-) -> list[Command]:
-    """Returns what makes a copy of a map, with its tables, quantities and vectors."""
+def copied(scope: Scope, place: str, used: bridge.AttributeMap, name: str) -> list[Command]:
+    """Returns what makes a copy of a map, with its tables, quantities and vectors.
+
+    Args:
+        place: Ref of the bridge that shall have it.
+    """
     described_map = described([(used, scope.model_of(used))], lambda each, _: scope.ref(each))
-    place = scope.ref(owner)
     return [
         replace(each, owner=place, feature="maps", values={**each.values, "name": (name,)})
         if isinstance(each, Add) and not each.owner

@@ -168,21 +168,44 @@ def message_of(scope: Scope, word: str) -> jaus.MessageDef:
 
 
 def type_of(scope: Scope, word: str) -> ros.MessageType:
-    """Returns the message type of a name such as `geometry_msgs/Twist`."""
-    types = [
-        each
-        for each in scope.instances(ros.MessageType)
-        if isinstance(each.eContainer(), ros.InterfacePackage)
-    ]
-    name = word.replace("/msg/", "/", 1)
+    """Returns the type of a name: of messages, as `geometry_msgs/Twist`, or of a part of calls.
+
+    That is `std_srvs/SetBool.request`, for example, or `nav2_msgs/Wait.goal`.
+    """
+    return _ros_type(scope, ros.MessageType, word, "type")
+
+
+def service_type_of(scope: Scope, word: str) -> ros.ServiceType:
+    """Returns the service type of a name such as `std_srvs/Trigger`."""
+    return _ros_type(scope, ros.ServiceType, word, "service type")
+
+
+def action_type_of(scope: Scope, word: str) -> ros.ActionType:
+    """Returns the action type of a name such as `nav2_msgs/FollowWaypoints`."""
+    return _ros_type(scope, ros.ActionType, word, "action type")
+
+
+RosTypeT = TypeVar("RosTypeT", ros.MessageType, ros.ServiceType, ros.ActionType)
+
+
+def _ros_type(scope: Scope, kind: type[RosTypeT], word: str, what: str) -> RosTypeT:
+    types = scope.instances(kind)
+    name = plain_type(word)
     found = next((each for each in types if ros_name(each) == name), None)
     if found is None:
         package = name.partition("/")[0]
         near = [each for each in map(ros_name, types) if each.partition("/")[0] == package]
         # Of a package that is known nowhere, the names of others only lead astray.
         way = f"'jausml import ros {package}' brings that package into the project"
-        raise _missing("ROS type", name, near, "" if near else way)
+        raise _missing(f"ROS {what}", name, near, "" if near else way)
     return found
+
+
+def plain_type(word: str) -> str:
+    """Returns the name of a ROS type without the folder that ROS writes between: `/msg/`."""
+    package, _, rest = word.partition("/")
+    folder, mark, name = rest.partition("/")
+    return f"{package}/{name}" if mark and folder in ("msg", "srv", "action") else word
 
 
 def _version(service: jaus.Service) -> tuple[int, ...]:

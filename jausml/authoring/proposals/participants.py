@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.authoring.editing.commands import Add, Child, Set
+from jausml.authoring.editing.commands import NEW, Add, Child, Set
 from jausml.authoring.proposals.bridging import Draft, has_message, peer_of
 from jausml.authoring.proposals.elements import service_of, type_of
 from jausml.authoring.proposals.fresh import free_name, stated_or_free_address
+from jausml.authoring.proposals.named_elements import copied_with_names
 from jausml.authoring.proposals.topics import joins_of
 from jausml.language.model.names import name_of
 from jausml.language.model.words import snake_case
@@ -29,7 +30,7 @@ def new_bridge(
     *,
     topics: Sequence[TopicEnd] = (),
     address: str = "",
-) -> Add:
+) -> list[Command]:
     """Returns what makes a bridge with a connection for each chosen way.
 
     Args:
@@ -44,9 +45,8 @@ def new_bridge(
         services = [each.offer.service for each in chosen if each.offer.is_provided is is_used]
         if services:
             values[feature] = tuple(dict.fromkeys(map(scope.ref, services)))
-    made = _connections(scope, "", chosen, topics)
-    connections = [Child(each.feature, each.kind, each.values, each.children) for each in made]
-    return Add(scope.ref(whole), "bridges", "bridge.Bridge", values, tuple(connections))
+    made = Add(scope.ref(whole), "bridges", "bridge.Bridge", values)
+    return [made, *_connections(scope, f"{NEW}0", chosen, topics, first=1)]
 
 
 def new_connections(
@@ -62,8 +62,7 @@ def new_connections(
         if missing:
             refs = (scope.ref(each) for each in (*known, *missing))
             made.append(Set(place, feature, tuple(dict.fromkeys(refs))))
-    taken = [name_of(each) for each in owner.bridgeConnections]
-    return [*made, *_connections(scope, place, chosen, topics, taken)]
+    return [*made, *_connections(scope, place, chosen, topics, owner)]
 
 
 def _connections(
@@ -71,13 +70,26 @@ def _connections(
     place: str,
     chosen: Sequence[Crossing],
     topics: Sequence[TopicEnd],
-    taken: Sequence[str] = (),
-) -> list[Add]:
-    """Returns what makes a connection for each way."""
-    found: list[Add] = []
-    names = list(taken)
+    owner: bridge.Bridge | None = None,
+    *,
+    first: int = 0,
+) -> list[Command]:
+    """Returns what makes a connection for each way, with the copies of maps that it needs.
+
+    Args:
+        owner: The bridge at the place, None for a new one.
+        first: The number of elements that are made before.
+    """
+    found: list[Command] = []
+    names = [name_of(each) for each in owner.bridgeConnections] if owner is not None else []
+    maps = [name_of(each) for each in owner.maps] if owner is not None else []
     fed: set[str] = set()
     for each in chosen:
+        used = scope.ref(each.map)
+        if each.names:
+            maps.append(free_name(f"{each.topic.name}_{name_of(each.map)}", maps))
+            used = f"{NEW}{first + len(found)}"
+            found += copied_with_names(scope, place, each.map, maps[-1], each.names)
         names.append(free_name(_connection_name(each, chosen, names), names))
         draft = Draft(
             each.offer,
@@ -90,7 +102,7 @@ def _connections(
             joins_of(each, topics, fed),
             each.hold_reason,
         )
-        found.append(draft.connection(scope, place, scope.ref(each.map)))
+        found.append(draft.connection(scope, place, used))
     return found
 
 

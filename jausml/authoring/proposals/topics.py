@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from jausml.authoring.proposals.bridging import is_served, lacks_stop, offer_of
+from jausml.authoring.proposals.named_elements import are_examples
 from jausml.language.metamodel.classes import ros
 from jausml.language.model.names import name_of
 from jausml.language.model.words import words
@@ -43,6 +44,7 @@ class TopicEnd:
         heard: Quality of service by which all of its publishers are heard, literals by feature;
             None for what is usual.
         published: Quality of service by which all that subscribe get it; None for what is usual.
+        names: Names of the elements of its lists, such as joints, in the order that JAUS has.
     """
 
     name: str
@@ -51,6 +53,7 @@ class TopicEnd:
     maps: tuple[str, ...] = ()
     heard: Mapping[str, str] | None = None
     published: Mapping[str, str] | None = None
+    names: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -71,6 +74,16 @@ class Crossing:
     def has_no_stop(self) -> bool:
         """Whether it is a command that nothing in its map stops when its source is lost."""
         return lacks_stop(self.offer, self.map)
+
+    @property
+    def lacks_names(self) -> bool:
+        """Whether its map knows elements by names, and those of the robot are not known."""
+        return are_examples(self.map) and not self.topic.names
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of elements that an own copy of its map has; none for a map as it is."""
+        return self.topic.names if are_examples(self.map) else ()
 
     @property
     def qos(self) -> dict[str, str]:

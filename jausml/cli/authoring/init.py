@@ -68,6 +68,7 @@ def command(
     side: str,
     yes: bool,
     holds: tuple[str, ...],
+    joints: tuple[str, ...],
 ) -> None:
     """Make a project of models in DIR, which may already exist.
 
@@ -93,7 +94,9 @@ def command(
     try:
         wish = Wish(name or name_for(folder), notation == "text", origin == _EMPTY)
         if origin == _TOPICS:
-            written, chosen = _from_topics(folder, wish, sources, side=side, yes=yes, holds=holds)
+            written, chosen = _from_topics(
+                folder, wish, sources, side=side, yes=yes, holds=holds, joints=joints
+            )
         elif origin == _JSIDL:
             written = _from_jsidl(folder, wish, sources)
         else:
@@ -132,6 +135,7 @@ def _from_topics(
     side: str,
     yes: bool,
     holds: Sequence[str],
+    joints: Sequence[str],
 ) -> tuple[list[str], Sequence[Crossing]]:
     from jausml.authoring.projects.creating import start_from_topics
     from jausml.language.metamodel.classes import bridge
@@ -139,7 +143,7 @@ def _from_topics(
 
     topics = topics_of(sources)
     maps = library().instances(bridge.AttributeMap)
-    chosen = chosen_crossings(topics, maps, side=side, yes=yes, holds=holds)
+    chosen = chosen_crossings(topics, maps, side=side, yes=yes, holds=holds, joints=joints)
     written = start_from_topics(folder, wish, chosen, topics)
     show_chosen(chosen, topics)
     show_unanswered(chosen)

@@ -9,6 +9,8 @@ import click
 _KINDS = {
     "bridge": ("new_bridges:bridge", "A bridge of topics, or of what runs in ROS."),
     "connection": ("new_bridges:connection", "Further topics for a bridge."),
+    "service-connection": ("new_calls:service_connection", "A ROS service for a bridge."),
+    "action-connection": ("new_calls:action_connection", "A ROS action for a bridge."),
     "component": ("new_parts:component", "A JAUS component."),
     "node": ("new_parts:node", "A node of ROS."),
     "map": ("new_map:map_", "A map between a JAUS message and a ROS type."),

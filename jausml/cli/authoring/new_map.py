@@ -58,6 +58,11 @@ _WAYS = {"both": (True, False), "to-ros": (True,), "to-jaus": (False,)}
     help="Your decision that zeros stop what the command moves when its source is lost. Only where "
     "all of its numbers are rates; --yes does not include it.",
 )
+@click.option(
+    "--joints",
+    metavar="NAME,...",
+    help="Names of the joints that the copy of a ready map has, in the order that JAUS has.",
+)
 @click.option("--bridge", metavar="NAME", help="Bridge that gets the map, if there are several.")
 @model_option
 def map_(
@@ -71,6 +76,7 @@ def map_(
     fills: bool,
     yes: bool,
     zeros_stop: bool,
+    joints: str | None,
     bridge: str | None,
     model: Path | None,
 ) -> None:
@@ -93,6 +99,8 @@ def map_(
     from jausml.authoring.proposals.elements import message_of, type_of
     from jausml.authoring.proposals.mapping.beginning import Wish
 
+    if joints is not None and (fills or to_ros or to_jaus):
+        raise click.UsageError("--joints are of a copy: no --fill, --to-ros or --to-jaus")
     if ready is not None and (fills or to_ros or to_jaus or zeros_stop):
         taken = "--fill, --to-ros, --to-jaus or --zeros-stop"
         raise click.UsageError(f"--copy takes a map as it is: no {taken}")
@@ -104,10 +112,10 @@ def map_(
         ends = message_of(at.scope, message), type_of(at.scope, kind)
         wish = Wish(name, *ends, ros, jaus, _WAYS[direction], zeros_stop=zeros_stop)
         if not (fills or ros or jaus or zeros_stop):
-            copy = _copy(at.scope, owner, wish, ready, yes=yes)
+            copy = _copy(at.scope, owner, wish, ready, joints, yes=yes)
             if copy:
                 return copy
-        begun = _begun(at.scope, owner, wish, yes=yes)
+        begun = begun_map(at.scope, owner, wish, yes=yes)
         return [begun.add, *begun.tables]
 
     with stopping():
@@ -116,10 +124,22 @@ def map_(
 
 
 def _copy(
-    scope: Scope, owner: bridge.Bridge, wish: Wish, wanted: str | None, *, yes: bool
+    scope: Scope,
+    owner: bridge.Bridge,
+    wish: Wish,
+    wanted: str | None,
+    joints: str | None,
+    *,
+    yes: bool,
 ) -> Sequence[Command]:
     """Returns what copies a ready map, nothing where none is wanted or there is none."""
     from jausml.authoring.proposals.bridging import between, copied
+    from jausml.authoring.proposals.named_elements import (
+        are_examples,
+        copied_with_names,
+        names_in,
+    )
+    from jausml.cli.authoring.topics import joints_of
     from jausml.language.model.names import name_of
 
     found = between(scope, wish.message, wish.type)
@@ -129,16 +149,30 @@ def _copy(
             f"no ready map {wanted!a} of the two; there are: {', '.join(names) or 'none'}"
         )
     if not found:
+        if joints is not None:
+            raise click.UsageError("--joints: no ready map of the two knows joints by names")
         return ()
     at = [names.index(wanted)] if wanted is not None else [0] if yes else _chosen_ready(names)
     if not at:
         return ()
     used = found[at[0]]
+    place = scope.ref(owner)
+    if joints is not None:
+        own = joints_of(joints)
+        if not names_in(used):
+            raise click.UsageError(f"--joints: {name_of(used)} knows no joints by names")
+        click.echo(f"a copy of the ready map {name_of(used)} for {', '.join(own)}")
+        return copied_with_names(scope, place, used, wish.name, own)
+    if are_examples(used):
+        raise click.UsageError(
+            f"{name_of(used)} knows joints by their names: state those of the robot by "
+            "--joints NAME,NAME"
+        )
     click.echo(f"a copy of the ready map {name_of(used)}, with its vectors")
     remark(
         f"a connection can use it as it is, too: jausml new bridge NAME TOPIC:TYPE:{names[at[0]]}"
     )
-    return copied(scope, owner, used, wish.name)
+    return copied(scope, place, used, wish.name)
 
 
 def _chosen_ready(names: Sequence[str]) -> list[int]:
@@ -150,7 +184,7 @@ def _chosen_ready(names: Sequence[str]) -> list[int]:
     return choose("Ready maps have both ends. Copy one?", names)
 
 
-def _begun(scope: Scope, owner: bridge.Bridge, wish: Wish, *, yes: bool) -> Begun:
+def begun_map(scope: Scope, owner: bridge.Bridge, wish: Wish, *, yes: bool) -> Begun:
     """Returns the map that is wanted; asks where more than one thing fits."""
     from jausml.authoring.proposals.mapping.beginning import begin_map
 

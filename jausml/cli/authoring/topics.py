@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import click
 
@@ -15,17 +15,24 @@ if TYPE_CHECKING:
     from jausml.authoring.proposals.topics import Crossing, TopicEnd
     from jausml.language.metamodel.classes import bridge
 
+    LeftOut: TypeAlias = Callable[[TopicEnd, str, str], None]
+    """Takes a topic without a way, why it has none, and the command that comes next."""
 
-def topic_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Adds the options of how topics are bridged to a verb."""
-    side = click.option(
+
+def side_option(command: Callable[..., None]) -> Callable[..., None]:
+    """Adds the option of what the nodes of ROS are to a verb."""
+    return click.option(
         "--side",
         type=click.Choice(["vehicle", "operator"]),
         default="vehicle",
         show_default=True,
         help="Role of the ROS nodes: a vehicle that JAUS commands, or an operator that commands "
         "one.",
-    )
+    )(command)
+
+
+def topic_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Adds the options of how topics are bridged to a verb."""
     yes = click.option("--yes", is_flag=True, help="Take the likeliest map without asking.")
     hold = click.option(
         "--hold",
@@ -35,7 +42,13 @@ def topic_options(command: Callable[..., None]) -> Callable[..., None]:
         help="Why the last command of a topic may stand when its source is lost: what you know "
         "about its receiver. May be repeated.",
     )
-    return side(hold(yes(command)))
+    joints = click.option(
+        "--joints",
+        metavar="TOPIC=NAME,...",
+        multiple=True,
+        help="Names of the joints of a topic, in the order that JAUS has. May be repeated.",
+    )
+    return side_option(hold(joints(yes(command))))
 
 
 def holds_of(words: Sequence[str], topics: Sequence[TopicEnd]) -> dict[str, str]:
@@ -54,6 +67,25 @@ def holds_of(words: Sequence[str], topics: Sequence[TopicEnd]) -> dict[str, str]
             )
         found[name] = reason.strip()
     return found
+
+
+def _with_joints(topics: Sequence[TopicEnd], words: Sequence[str]) -> list[TopicEnd]:
+    """Returns topics with the names of joints that a person states, `TOPIC=NAME,...`."""
+    stated: dict[str, tuple[str, ...]] = {}
+    for word in words:
+        name, _, names = word.partition("=")
+        if name not in [each.name for each in topics]:
+            raise click.UsageError(f"--joints {word!a}: there is no topic {name!a} here")
+        stated[name] = joints_of(names)
+    return [replace(each, names=stated.get(each.name, each.names)) for each in topics]
+
+
+def joints_of(text: str) -> tuple[str, ...]:
+    """Returns the names in `shoulder,elbow,wrist`."""
+    names = tuple(each.strip() for each in text.split(","))
+    if not all(names) or len({*names}) < len(names):
+        raise click.UsageError(f"--joints {text!a} should be like shoulder,elbow,wrist")
+    return names
 
 
 def topics_of(words: Sequence[str]) -> list[TopicEnd]:
@@ -98,31 +130,69 @@ def chosen_crossings(
     side: str,
     yes: bool,
     holds: Sequence[str] = (),
-    all_needed: bool = True,
+    joints: Sequence[str] = (),
+    left_out: LeftOut | None = None,
 ) -> list[Crossing]:
     """Returns the ways that are taken; asks where a topic has several.
 
     Args:
         holds: Why last commands may stand, `TOPIC=REASON`. What is missing is asked on a terminal,
             unless the likeliest is taken, and nothing else answers it.
-        all_needed: Whether each topic must have a way; else those without one are told.
+        joints: Names of joints that a person states, `TOPIC=NAME,...`.
+        left_out: What tells of a topic without a way, and why; without it, that is an error.
     """
     from jausml.authoring.proposals.topics import crossings
 
     reasons = holds_of(holds, topics)
+    topics = _with_joints(topics, joints)
     offered = {each.name: crossings(each, maps, side) for each in topics}
     fed = _feeding(offered)
     found: list[Crossing] = []
     for topic in topics:
-        ways = offered[topic.name]
-        if not ways:
-            if topic.type not in fed:
-                _without(topic, maps, side, is_error=all_needed)
-            continue
-        found += _taken(topic, ways, yes=yes)
-    if not found:
+        if ways := offered[topic.name]:
+            found += _taken(topic, ways, yes=yes)
+        elif topic.type not in fed:
+            _without(topic, maps, side, left_out)
+    _check_joints(joints, found)
+    found = [each for each in found if not _lacks_names(each, left_out)]
+    used = {each for one in joined(found, topics) for each in one.values()}
+    for topic in topics:
+        is_left = topic.type in fed and not offered[topic.name] and topic.name not in used
+        if is_left and left_out is not None:
+            left_out(topic, f"no topic that is carried has a join for {topic.name}", "")
+    if not found and left_out is None:
         raise click.UsageError("no topic is left that a bridge could carry")
     return [_decided(each, reasons, yes=yes) for each in found]
+
+
+def _check_joints(joints: Sequence[str], chosen: Sequence[Crossing]) -> None:
+    named = {each.topic.name for each in chosen if each.names}
+    for name in (word.partition("=")[0] for word in joints):
+        if name not in named:
+            raise click.UsageError(f"--joints {name}: no map of it knows joints by names")
+
+
+def _lacks_names(crossing: Crossing, left_out: LeftOut | None) -> bool:
+    """Tells whether a way needs names of joints that nobody knows, and says so."""
+    from jausml.language.model.names import name_of
+
+    if not crossing.lacks_names:
+        return False
+    name = crossing.topic.name
+    reason = f"{name_of(crossing.map)} knows the joints of {name} by their names"
+    if left_out is None:
+        raise click.UsageError(f"{reason}: state those of the robot by --joints {name}=NAME,NAME")
+    command = f"jausml new connection {name}:{crossing.topic.type} --joints {name}=NAME,NAME"
+    left_out(crossing.topic, f"{reason}, and nobody publishes them", command)
+    return True
+
+
+def joined(chosen: Sequence[Crossing], topics: Sequence[TopicEnd]) -> list[dict[str, str]]:
+    """Returns for each way which topics feed the joins of its map, by the names of the joins."""
+    from jausml.authoring.proposals.topics import joins_of
+
+    fed: set[str] = set()
+    return [joins_of(each, topics, fed) for each in chosen]
 
 
 def _decided(crossing: Crossing, reasons: Mapping[str, str], *, yes: bool) -> Crossing:
@@ -158,19 +228,23 @@ def _feeding(offered: dict[str, list[Crossing]]) -> set[str]:
 
 
 def _without(
-    topic: TopicEnd, maps: Sequence[bridge.AttributeMap], side: str, *, is_error: bool
+    topic: TopicEnd,
+    maps: Sequence[bridge.AttributeMap],
+    side: str,
+    left_out: LeftOut | None,
 ) -> None:
     from jausml.language.model.values import suggest
+    from jausml.language.model.words import snake_case
     from jausml.language.semantics.paths.ros_paths import ros_name
 
     known = {ros_name(each.type) for each in maps if each.type is not None}
     hint = suggest(topic.type, known - {topic.type}) if topic.type not in known else ""
     reason = f"no ready map carries {topic.type} of {topic.name} for a {side}"
-    begun = f"jausml new map {topic.name} MESSAGE {topic.type} begins one"
-    if is_error:
-        ask = f"jausml list maps tells which there are; {begun}"
+    command = f"jausml new map {snake_case(topic.name)} MESSAGE {topic.type}"
+    if left_out is None:
+        ask = f"jausml list maps tells which there are; {command} begins one"
         raise click.UsageError(f"{reason}; {hint or ask}")
-    click.echo(f"left out: {reason}; {begun}", err=True)
+    left_out(topic, reason, command)
 
 
 def _taken(topic: TopicEnd, ways: Sequence[Crossing], *, yes: bool) -> list[Crossing]:
@@ -215,13 +289,11 @@ def _options(ways: Sequence[Crossing]) -> list[str]:
 
 def show_chosen(chosen: Sequence[Crossing], topics: Sequence[TopicEnd]) -> None:
     """Says what was made of each topic, and which facts of the vehicle a map has assumed."""
-    from jausml.authoring.proposals.topics import joins_of
     from jausml.language.model.names import name_of
 
-    fed: set[str] = set()
-    for each in chosen:
+    for each, joins in zip(chosen, joined(chosen, topics), strict=True):
         click.echo(_crossing_line(each))
-        for join, topic in joins_of(each, topics, fed).items():
+        for join, topic in joins.items():
             used = name_of(each.map)
             click.echo(f"{topic}: ROS -> JAUS, {used}: read as {join} with {each.topic.name}")
     for quantity, used in _assumed(chosen):
@@ -277,4 +349,5 @@ def _crossing_line(crossing: Crossing) -> str:
     arrow = "JAUS -> ROS" if crossing.offer.to_ros else "ROS -> JAUS"
     reason = crossing.hold_reason
     held = f"; the last command stands when its source is lost: {reason}" if reason else ""
-    return f"{crossing.topic.name}: {arrow}, {crossing.says()}{held}"
+    own = f"; joints {', '.join(crossing.names)}" if crossing.names else ""
+    return f"{crossing.topic.name}: {arrow}, {crossing.says()}{own}{held}"

@@ -217,3 +217,13 @@ def test_joints_by_name(translator: Callable[[str], Translator]) -> None:
     back = maps.to_ros("joint_positions", report)
     assert list(back.name) == [f"joint_{number}" for number in range(1, 7)]
     assert list(back.position) == [near(each) for each in (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)]
+
+
+def test_joints_are_commanded_by_name(translator: Callable[[str], Translator]) -> None:
+    maps = translator("joint_positions")
+    names = [f"joint_{number}" for number in (6, 5, 4, 3, 2, 1)]
+    wanted = JointState(name=names, position=[0.6, 0.5, 0.4, 0.3, 0.2, 0.1])
+    command = maps.to_jaus("set_joint_positions", wanted)
+    back = maps.to_ros("set_joint_positions", command)
+    assert list(back.name) == names[::-1]
+    assert list(back.position) == [near(each) for each in (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)]

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.authoring.editing.planning import Context
-    from jausml.language.metamodel import FeatureTable
+    from jausml.language.metamodel import ClassTable, FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.documents import Document
     from jausml.language.model.model import Model
@@ -33,6 +33,7 @@ class Naming(DocumentNames):
         self._context = context
         self._home_document = context.document
         self._apart: dict[EObject, Model] = {}
+        self._given: list[tuple[str, EObject, EObject, ClassTable]] = []
         self.imports: list[Name | Text] = []
 
     def find(self, ref: str) -> EObject:
@@ -49,6 +50,8 @@ class Naming(DocumentNames):
         if found is None and self._import(target):
             found = self.short_name(owner, target, feature)
         if found is not None:
+            if feature.target is not None:
+                self._given.append((found, target, owner, feature.target))
             return Name(found)
         home = self._apart.get(target)
         return self.href(target) if home is None else Href(self._foreign(target, home))
@@ -85,7 +88,10 @@ class Naming(DocumentNames):
         return True
 
     def _is_misleading(self) -> bool:
-        """Tells whether the last import makes a name mean something else than it does."""
+        """Tells whether the last import makes a name mean something else than it does.
+
+        Two versions of a service may be named in one edit, so names that it gave count too.
+        """
         classes = self._model.metamodels
         names = {
             getattr(each, "name", None)
@@ -100,7 +106,10 @@ class Naming(DocumentNames):
             found = self._finder.find(text, wanted, self._document, node.obj) if wanted else []
             if found != self._finder_before(text, node, child):
                 return True
-        return False
+        return any(
+            self._finder.find(text, wanted, self._document, owner) != [target]
+            for text, target, owner, wanted in self._given
+        )
 
     def _finder_before(self, text: str, node: Node, child: Node) -> list[EObject]:
         feature = self._model.metamodels.class_of(node.obj).features[child.tag]

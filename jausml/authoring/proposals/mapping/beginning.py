@@ -18,6 +18,7 @@ from jausml.authoring.proposals.mapping.filling import FEATURES, found
 from jausml.authoring.proposals.mapping.members import member
 from jausml.authoring.proposals.mapping.opens import (
     completed,
+    documented,
     opens,
     stops_by_zeros,
     unfilled,
@@ -157,9 +158,8 @@ def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
         "name": (wish.name,),
         "message": (scope.ref(wish.message),),
         "type": (scope.ref(wish.type),),
+        **documented(left),
     }
-    if left:
-        values["documentation"] = ("\n\n".join(f"Open: {each}." for each in left),)
     return Begun(
         Add(scope.ref(owner), "maps", "bridge.AttributeMap", values, tuple(plain)),
         tuple(additions(f"{NEW}0", tables, by_tables, (), 1)),

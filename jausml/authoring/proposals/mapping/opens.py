@@ -10,7 +10,7 @@ from jausml.authoring.proposals.mapping.assignments import UNKNOWN, innermost
 from jausml.authoring.proposals.mapping.filling import FEATURES, filled_paths, is_filled
 from jausml.authoring.proposals.mapping.members import leaves
 from jausml.authoring.proposals.mapping.trial import judge
-from jausml.language.metamodel.classes import jaus
+from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.model.names import name_of
 from jausml.language.semantics.assignments.units import fills_rates_alone
 from jausml.language.semantics.conversions.conversion import FLU, UP
@@ -134,7 +134,9 @@ def _absent(used: bridge.AttributeMap, own: Iterable[Child]) -> Iterator[str]:
 
 
 def _of_connections(used: bridge.AttributeMap, ways: Iterable[bool]) -> Iterator[str]:
-    """Yields what a connection by the map will ask for."""
+    """Yields what a connection of a topic by the map will ask for."""
+    if not _is_of_topics(used):
+        return
     if is_command(used.message) and used.message.moves:
         stops = [way for way in ways if getattr(used, STOPS[way]) is None]
         if stops:
@@ -146,6 +148,11 @@ def _of_connections(used: bridge.AttributeMap, ways: Iterable[bool]) -> Iterator
             )
     elif False in ways:
         yield "state freshness, or whenStale: keep, for a topic that falls silent (JML455)"
+
+
+def _is_of_topics(used: bridge.AttributeMap) -> bool:
+    """Tells whether a map is of messages of topics, and not of parts of services or actions."""
+    return isinstance(used.type.eContainer(), ros.InterfacePackage)
 
 
 def _named(ways: Iterable[bool]) -> str:
@@ -240,7 +247,7 @@ def stops_by_zeros(used: bridge.AttributeMap, ways: Collection[bool]) -> list[bo
 
     That they do is for a person to say: what receives them may be at rest by other numbers.
     """
-    if not (is_command(used.message) and used.message.moves):
+    if not (is_command(used.message) and used.message.moves and _is_of_topics(used)):
         return []
     return [way for way in ways if fills_rates_alone(used, to_ros=way)]
 
@@ -257,3 +264,8 @@ def _zeros(assignments: Sequence[Child]) -> Iterator[Child]:
             for target in each.values["target"][0].split(", "):
                 values = {"target": (target,), "value": ("0",)}
                 yield Child("values", "bridge.ConstantAssignment", values)
+
+
+def documented(opens: Sequence[str]) -> dict[str, tuple[str, ...]]:
+    """Returns the documentation of an element about which something is open."""
+    return {"documentation": ("\n\n".join(f"Open: {each}." for each in opens),)} if opens else {}

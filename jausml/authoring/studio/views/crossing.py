@@ -18,6 +18,7 @@ from jausml.authoring.proposals.bridging import (
 )
 from jausml.authoring.proposals.elements import Option, Options
 from jausml.authoring.proposals.fresh import name_among
+from jausml.authoring.proposals.named_elements import are_examples
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.names import name_of
 from jausml.language.model.words import snake_case
@@ -247,10 +248,13 @@ def _crossings(
 def _ready(
     scope: Scope, offer: Offer, kind: ros.MessageType | None
 ) -> Iterator[bridge.AttributeMap]:
-    """Yields the ready maps of a message to topics, of a type if one is given."""
+    """Yields the ready maps of a message to topics, of a type if one is given.
+
+    Without those of the library that know joints by invented names: they drop each message.
+    """
     for used in fitting(scope, offer.message, kind, to_ros=offer.to_ros):
         is_topic = isinstance(used.type.eContainer(), ros.InterfacePackage)
-        if is_topic and not (used.reportJoins and offer.to_ros):
+        if is_topic and not (used.reportJoins and offer.to_ros) and not are_examples(used):
             yield used
 
 

@@ -1,0 +1,287 @@
+"""Connections of ROS services as commands: the JAUS messages, the maps they need, the members."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.authoring.editing.commands import NEW, Add, Child, with_created
+from jausml.authoring.proposals.bridging import copied, fitting, offer_of, with_service
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.proposals.fresh import name_among
+from jausml.authoring.proposals.mapping.opens import documented
+from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.model.names import name_of
+from jausml.language.project.library import library
+from jausml.language.semantics.connections.calls import REQUEST, RESPONSE
+from jausml.language.semantics.jaus.answers import named
+from jausml.language.semantics.jaus.commands import is_command, obeys_controller_alone
+from jausml.language.semantics.jaus.layouts import attributes
+from jausml.language.semantics.jaus.responses import is_rejection, responses
+from jausml.language.semantics.jaus.services import (
+    ACCESS_CONTROL,
+    find_input,
+    lineage,
+    provides_access_control,
+    query_name,
+)
+from jausml.language.semantics.paths.ros_paths import ros_name
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from jausml.authoring.editing.commands import Command
+    from jausml.authoring.proposals.elements import Scope
+
+_SUCCESS = ("success", "succeeded", "ok", "accepted", "done")
+_REASON = ("message", "reason", "error_msg", "error_message", "status_message", "error")
+"""Names of members of a response that tell how a call ended, as ROS packages have them."""
+
+_MADE = re.compile(rf"{re.escape(NEW)}(\d+)")
+
+
+@dataclass(frozen=True)
+class Call:
+    """Calls of a ROS service that a bridge shall carry.
+
+    Attributes:
+        service: Name of the ROS service.
+        to_ros: Whether JAUS components ask, and a node of ROS serves.
+    """
+
+    service: str
+    type: ros.ServiceType
+    message: jaus.MessageDef
+    to_ros: bool
+    answer: jaus.MessageDef | None = None
+    rejections: tuple[jaus.MessageDef, ...] = ()
+
+    @property
+    def success(self) -> str:
+        """The member of the response that tells whether a call succeeded; empty without one."""
+        return member_named(self.type.response, _SUCCESS, "bool")
+
+    @property
+    def reason(self) -> str:
+        """The member of the response that tells why a call failed; empty without one."""
+        return member_named(self.type.response, _REASON, "string")
+
+
+@dataclass(frozen=True)
+class Half:
+    """A half of calls: the message and the part of the type that a map is to be between.
+
+    Attributes:
+        kind: `request` or `response`.
+        ready: A map that is there already.
+    """
+
+    kind: str
+    message: jaus.MessageDef
+    type: ros.MessageType
+    to_ros: bool
+    ready: bridge.AttributeMap | None
+
+
+def call_of(
+    service: str,
+    kind: ros.ServiceType,
+    message: jaus.MessageDef,
+    *,
+    to_ros: bool,
+    answer: jaus.MessageDef | None = None,
+) -> Call:
+    """Returns calls by a message, with the messages with which its service answers it.
+
+    Args:
+        answer: The message that answers, None for the one that the service defines.
+    """
+    owner = message.eContainer()
+    if not isinstance(owner, jaus.Service) or message not in owner.inputs:
+        raise AnswerError(f"no service takes {name_of(message)}, so nobody asks by it")
+    found = list(responses(message, owner)) if is_command(message) else []
+    outputs = [each for one in lineage(owner) for each in one.outputs]
+    confirming = [each for each in found if not is_rejection(each)]
+    if answer is None and not is_command(message):
+        answer = next((e for e in outputs if query_name(e) == name_of(message)), None)
+    if answer is None:
+        answer = next(iter(confirming), None)
+    elif named(name_of(answer), outputs) is None:
+        raise AnswerError(f"{name_of(owner)} does not send {name_of(answer)}")
+    rejecting = tuple(each for each in found if is_rejection(each))
+    return Call(service, kind, message, to_ros, answer, rejecting)
+
+
+def halves(scope: Scope, call: Call) -> list[Half]:
+    """Returns the halves of calls that need a map, or for which one is ready."""
+    found = [_half(scope, call, REQUEST, call.message, to_ros=call.to_ros)]
+    if call.answer is not None:
+        found.append(_half(scope, call, RESPONSE, call.answer, to_ros=not call.to_ros))
+    return [each for each in found if each is not None]
+
+
+def _half(
+    scope: Scope, call: Call, kind: str, message: jaus.MessageDef, *, to_ros: bool
+) -> Half | None:
+    part: ros.MessageType = getattr(call.type, kind)
+    ready = next(iter(fitting(scope, message, part, to_ros=to_ros)), None)
+    if ready is None and not _needs_map(call, message, part, to_ros=to_ros):
+        return None
+    return Half(kind, message, part, to_ros, ready)
+
+
+def _needs_map(
+    call: Call, message: jaus.MessageDef, part: ros.MessageType, *, to_ros: bool
+) -> bool:
+    """Tells whether a half carries anything but that it came, and how the call ended."""
+    told = (call.success, call.reason) if part is call.type.response else ()
+    members = [each for each in part.fields if each.name not in told]
+    fields = attributes(message)
+    if to_ros:
+        return bool(members)
+    return bool(fields) and (bool(members) or not all(map(_may_be_absent, fields)))
+
+
+def _may_be_absent(each: jaus.Field) -> bool:
+    return bool(getattr(each, "optional", False))
+
+
+def member_named(owner: ros.MessageType, names: Sequence[str], kind: str) -> str:
+    """Returns the member of a type that has the first of some names, and is one of a kind."""
+    members = members_of(owner, (kind,))
+    return next((each for each in names if each in members), "")
+
+
+def members_of(owner: ros.MessageType, kinds: tuple[str, ...]) -> list[str]:
+    """Returns the members of a type with one value, of primitive types that begin as `kinds`."""
+    return [
+        str(each.name)
+        for each in owner.fields
+        if isinstance(each, ros.PrimitiveField)
+        and str(each.type.name).startswith(kinds)
+        and each.arrayKind.name == "single"
+    ]
+
+
+def connection_commands(
+    scope: Scope,
+    owner: bridge.Bridge,
+    call: Call,
+    made: Mapping[str, Sequence[Command]],
+    name: str,
+) -> list[Command]:
+    """Returns what makes the connection of calls, the service for it and its maps.
+
+    Args:
+        made: What makes the maps of halves, by `request` and `response`; the first command of each
+            makes the map itself.
+    """
+    offer = offer_of(call.message, to_ros=call.to_ros)
+    found: list[Command] = [] if offer is None else with_service(scope, owner, offer)
+    used: dict[str, str] = {}
+    for half in halves(scope, call):
+        if half.kind in made:
+            used[half.kind] = f"{NEW}{_count(found)}"
+            found += shifted(made[half.kind], _count(found))
+        elif half.ready is not None:
+            used[half.kind] = scope.ref(half.ready)
+    values: dict[str, tuple[str, ...]] = {"name": (name,)}
+    if call.to_ros:
+        values["direction"] = ("jausToRos",)
+    values |= {"service": (call.service,), "type": (scope.ref(call.type),)}
+    values |= {kind: (ref,) for kind, ref in used.items()}
+    if REQUEST not in used:
+        values["message"] = (scope.ref(call.message),)
+    if RESPONSE not in used and call.answer is not None:
+        values["answer"] = (scope.ref(call.answer),)
+    if call.rejections:
+        values["rejections"] = tuple(map(scope.ref, call.rejections))
+    peers, inner = ({}, ()) if call.to_ros else peers_of(scope, call.message)
+    values |= documented(opens_of(call))
+    members = {"successMember": call.success, "reasonMember": call.reason}
+    values |= peers | {feature: (path,) for feature, path in members.items() if path}
+    place = scope.ref(owner)
+    return [
+        *found,
+        Add(place, "serviceConnections", "bridge.RosServiceConnection", values, inner),
+    ]
+
+
+def peers_of(
+    scope: Scope, message: jaus.MessageDef, service: jaus.Service | None = None
+) -> tuple[dict[str, tuple[str, ...]], tuple[Child, ...]]:
+    """Returns what says who is asked: a component of the model that takes a message, or a search.
+
+    Args:
+        service: The service to search for, None for that of the message.
+    """
+    known = scope.model.instances(jaus.Component, library=False)
+    others = (each for each in known if not isinstance(each, bridge.Bridge))
+    peer = next((each for each in others if find_input(message, each) is not None), None)
+    owner = service or message.eContainer()
+    wanted = owner if isinstance(owner, jaus.Service) else None
+    if peer is not None:
+        has_control = provides_access_control(peer)
+    else:
+        has_control = any(each.name == ACCESS_CONTROL for each in lineage(wanted))
+    values: dict[str, tuple[str, ...]] = {}
+    takes_all = wanted is not None and not obeys_controller_alone(message, wanted)
+    if is_command(message) and (takes_all or not has_control):
+        values["control"] = ("false",)
+    if peer is not None:
+        return {"peers": (scope.ref(peer),), **values}, ()
+    return values, (Child("search", "jaus.PeerSearch", {"services": (scope.ref(wanted),)}),)
+
+
+def own_copy(
+    scope: Scope, owner: bridge.Bridge, used: bridge.AttributeMap
+) -> Sequence[Command] | None:
+    """Returns what copies a ready map where the model cannot refer to it: XMI to a text.
+
+    Returns:
+        None where the model can.
+    """
+    document = library().document_of(used)
+    if scope.is_text or document is None or document.is_xml:
+        return None
+    return copied(scope, scope.ref(owner), used, name_among(name_of(used), owner.maps))
+
+
+def _count(commands: Iterable[Command]) -> int:
+    return sum(isinstance(each, Add) for each in commands)
+
+
+def shifted(commands: Iterable[Command], by: int) -> list[Command]:
+    """Returns commands whose refs to what they make hold behind others in a batch."""
+
+    def known(ref: str) -> str:
+        return _MADE.sub(lambda match: f"{NEW}{int(match[1]) + by}", ref, count=1)
+
+    return [with_created(each, known) for each in commands]  # type: ignore[arg-type]
+
+
+def opens_of(call: Call) -> list[str]:
+    """Returns what a person has to decide about calls, besides what is open in their maps."""
+    found = []
+    response = call.type.response
+    bools = members_of(response, ("bool",))
+    if not call.success and bools:
+        found.append(
+            f"name the bool of {ros_name(response)} that tells whether a call succeeded: "
+            f"successMember ({', '.join(bools)})"
+        )
+    elif not call.success and not call.to_ros:
+        found.append(f"{ros_name(response)} tells of no failure: a call that fails has no response")
+    elif not call.success:
+        found.append(f"{ros_name(response)} tells of no failure: each response counts as done")
+    if call.answer is None and is_command(call.message):
+        found.append(
+            f"{name_of(call.message)} has no confirmation: "
+            + ("who asks learns of no failure" if call.to_ros else "a call is done when it is sent")
+        )
+    elif (
+        call.to_ros and call.answer is not None and not call.rejections and is_command(call.message)
+    ):
+        found.append(f"{name_of(call.message)} has no rejection: a call that fails has no answer")
+    return found

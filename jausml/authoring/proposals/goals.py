@@ -1,0 +1,209 @@
+"""Connections of ROS actions as commands: lists of JAUS that become goals, and the other way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.authoring.editing.commands import NEW, Add, Child, Set
+from jausml.authoring.proposals.calls import (
+    member_named,
+    members_of,
+    own_copy,
+    peers_of,
+)
+from jausml.authoring.proposals.mapping.opens import documented
+from jausml.authoring.proposals.named_elements import are_examples
+from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.model.names import name_of
+from jausml.language.model.words import words
+from jausml.language.semantics.connections.list_drivers import (
+    ELEMENTS,
+    driver_messages,
+    knows_speed,
+    takes,
+)
+from jausml.language.semantics.jaus.services import with_inherited
+from jausml.language.semantics.paths.ros_paths import ros_name
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from jausml.authoring.editing.commands import Command
+    from jausml.authoring.proposals.elements import Scope
+
+_REASON = ("error_msg", "error_message", "message", "reason", "status_message")
+_DEEPEST = 2
+"""How many messages a list of a goal may lie in, as that of a nav_msgs/Path does."""
+
+_LEFT, _DONE = frozenset({"remaining", "left"}), frozenset({"current", "index", "active"})
+
+
+@dataclass(frozen=True)
+class ListWay:
+    """A way in which a list of JAUS and the goal of an action can be one another.
+
+    Attributes:
+        member: The member of the goal that has the elements.
+    """
+
+    driver: jaus.Service
+    map: bridge.AttributeMap
+    member: str
+
+    def says(self) -> str:
+        """Returns what it is in words, for people who choose."""
+        message = name_of(self.map.message)
+        return f"{name_of(self.map)}: {message} of {name_of(self.driver)} is {self.member}"
+
+
+def lists_in(kind: ros.ActionType) -> Iterator[tuple[str, ros.MessageType]]:
+    """Yields the members of a goal that are sequences of messages, with the types of these."""
+    return _lists(kind.goal, "", _DEEPEST)
+
+
+def _lists(
+    owner: ros.MessageType, before: str, depth: int
+) -> Iterator[tuple[str, ros.MessageType]]:
+    for each in owner.fields:
+        if not isinstance(each, ros.MessageField):
+            continue
+        path = f"{before}{each.name}"
+        if each.arrayKind.name.endswith("Sequence"):
+            yield path, each.messageType
+        elif each.arrayKind.name == "single" and depth:
+            yield from _lists(each.messageType, f"{path}.", depth - 1)
+
+
+def list_ways(
+    maps: Iterable[bridge.AttributeMap],
+    drivers: Iterable[jaus.Service],
+    kind: ros.ActionType,
+    *,
+    to_ros: bool,
+) -> list[ListWay]:
+    """Returns the ways for an action, by maps of one element of a list that its goal has."""
+    known = [each for each in drivers if driver_messages(each) is not None]
+    found: dict[tuple[str, str, str], ListWay] = {}
+    for member, element in lists_in(kind):
+        for used in maps:
+            if used.message is None or used.type is None or are_examples(used):
+                continue
+            if ros_name(used.type) != ros_name(element):
+                continue
+            if not (used.toRos if to_ros else used.toJaus):
+                continue
+            for driver in known:
+                if _has_elements(driver, used.message):
+                    key = (member, name_of(used), str(driver.urn))
+                    found.setdefault(key, ListWay(driver, used, member))
+    return list(found.values())
+
+
+def _has_elements(driver: jaus.Service, message: jaus.MessageDef) -> bool:
+    """Tells whether a message is of elements: one of one's own only for drivers of one's own."""
+    is_of_standard = str(driver.urn) in ELEMENTS
+    is_own = str(message.eContainer().urn) == str(driver.urn)  # type: ignore[union-attr]
+    return takes(driver, message) and (is_of_standard or is_own)
+
+
+def ways_for(scope: Scope, kind: ros.ActionType, *, to_ros: bool) -> list[ListWay]:
+    """Returns the ways for an action with the maps and services of a project and the library."""
+    return list_ways(
+        scope.instances(bridge.AttributeMap), scope.instances(jaus.Service), kind, to_ros=to_ros
+    )
+
+
+def progress_of(kind: ros.ActionType) -> tuple[str, str]:
+    """Returns the member of the feedback that tells of progress, and what it says; empty for none.
+
+    A number whose name tells neither is none: a wrong one would name wrong elements.
+    """
+    for name in members_of(kind.feedback, ("int", "uint")):
+        said = {each.lower() for each in words(name)}
+        if said & _LEFT:
+            return name, "remaining"
+        if said & _DONE:
+            return name, "index"
+    return "", ""
+
+
+def action_commands(
+    scope: Scope,
+    owner: bridge.Bridge,
+    action: str,
+    kind: ros.ActionType,
+    way: ListWay,
+    *,
+    to_ros: bool,
+    name: str,
+    speed: float = 0.0,
+) -> list[Command]:
+    """Returns what makes the connection of an action, with the driver and the map that it needs."""
+    place = scope.ref(owner)
+    found: list[Command] = []
+    feature = "provides" if to_ros else "uses"
+    known = list(getattr(owner, feature))
+    if str(way.driver.urn) not in {str(each.urn) for each in with_inherited(known)}:
+        refs = tuple(map(scope.ref, (*known, way.driver)))
+        found.append(Set(place, feature, refs))
+    copy = own_copy(scope, owner, way.map)
+    found += copy or ()
+    values: dict[str, tuple[str, ...]] = {"name": (name,)}
+    if not to_ros:
+        values["direction"] = ("rosToJaus",)
+    values |= {
+        "action": (action,),
+        "type": (scope.ref(kind),),
+        "driver": (scope.ref(way.driver),),
+        "element": (scope.ref(way.map) if copy is None else f"{NEW}0",),
+        "goalMember": (way.member,),
+    }
+    progress, says = progress_of(kind)
+    if progress:
+        values["progressMember"] = (progress,)
+        values |= {} if says == "index" else {"progress": (says,)}
+    if reason := member_named(kind.result, _REASON, "string"):
+        values["reasonMember"] = (reason,)
+    values |= documented(opens_of(kind, way, name, to_ros=to_ros, speed=speed))
+    inner: tuple[Child, ...] = ()
+    if not to_ros:
+        peers, inner = peers_of(scope, driver_messages(way.driver).execute, way.driver)  # type: ignore[union-attr]
+        values |= peers | ({"speed": (f"{speed:g}",)} if speed else {})
+    return [*found, Add(place, "actionConnections", "bridge.RosActionConnection", values, inner)]
+
+
+def why_none(kind: ros.ActionType, *, to_ros: bool) -> str:
+    """Returns why no list driver can have the goals of an action, with what helps."""
+    lists = [f"{member}, each {ros_name(element)}" for member, element in lists_in(kind)]
+    if not lists:
+        return f"the goal of {ros_name(kind)} has no list of messages, which list drivers have"
+    [element, *_] = (ros_name(each) for _, each in lists_in(kind))
+    direction = "to-ros" if to_ros else "to-jaus"
+    return (
+        f"no map carries an element of its goal ({'; '.join(lists)}) for a list driver; "
+        f"begin one: jausml new map NAME SetLocalWaypoint {element} --direction {direction}"
+    )
+
+
+def opens_of(
+    kind: ros.ActionType, way: ListWay, name: str, *, to_ros: bool, speed: float
+) -> list[str]:
+    """Returns what a person has to decide about a connection of an action."""
+    found = []
+    messages = driver_messages(way.driver)
+    if not to_ros and not speed and messages is not None and knows_speed(messages):
+        found.append("state the speed at which peers execute lists: speed, or --speed (JML486)")
+    if not progress_of(kind)[0]:
+        numbers = members_of(kind.feedback, ("int", "uint"))
+        hint = f"progressMember ({', '.join(numbers)})" if numbers else "its feedback has no number"
+        found.append(f"nothing tells which element is active: {hint}")
+    others = [
+        str(each.name) for each in kind.goal.fields if each.name != way.member.partition(".")[0]
+    ]
+    if to_ros and others:
+        found.append(
+            f"defaults are sent in {', '.join(others)} of the goal, unless goal_{name} of the "
+            "skeleton sets them"
+        )
+    return found

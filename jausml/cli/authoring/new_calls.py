@@ -1,0 +1,299 @@
+"""`jausml new service-connection` and `new action-connection`: calls that a bridge carries."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from jausml.cli.authoring.places import model_option, pairs, place_for, report, stopping
+from jausml.cli.authoring.topics import side_option
+from jausml.cli.shared.options import FiniteRange
+from jausml.cli.shared.terminal import can_ask, choose, remark
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
+
+    from jausml.authoring.editing.commands import Command
+    from jausml.authoring.projects.places import Opened
+    from jausml.authoring.proposals.calls import Half
+    from jausml.authoring.proposals.elements import Scope
+    from jausml.authoring.proposals.goals import ListWay
+    from jausml.language.metamodel.classes import bridge as bridges
+    from jausml.language.metamodel.classes import ros
+    from jausml.language.metamodel.classes.ecore import EObject
+
+_TRIGGER, _WAYPOINTS = "drop:std_srvs/Trigger", "survey:nav2_msgs/FollowWaypoints"
+_VEHICLE = "vehicle"
+
+
+def _bridge_option(command: Callable[..., None]) -> Callable[..., None]:
+    return click.option(
+        "--bridge", metavar="NAME", help="Bridge that gets the connection, if there are several."
+    )(command)
+
+
+_yes_option = click.option(
+    "--yes", is_flag=True, help="Take the first choice where several fit, and ask nothing."
+)
+
+
+@click.command("service-connection")
+@click.argument("word", metavar="SERVICE:TYPE")
+@click.argument("message", metavar="MESSAGE")
+@click.option(
+    "--answer",
+    metavar="MESSAGE",
+    help="JAUS message that answers; by default the one that the JAUS service defines.",
+)
+@click.option(
+    "--request",
+    "requests",
+    metavar="TARGET=SOURCE",
+    multiple=True,
+    help="Assignment of the map of the request; may be repeated.",
+)
+@click.option(
+    "--response",
+    "replies",
+    metavar="TARGET=SOURCE",
+    multiple=True,
+    help="Assignment of the map of the response; may be repeated.",
+)
+@side_option
+@_yes_option
+@_bridge_option
+@model_option
+def service_connection(
+    word: str,
+    message: str,
+    answer: str | None,
+    requests: tuple[str, ...],
+    replies: tuple[str, ...],
+    side: str,
+    yes: bool,
+    bridge: str | None,
+    model: Path | None,
+) -> None:
+    """Add a connection to a bridge that carries calls of a ROS service, asked by MESSAGE in JAUS.
+
+    A vehicle serves the ROS service, and JAUS components ask; with --side operator, the bridge
+    serves it and asks a JAUS component. Answer and rejections are those of the JAUS service of the
+    message. Where fields have to be carried, a ready map is used, or one is filled as by
+    `jausml new map`. It prints what is open.
+
+    Exit status: 0 done, 2 usage or environment, 3 internal error.
+    """
+    from jausml.authoring.projects.adding import add, bridge_in
+    from jausml.authoring.proposals.calls import call_of, connection_commands, halves, opens_of
+    from jausml.authoring.proposals.elements import message_of, service_type_of
+
+    name, kind = _name_and_type(word, _TRIGGER)
+    stated = {"request": pairs(requests, "=", "data=Lit"), "response": pairs(replies, "=", "Lit=x")}
+    told: list[str] = []
+
+    def commands(at: Opened) -> Sequence[Command]:
+        owner, scope = bridge_in(at, bridge or ""), at.scope
+        call = call_of(
+            name,
+            service_type_of(scope, kind),
+            message_of(scope, message),
+            to_ros=side == _VEHICLE,
+            answer=None if answer is None else message_of(scope, answer),
+        )
+        own = _free_name(owner, name)
+        needed = halves(scope, call)
+        _check_stated(stated, needed)
+        made = {each.kind: _map_of(scope, owner, each, own, stated, yes=yes) for each in needed}
+        maps = {half: each for half, each in made.items() if each is not None}
+        told.extend(opens_of(call))
+        _show_call(call.message, call.answer, call.rejections, to_ros=call.to_ros, name=name)
+        return connection_commands(scope, owner, call, maps, own)
+
+    with stopping():
+        place = place_for(model)
+        files = add(place, f"Add calls of {name}", commands)
+    _show_opens(told)
+    report(place, files)
+
+
+def _check_stated(stated: dict[str, list[tuple[str, str]]], needed: Sequence[Half]) -> None:
+    for kind, words in stated.items():
+        if words and kind not in [each.kind for each in needed]:
+            raise click.UsageError(f"--{kind}: nothing has to be carried by the {kind}")
+
+
+def _map_of(
+    scope: Scope,
+    owner: bridges.Bridge,
+    half: Half,
+    name: str,
+    stated: dict[str, list[tuple[str, str]]],
+    *,
+    yes: bool,
+) -> Sequence[Command] | None:
+    """Returns what makes the map of a half; None where the model can refer to one."""
+    from jausml.authoring.proposals.calls import own_copy
+    from jausml.authoring.proposals.fresh import name_among
+    from jausml.authoring.proposals.mapping.beginning import Wish
+    from jausml.cli.authoring.new_map import begun_map
+    from jausml.language.model.names import name_of
+
+    words = tuple(stated[half.kind])
+    if half.ready is not None and not words:
+        click.echo(f"{half.kind}: map {name_of(half.ready)}")
+        return own_copy(scope, owner, half.ready)
+    own = name_among(f"{name}_{half.kind}", owner.maps)
+    click.echo(f"{half.kind}: new map {own}")
+    to_ros, to_jaus = (words if half.to_ros is way else () for way in (True, False))
+    wish = Wish(own, half.message, half.type, to_ros, to_jaus, (half.to_ros,))
+    begun = begun_map(scope, owner, wish, yes=yes)
+    return [begun.add, *begun.tables]
+
+
+def _show_call(
+    message: EObject,
+    answer: EObject | None,
+    rejections: Sequence[EObject],
+    *,
+    to_ros: bool,
+    name: str,
+) -> None:
+    from jausml.language.model.names import name_of
+
+    asked = name_of(message)
+    line = f"{name}: {asked} calls it" if to_ros else f"{name}: a call of it is sent as {asked}"
+    names = [name_of(each) for each in (answer, *rejections) if each is not None]
+    click.echo(f"{line}; answered by {' or '.join(names)}" if names else line)
+
+
+@click.command("action-connection")
+@click.argument("word", metavar="ACTION:TYPE")
+@click.option("--driver", metavar="SERVICE", help="List driver of JAUS, if several fit.")
+@click.option("--element", metavar="MAP", help="Map of an element of the list, if several fit.")
+@click.option(
+    "--speed",
+    type=FiniteRange(0.0, 327.67, min_open=True),
+    metavar="M/S",
+    help="Speed at which JAUS components execute the lists, with --side operator.",
+)
+@side_option
+@_yes_option
+@_bridge_option
+@model_option
+def action_connection(
+    word: str,
+    driver: str | None,
+    element: str | None,
+    speed: float | None,
+    side: str,
+    yes: bool,
+    bridge: str | None,
+    model: Path | None,
+) -> None:
+    """Add a connection to a bridge that carries lists of JAUS as goals of a ROS action.
+
+    The goal has a sequence of elements, such as poses, of which each is translated by a map.
+    A vehicle serves the action, and the bridge is the list driver; with --side operator, the bridge
+    serves the action and has a JAUS component execute the list.
+
+    Exit status: 0 done, 2 usage or environment, 3 internal error.
+    """
+    from jausml.authoring.projects.adding import add, bridge_in
+    from jausml.authoring.proposals.elements import action_type_of
+    from jausml.authoring.proposals.goals import action_commands, opens_of, ways_for
+
+    name, kind = _name_and_type(word, _WAYPOINTS)
+    to_ros = side == _VEHICLE
+    if speed is not None and to_ros:
+        raise click.UsageError("--speed is for --side operator: JAUS states the speed of a vehicle")
+    told: list[str] = []
+
+    def commands(at: Opened) -> Sequence[Command]:
+        owner, scope = bridge_in(at, bridge or ""), at.scope
+        used = action_type_of(scope, kind)
+        own = _free_name(owner, name)
+        ways = _meant(ways_for(scope, used, to_ros=to_ros), driver, element)
+        way = _chosen_way(ways, used, name, to_ros=to_ros, yes=yes)
+        told.extend(opens_of(used, way, own, to_ros=to_ros, speed=speed or 0.0))
+        click.echo(f"{name}: {'JAUS -> ROS' if to_ros else 'ROS -> JAUS'}, {way.says()}")
+        return action_commands(
+            scope, owner, name, used, way, to_ros=to_ros, name=own, speed=speed or 0.0
+        )
+
+    with stopping():
+        place = place_for(model)
+        files = add(place, f"Add goals of {name}", commands)
+    _show_opens(told)
+    report(place, files)
+
+
+def _meant(ways: list[ListWay], driver: str | None, element: str | None) -> list[ListWay]:
+    """Returns the ways with a driver and a map of some names; any without names."""
+    from jausml.language.model.names import name_of
+
+    found = [
+        each
+        for each in ways
+        if driver in (None, name_of(each.driver), each.driver.urn)
+        and element in (None, name_of(each.map))
+    ]
+    if ways and not found:
+        raise click.UsageError(f"no such driver and map; there are{_listed(ways)}")
+    return found
+
+
+def _listed(ways: Sequence[ListWay]) -> str:
+    return "".join(f"\n  {each.says()}" for each in ways)
+
+
+def _chosen_way(
+    ways: list[ListWay], kind: ros.ActionType, name: str, *, to_ros: bool, yes: bool
+) -> ListWay:
+    from jausml.authoring.proposals.goals import why_none
+
+    if not ways:
+        raise click.UsageError(f"{name}: {why_none(kind, to_ros=to_ros)}")
+    if len(ways) == 1:
+        return ways[0]
+    if yes:
+        remark(f"{name}: of several, {ways[0].says()} (name others by --driver and --element)")
+        return ways[0]
+    if not can_ask():
+        text = f"{name} fits several: say --driver and --element, or take the first by --yes"
+        raise click.UsageError(text + _listed(ways))
+    return ways[choose(f"{name} fits several:", [each.says() for each in ways])[0]]
+
+
+def _free_name(owner: bridges.Bridge, name: str) -> str:
+    """Returns a name for the connection of a service or action that a bridge does not have yet."""
+    from jausml.authoring.projects.places import ProjectError
+    from jausml.authoring.proposals.fresh import name_among
+    from jausml.language.model.names import name_of
+
+    carried = (*(each.service for each in owner.serviceConnections),)
+    carried += (*(each.action for each in owner.actionConnections),)
+    if name in carried:
+        raise ProjectError(f"{name_of(owner)} carries {name} already")
+    siblings = (*owner.bridgeConnections, *owner.serviceConnections, *owner.actionConnections)
+    return name_among(name, siblings)
+
+
+def _name_and_type(word: str, example: str) -> tuple[str, str]:
+    from jausml.authoring.proposals.elements import plain_type
+    from jausml.language.semantics.connections.topics import topic_fault
+
+    [(name, kind)] = pairs([word], ":", example)
+    if "/" not in kind:
+        raise click.UsageError(f"{word!a} should be like {example}")
+    if fault := topic_fault(name):
+        raise click.UsageError(f"{word!a}: the name {fault}")
+    return name, plain_type(kind)
+
+
+def _show_opens(opens: Sequence[str]) -> None:
+    if opens:
+        click.echo("open")
+    for each in opens:
+        click.echo(f"  {each}")

@@ -1,0 +1,224 @@
+"""What runs in ROS, as lines and as topics of a bridge, and what comes next for all else."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import click
+
+from jausml.cli.shared.files import EnvironmentFault
+from jausml.cli.shared.options import FiniteRange
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+    from jausml.authoring.proposals.elements import Scope
+    from jausml.authoring.proposals.topics import TopicEnd
+    from jausml.cli.authoring.topics import LeftOut
+    from jausml.live.ros import RosEndpoint, RunningCall, RunningGraph, RunningTopic
+
+
+def graph_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Adds the options of looking at what runs to a verb."""
+    from_graph = click.option(
+        "--from-graph",
+        is_flag=True,
+        help="Use the topics that exist in ROS now: all, or those named by arguments "
+        "TOPIC[:MAP,...].",
+    )
+    seconds = click.option(
+        "--for",
+        "seconds",
+        type=FiniteRange(0.1, 600),
+        default=10.0,
+        show_default=True,
+        metavar="SECONDS",
+        help="Longest time to look at the running system.",
+    )
+    return from_graph(seconds(command))
+
+
+def graph_that_runs(seconds: float) -> RunningGraph:
+    """Returns what runs now, after it has listed all of it."""
+    from jausml.live.ros import RosFault, running_graph
+
+    try:
+        running = running_graph(seconds)
+    except RosFault as error:
+        raise EnvironmentFault(str(error)) from error
+    if not running:
+        raise EnvironmentFault(f"no topic, service or action runs here (looked for {seconds:g} s)")
+    for each in running.topics:
+        click.echo(_line(each))
+    for call in (*running.services, *running.actions):
+        click.echo(_call_line(call))
+    for topic, names in running.joints.items():
+        click.echo(f"{topic} names the joints {', '.join(names)}")
+    return running
+
+
+def topics_in(running: RunningGraph, words: Sequence[str], namespace: str = "") -> list[TopicEnd]:
+    """Returns the topics of a graph that a bridge can carry.
+
+    Args:
+        words: Those that are meant, as `TOPIC` or `TOPIC:MAP,...`; all without any.
+    """
+    known = {
+        each.name: _end(each, running, namespace) for each in running.topics if len(each.types) == 1
+    }
+    if not words:
+        return list(known.values())
+    return [_named(word, known) for word in words]
+
+
+def _named(word: str, known: dict[str, TopicEnd]) -> TopicEnd:
+    from jausml.language.model.values import suggest
+
+    name, _, maps = word.partition(":")
+    found = known.get(name if name.startswith("/") else f"/{name}")
+    if found is None:
+        hint = suggest(f"/{name.strip('/')}", known)
+        raise click.UsageError(f"no topic {name!a} of one type runs; {hint}".rstrip("; "))
+    return replace(found, maps=tuple(each for each in maps.split(",") if each))
+
+
+def _line(topic: RunningTopic) -> str:
+    kinds = " and ".join(topic.types)
+    ends = (_nodes(each.node for each in one) for one in (topic.publishers, topic.subscriptions))
+    return f"{topic.name}  {kinds}  from {' to '.join(ends)}"
+
+
+def _call_line(call: RunningCall) -> str:
+    kinds = " and ".join(call.types)
+    used = f", called by {_nodes(call.clients)}" if call.clients else ""
+    return f"{call.name}  {kinds}  served by {_nodes(call.servers)}{used}"
+
+
+def _nodes(names: Iterable[str]) -> str:
+    return ", ".join(dict.fromkeys(names)) or "nobody"
+
+
+def _relative(name: str, namespace: str) -> str:
+    """Returns a name relative to where the bridge is: so another namespace moves it too."""
+    return name.removeprefix(f"/{namespace.strip('/')}/" if namespace.strip("/") else "/")
+
+
+def _end(topic: RunningTopic, running: RunningGraph, namespace: str) -> TopicEnd:
+    """Returns a topic with the direction and quality of service that its ends leave."""
+    from jausml.authoring.proposals.elements import plain_type
+    from jausml.authoring.proposals.topics import TopicEnd
+
+    is_one_way = bool(topic.publishers) is not bool(topic.subscriptions)
+    return TopicEnd(
+        _relative(topic.name, namespace),
+        plain_type(topic.types[0]),
+        bool(topic.subscriptions) if is_one_way else None,
+        heard=_heard(topic.publishers),
+        published=_published(topic.subscriptions),
+        names=_joints(topic, running),
+    )
+
+
+def _joints(topic: RunningTopic, running: RunningGraph) -> tuple[str, ...]:
+    """Returns the joints of a topic: those that it names, else those that its nodes publish."""
+    if topic.name in running.joints:
+        return running.joints[topic.name]
+    own = {each.node for each in topic.subscriptions}
+    by_own = {
+        running.joints[each.name]
+        for each in running.topics
+        if each.name in running.joints and own & {end.node for end in each.publishers}
+    }
+    found = by_own or set(running.joints.values())
+    return next(iter(found)) if len(found) == 1 else ()
+
+
+def _heard(publishers: Sequence[RosEndpoint]) -> dict[str, str] | None:
+    """Returns what hears all of some publishers: no more than the least of them offers."""
+    if not publishers:
+        return None
+    sure = all(each.reliability == "reliable" for each in publishers)
+    # What was published before is repeated to reliable subscriptions alone.
+    kept = sure and all(each.durability == "transient_local" for each in publishers)
+    found = {"reliability": "reliable" if sure else "best_effort"}
+    return {**found, "durability": "transient_local"} if kept else found
+
+
+def _published(subscriptions: Sequence[RosEndpoint]) -> dict[str, str] | None:
+    """Returns what all of some subscriptions get: as much as the most demanding asks for."""
+    if not subscriptions:
+        return None
+    kept = any(each.durability == "transient_local" for each in subscriptions)
+    return {"reliability": "reliable", **({"durability": "transient_local"} if kept else {})}
+
+
+def show_left(running: RunningGraph, scope: Scope, namespace: str = "") -> None:
+    """Says of all that is no topic of a bridge why, and which command comes next."""
+    for topic in running.topics:
+        if len(topic.types) > 1:
+            _left(f"{topic.name} has several types, a fault of its nodes")
+    for kind, next_of, calls in (
+        ("service", _service, running.services),
+        ("action", _action, running.actions),
+    ):
+        for each in calls:
+            if len(each.types) > 1:
+                _left(f"{kind} {each.name} has several types, a fault of its nodes")
+                continue
+            side = "" if each.servers else " --side operator"
+            _left(*next_of(scope, _relative(each.name, namespace), each.types[0], side))
+
+
+def left_topic(scope: Scope) -> LeftOut:
+    """Returns what says of a topic why it is left out, and which command comes next."""
+    from jausml.authoring.proposals.elements import AnswerError, type_of
+
+    def tell(topic: TopicEnd, reason: str, command: str) -> None:
+        try:
+            type_of(scope, topic.type)
+        except AnswerError:
+            command = _imported(topic.type, command)
+        _left(reason, command)
+
+    return tell
+
+
+def _left(reason: str, command: str = "") -> None:
+    click.echo(f"left out: {reason}{f'; next: {command}' if command else ''}", err=True)
+
+
+def _service(scope: Scope, name: str, kind: str, side: str) -> tuple[str, str]:
+    """Returns why a service is left out, and what comes next."""
+    from jausml.authoring.proposals.elements import AnswerError, plain_type, service_type_of
+
+    used = plain_type(kind)
+    command = f"jausml new service-connection {name}:{used} MESSAGE{side}"
+    reason = f"service {name}: no type says which JAUS message asks"
+    try:
+        service_type_of(scope, used)
+    except AnswerError:
+        return f"service {name}: no model has {used}", _imported(used, command)
+    return reason, command
+
+
+def _action(scope: Scope, name: str, kind: str, side: str) -> tuple[str, str]:
+    """Returns why an action is left out, and what comes next."""
+    from jausml.authoring.proposals.elements import AnswerError, action_type_of, plain_type
+    from jausml.authoring.proposals.goals import ways_for, why_none
+
+    used = plain_type(kind)
+    command = f"jausml new action-connection {name}:{used}{side}"
+    try:
+        found = action_type_of(scope, used)
+    except AnswerError:
+        return f"action {name}: no model has {used}", _imported(used, command)
+    ways = ways_for(scope, found, to_ros=not side)
+    if not ways:
+        return f"action {name}: {why_none(found, to_ros=not side)}", ""
+    return f"action {name}: list drivers can have its goals ({ways[0].says()})", command
+
+
+def _imported(used: str, command: str) -> str:
+    """Returns the commands for what no model has the type of."""
+    return f"jausml import ros {used.partition('/')[0]}, then {command}"

@@ -1,0 +1,210 @@
+"""`jausml new service-connection` and `new action-connection`, in both notations."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model import read_models
+from jausml.language.model.names import name_of
+from jausml.language.text.notation import NOTATIONS
+
+NOTATION = pytest.mark.parametrize("notation", ["xmi", "text"])
+MESSAGES = (
+    *("--message", "DropWeight", "--message", "SetLamp: Lit off|on"),
+    *("--message", "report ConfirmDrop", "--message", "report RejectDrop: Reason off|on"),
+)
+TRIGGER, LAMP = ("drop_weight:std_srvs/Trigger", "DropWeight"), ("lamp:std_srvs/SetBool", "SetLamp")
+WAYPOINTS = "follow_waypoints:nav2_msgs/FollowWaypoints"
+
+
+@pytest.fixture
+def robot(rover, jausml):
+    """Makes a project with a bridge and a service of its own; returns its model."""
+
+    def make(notation):
+        model = rover(notation)
+        done = jausml("new", "bridge", "face", "odom:nav_msgs/Odometry:local_pose")
+        assert done.exit_code == 0, done.output
+        done = jausml("new", "service", "Dropper", *MESSAGES)
+        assert done.exit_code == 0, done.output
+        return model
+
+    return make
+
+
+def the_bridge(model):
+    read = read_models([model], project_root=model.parents[1], notations=NOTATIONS)
+    [found] = read.model.instances(bridge.Bridge, library=False)
+    return found
+
+
+def sound(jausml, model):
+    """Sees to it that a model is valid and generates."""
+    done = jausml("validate", "models", "--strict")
+    assert done.exit_code == 0, done.output
+    done = jausml("generate", model, "-o", "src")
+    assert done.exit_code == 0, done.output
+
+
+@NOTATION
+def test_services_of_a_vehicle_are_asked_by_jaus(robot, jausml, notation):
+    model = robot(notation)
+    done = jausml("new", "service-connection", *TRIGGER)
+    assert done.exit_code == 0, done.output
+    assert "DropWeight calls it; answered by ConfirmDrop or RejectDrop" in done.output
+    done = jausml("new", "service-connection", *LAMP, "--request", "data=Lit")
+    assert done.exit_code == 0, done.output
+    assert "SetLamp has no confirmation: who asks learns of no failure" in done.output
+    made = the_bridge(model)
+    drop, lamp = made.serviceConnections
+    assert (drop.direction.name, drop.request, name_of(drop.message)) == (
+        "jausToRos",
+        None,
+        "DropWeight",
+    )
+    assert (name_of(drop.answer), [*map(name_of, drop.rejections)]) == (
+        "ConfirmDrop",
+        ["RejectDrop"],
+    )
+    assert (drop.successMember, drop.reasonMember) == ("success", "message")
+    assert (lamp.message, name_of(lamp.request)) == (None, "lamp_request")
+    assert lamp.documentation.startswith("Open: SetLamp has no confirmation")
+    assert "Dropper" in map(name_of, made.provides)
+    sound(jausml, model)
+
+
+@NOTATION
+def test_services_of_an_operator_ask_jaus(robot, jausml, notation):
+    model = robot(notation)
+    operator = ("--side", "operator")
+    words = ("status:std_srvs/Trigger", "QueryStatus")
+    assert jausml("new", "service-connection", *words, *operator).exit_code == 0
+    words = ("stop:std_srvs/Trigger", "Management.SetEmergency")
+    assert jausml("new", "service-connection", *words, *operator).exit_code == 0
+    assert jausml("new", "component", "weights", "--provides", "Dropper").exit_code == 0
+    assert jausml("new", "service-connection", *TRIGGER, *operator).exit_code == 0
+    made = the_bridge(model)
+    status, stop, drop = made.serviceConnections
+    assert (name_of(status.response), name_of(status.message)) == (
+        "management_status",
+        "QueryStatus",
+    )
+    assert [name_of(each) for each in status.search.services] == ["Management"]
+    # Anybody may set an emergency: it does not wait for control.
+    assert (name_of(stop.request), stop.control) == ("set_emergency", False)
+    assert ([*map(name_of, drop.peers)], drop.search, drop.control) == (["weights"], None, True)
+    sound(jausml, model)
+
+
+def test_what_no_tool_knows_stays_an_error(robot, jausml):
+    robot("text")
+    done = jausml("new", "service-connection", *LAMP)
+    assert done.exit_code == 0, done.output
+    assert "nothing is assigned to data of std_srvs/SetBool.request" in done.output
+    found = jausml("validate", "models")
+    assert found.exit_code == 1
+    assert "JML467" in found.output
+
+
+@NOTATION
+def test_a_list_driver_gives_its_goals(robot, jausml, notation):
+    model = robot(notation)
+    done = jausml("new", "action-connection", WAYPOINTS)
+    assert done.exit_code == 0, done.output
+    assert "local_waypoint: SetLocalWaypoint of LocalWaypointListDriver is poses" in done.output
+    [made] = the_bridge(model).actionConnections
+    assert (made.direction.name, name_of(made.driver)) == ("jausToRos", "LocalWaypointListDriver")
+    assert (name_of(made.element), made.goalMember) == ("local_waypoint", "poses")
+    assert (made.progressMember, made.progress.name, made.reasonMember) == (
+        "current_waypoint",
+        "index",
+        "error_msg",
+    )
+    sound(jausml, model)
+
+
+@NOTATION
+def test_own_types_of_the_project_are_carried(robot, jausml, notation):
+    model = robot(notation)
+    package = model.parents[2] / "winch_msgs"
+    for name, text in (
+        ("srv/Pull.srv", "float64 length # [m]\n---\nbool finished\nfloat64 left # [m]\n"),
+        ("action/Survey.action", "nav_msgs/Path path\nfloat64 depth\n---\n---\nuint32 leg\n"),
+    ):
+        (package / name).parent.mkdir(parents=True)
+        (package / name).write_text(text, "utf-8")
+    assert jausml("import", "ros", package, "-o", "models/").exit_code == 0
+    words = ("PullWinch: Length m 0..50", "report ConfirmWinch: Left m 0..50")
+    messages = [each for word in words for each in ("--message", word)]
+    assert jausml("new", "service", "Winch", *messages).exit_code == 0
+    done = jausml("new", "service-connection", "pull:winch_msgs/Pull", "PullWinch")
+    assert done.exit_code == 0, done.output
+    assert "successMember (finished)" in done.output
+    done = jausml("new", "action-connection", "survey:winch_msgs/Survey")
+    assert done.exit_code == 0, done.output
+    assert "nothing tells which element is active: progressMember (leg)" in done.output
+    made = the_bridge(model)
+    [pull] = made.serviceConnections
+    [survey] = made.actionConnections
+    assert (name_of(pull.request), name_of(pull.response)) == ("pull_request", "pull_response")
+    assert (pull.successMember, survey.progressMember) == (None, None)
+    assert survey.goalMember == "path.poses"
+    assert "Open: name the bool of winch_msgs/Pull.response" in pull.documentation
+    sound(jausml, model)
+
+
+@NOTATION
+def test_goals_of_an_operator_need_a_speed_that_a_person_states(robot, jausml, notation):
+    model = robot(notation)
+    words = ("poses:nav2_msgs/NavigateThroughPoses", "--side", "operator")
+    before = model.read_bytes()
+    done = jausml("new", "action-connection", *words)
+    assert "state the speed at which peers execute lists" in done.output
+    found = jausml("validate", "models")
+    assert found.exit_code == 1
+    assert "JML486" in found.output
+    model.write_bytes(before)
+    assert jausml("new", "action-connection", *words, "--speed", "1.5").exit_code == 0
+    [made] = the_bridge(model).actionConnections
+    assert (made.speed, made.progressMember, made.progress.name) == (
+        1.5,
+        "number_of_poses_remaining",
+        "remaining",
+    )
+    sound(jausml, model)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("service-connection", "drop:std_srvs", "DropWeight"), "should be like"),
+        (("service-connection", "a b:std_srvs/Trigger", "DropWeight"), "has characters"),
+        (("service-connection", "a:std_srvs/Triger", "DropWeight"), "'std_srvs/Trigger'?"),
+        (("service-connection", "a:own_msgs/Drop", "DropWeight"), "jausml import ros own_msgs"),
+        (("service-connection", "a:std_srvs/Trigger", "DropWait"), "'DropWeight'?"),
+        (("service-connection", "a:std_srvs/Trigger", "ConfirmDrop"), "nobody asks by it"),
+        (("service-connection", *TRIGGER, "--request", "data=Lit"), "nothing has to be carried"),
+        (("service-connection", *TRIGGER, "--answer", "ReportLocalPose"), "does not send"),
+        (("action-connection", "a:nav2_msgs/NavigateToPose"), "has no list of messages"),
+        (("action-connection", WAYPOINTS, "--element", "own"), "no such driver and map"),
+        (("action-connection", WAYPOINTS, "--speed", "1"), "--speed is for --side operator"),
+    ],
+)
+def test_bad_words_change_nothing(robot, jausml, words, told):
+    model = robot("text")
+    before = model.read_bytes()
+    done = jausml("new", *words)
+    assert done.exit_code == 2
+    assert told in done.output
+    assert model.read_bytes() == before
+
+
+def test_nothing_is_carried_twice(robot, jausml):
+    model = robot("text")
+    assert jausml("new", "service-connection", *TRIGGER).exit_code == 0
+    before = model.read_bytes()
+    again = jausml("new", "service-connection", *TRIGGER)
+    assert again.exit_code == 2
+    assert "face carries drop_weight already" in again.output
+    assert model.read_bytes() == before

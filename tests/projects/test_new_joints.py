@@ -1,0 +1,124 @@
+"""Maps of joints: each robot has its own names, and those of the library are used by nobody."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model import read_models
+from jausml.language.model.names import name_of
+from jausml.language.text.notation import NOTATIONS
+
+NOTATION = pytest.mark.parametrize("notation", ["xmi", "text"])
+STATES, GOALS = "joint_states:sensor_msgs/JointState", "arm/cmd:sensor_msgs/JointState"
+JOINTS = ["shoulder", "elbow", "wrist"]
+NAMED = ("--joints", "joint_states=shoulder,elbow,wrist", "--joints", "arm/cmd=elbow,shoulder")
+KEPT = ("--hold", "arm/cmd=the arm holds its position by brakes")
+
+TRANSLATED = """\
+import sys
+from types import SimpleNamespace
+
+sys.path[:0] = sys.argv[1:]
+from arm.arm import Arm
+from jausml_runtime.bridge.messages.errors import AbsentFieldError
+from sensor_msgs.msg import JointState
+
+arm = Arm()
+state = JointState(name=["wrist", "finger", "elbow", "shoulder"], position=[0.3, 9.0, 0.2, 0.1])
+report = arm.translate_joint_states(state)
+print([round(each.joint_position.value, 3) for each in report.joint_position_list])
+try:
+    arm.translate_joint_states(JointState(name=["elbow"], position=[0.2]))
+except AbsentFieldError:
+    print("dropped")
+"""
+
+
+def maps_in(model):
+    read = read_models([model], project_root=model.parents[1], notations=NOTATIONS).model
+    return {name_of(each): each for each in read.instances(bridge.AttributeMap, library=False)}
+
+
+def names_of(used):
+    ways = (*used.toRos, *used.toJaus)
+    return [list(each.names) for each in ways if isinstance(each, bridge.ListAssignment)]
+
+
+@NOTATION
+def test_a_bridge_has_the_joints_of_the_robot(rover, jausml, notation):
+    model = rover(notation)
+    before = model.read_bytes()
+    refused = jausml("new", "bridge", "arm", STATES, GOALS, "--yes")
+    assert refused.exit_code == 2
+    assert "state those of the robot by --joints joint_states=NAME,NAME" in refused.output
+    assert model.read_bytes() == before
+    done = jausml("new", "bridge", "arm", STATES, GOALS, "--yes", *NAMED, *KEPT)
+    assert done.exit_code == 0, done.output
+    assert "to whoever asks; joints shoulder, elbow, wrist" in done.output
+    made = maps_in(model)
+    assert names_of(made["joint_states_joint_positions"]) == [JOINTS, JOINTS]
+    assert names_of(made["arm_cmd_set_joint_positions"]) == [["elbow", "shoulder"]] * 2
+    done = jausml("validate", "models", "--strict")
+    assert done.exit_code == 0, done.output
+    done = jausml("generate", model, "-o", "src")
+    assert done.exit_code == 0, done.output
+
+
+def test_the_joints_of_a_command_have_no_stop_before_a_person_says_so(rover, jausml):
+    rover("text")
+    done = jausml("new", "bridge", "arm", GOALS, "--yes", *NAMED[2:])
+    assert done.exit_code == 0, done.output
+    found = jausml("validate", "models", "--strict")
+    assert found.exit_code == 1
+    assert "JML451" in found.output
+
+
+def test_its_messages_pass_by_name(rover, jausml, tmp_path):
+    pytest.importorskip("sensor_msgs.msg")
+    model = rover("text")
+    assert jausml("new", "bridge", "arm", STATES, "--yes", *NAMED[:2]).exit_code == 0
+    done = jausml("generate", model, "-o", "src")
+    assert done.exit_code == 0, done.output
+    script = tmp_path / "translate.py"
+    script.write_text(TRANSLATED, "utf-8")
+    folders = sorted({str(each.parents[1]) for each in (model.parents[1] / "src").rglob("*.py")})
+    ran = subprocess.run(
+        [sys.executable, script, *folders], capture_output=True, text=True, check=False
+    )
+    assert ran.stdout.splitlines() == ["[0.1, 0.2, 0.3]", "dropped"], ran.stderr
+
+
+@NOTATION
+def test_a_copy_of_a_map_has_them_too(rover, jausml, notation):
+    model = rover(notation)
+    assert jausml("new", "bridge", "arm", STATES, "--yes", *NAMED[:2]).exit_code == 0
+    goal = ("new", "map", "goal", "SetJointPositions", "sensor_msgs/JointState", "--yes")
+    refused = jausml(*goal)
+    assert refused.exit_code == 2
+    assert "set_joint_positions knows joints by their names" in refused.output
+    done = jausml(*goal, "--joints", "shoulder, elbow")
+    assert done.exit_code == 0, done.output
+    assert names_of(maps_in(model)["goal"]) == [["shoulder", "elbow"]] * 2
+
+
+@pytest.mark.parametrize(
+    ("joints", "told"),
+    [
+        ("arms=a,b", "there is no topic 'arms' here"),
+        ("joint_states=a,,b", "should be like shoulder,elbow,wrist"),
+        ("joint_states=a,a", "should be like shoulder,elbow,wrist"),
+        ("odom=a,b", "no map of it knows joints by names"),
+    ],
+)
+def test_bad_joints_change_nothing(rover, jausml, joints, told):
+    model = rover("xmi")
+    before = {each: each.read_bytes() for each in model.parent.rglob("*") if each.is_file()}
+    topics = (f"{STATES}:joint_positions", "odom:nav_msgs/Odometry:local_pose")
+    done = jausml("new", "bridge", "arm", *topics, "--joints", joints)
+    assert done.exit_code == 2
+    assert told in done.output
+    assert {each: each.read_bytes() for each in model.parent.rglob("*") if each.is_file()} == before
