@@ -1,8 +1,8 @@
 """Stories of users: commands in an empty folder, and what each of them must say.
 
-A story is text. `$` begins a command of bash, `&` one that runs on beside the others; `>` is a part
-of its output, in order, for which `&` waits; `!` an exit status that is not 0. `<<` and a name begin
-a file, up to a line of `>>`. Other lines tell what happens.
+A story is text. `$` begins a command of bash, `&` one that runs on beside the others. `>` is a part
+of its output, in order, for which `&` waits; `!` an exit status that is not 0. `<<` and a name
+begin a file, up to a line of `>>`. Other lines tell what happens.
 """
 
 from __future__ import annotations

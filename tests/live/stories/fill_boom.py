@@ -5,9 +5,9 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-MOTOR = '''        with open("motor.log", "a", encoding="utf-8") as log:
+MOTOR = """        with open("motor.log", "a", encoding="utf-8") as log:
             log.write("{}\\n")
-'''
+"""
 CHANGES = {
     "        return super().report_boom(message, sender)\n": (
         '        is_folded = self.folding.state == "Folded"\n'
