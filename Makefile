@@ -7,7 +7,7 @@ READY := .venv/.ready
 unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: help demo quick test test-slow coverage live lint format bench docs fuzz emf reference \
-	types release-check faults soak experiment studio studio-check wheel clean
+	types release-check faults soak stories experiment studio studio-check wheel clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -58,6 +58,9 @@ bench: $(READY)  ## measure everything in about twelve minutes, and write docs/p
 faults: $(READY)  ## provoke every fault with real processes in about twelve minutes, and write docs/reference/faults.md
 	JAUSML_FAULTS=benchmarks/faults.json $(BIN)/python -m pytest -p no:xdist --durations=10 tests/faults
 	$(BIN)/python benchmarks/fault_page.py --check
+
+stories: $(READY)  ## tell the stories of three new users, from an empty folder, in both notations
+	JAUSML_STORIES=1 $(BIN)/python -m pytest -p no:xdist --durations=0 tests/live/test_stories.py
 
 studio: $(READY)  ## build the page of `jausml studio` with npm; node comes from PyPI if it is missing
 	$(BIN)/python tools/build_studio.py --no-check

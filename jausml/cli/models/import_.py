@@ -41,7 +41,12 @@ def command() -> None:
 
 @command.command("jsidl")
 @click.argument("paths", nargs=-1, required=True, metavar="PATH...")
-@click.option("-o", "--output", metavar="OUT.xmi", help="Model to write.")
+@click.option(
+    "-o",
+    "--output",
+    metavar="OUT.xmi",
+    help="Model to write, or the folder of one with the set's name.",
+)
 @click.option("--name", help="Name of the service set; by default, that of its file or URNs.")
 @click.option(
     "--set-version", metavar="VERSION", help="Version of the set; by default, that of its services."
@@ -99,6 +104,8 @@ def jsidl(
         names = ", ".join(f"{each.name} {each.version}" for each in result.sets)
         raise click.UsageError(f"--name and --set-version name one set, here are several: {names}")
     if output is not None:
+        if _is_folder(output):
+            output = str(Path(output, f"{result.sets[0].name}.xmi"))
         data = document(result.sets, result.model, output)
         state = write_document(output, data, [*files, *candidates], force=force)
         say(f"{click.format_filename(output)}: {_summary(result)}, {state}", quiet=quiet)
@@ -265,7 +272,7 @@ def _documents(
     from jausml.language.importers.ros import placed
 
     output = output or f"{result.packages[0].name}.xmi"
-    if output.endswith(os.sep) or Path(output).is_dir():
+    if _is_folder(output):
         places = {Path(output, f"{each.name}.xmi"): [each] for each in result.packages}
     else:
         places = {Path(output): result.packages}
@@ -278,6 +285,10 @@ def _documents(
         shown = click.format_filename(output)
         raise EnvironmentFault(f"cannot write {shown}: {error.strerror}") from error
     return made
+
+
+def _is_folder(output: str) -> bool:
+    return output.endswith(os.sep) or Path(output).is_dir()
 
 
 def _summary_of_packages(packages: list[InterfacePackage]) -> str:
