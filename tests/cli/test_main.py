@@ -129,7 +129,8 @@ def test_version(jausml):
 
 
 @pytest.mark.parametrize("arguments", [["nothing"], ["validate"], ["generate"], ["run"]])
-def test_wrong_use_is_2(jausml, arguments):
+def test_wrong_use_is_2(jausml, arguments, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # a folder that is no project
     assert jausml(*arguments).exit_code == 2
 
 

@@ -137,7 +137,8 @@ VERBS = {
     Grown.text: (50, ALL),
     Grown.format: (50, ALL),
     Grown.diagram: (50, (*LIVING, grown.components, grown.nodes)),
-    Grown.generation: (50, [one for one in LIVING if one is not grown.states]),
+    # Of a machine 200 ways are walked: up to there each is longer.
+    Grown.generation: (60, [one for one in LIVING if one is not grown.states]),
     Grown.report: (
         50,
         (grown.connections, grown.service_connections, grown.components, grown.nodes),
