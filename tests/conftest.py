@@ -27,6 +27,7 @@ settings.register_profile(
 )
 settings.load_profile("jausml")
 
+pytest_plugins = ["shared_library"]
 SHARED_NETWORK = pytest.StashKey[str]()
 
 
