@@ -3,9 +3,6 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-# Compiled tests and modules are kept: without them each process compiles them anew.
-unexport PYTHONDONTWRITEBYTECODE
-
 .PHONY: help demo quick test test-slow coverage live lint format bench docs fuzz emf reference \
 	types release-check faults soak stories experiment studio studio-check wheel clean
 

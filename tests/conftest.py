@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import signal
+import sys
 from collections import Counter
 from typing import TYPE_CHECKING
 
@@ -26,6 +27,7 @@ settings.register_profile(
 )
 settings.load_profile("jausml")
 
+pytest_plugins = ["shared_library"]
 SHARED_NETWORK = pytest.StashKey[str]()
 
 
@@ -36,8 +38,15 @@ def pytest_configure(config: pytest.Config) -> None:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:  # as nohup does
         signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    _keep_bytecode()
     own_domain(worker())
     config.stash[SHARED_NETWORK] = isolate()
+
+
+def _keep_bytecode() -> None:
+    """Lets workers and programs under test find compiled what others have imported."""
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    sys.dont_write_bytecode = False
 
 
 @pytest.hookimpl(trylast=True)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import ast
 import re
+from functools import cache
 from pathlib import Path
 from xml.etree import ElementTree
 from xml.sax.saxutils import escape, quoteattr
 
 import pytest
-from for_each import for_each
 
 from jausml.generation import GenerationError, load_targets
 from jausml.language.metamodel import ValueKind, load_metamodels
@@ -24,6 +24,8 @@ PAYLOAD = (
     "x'\"'''\"\"\"\\\n{{ 7 * 7 }}{% raw %}{# #}${HOME}`id`%s{0}--> ]]> */\r"
     "__import__('os').system('touch INJECTED')\n# \u2028import INJECTED\n\\N{BULLET}\\u0022é€"
 )
+SAID = re.compile(r"\bx(\d+) x")
+"""The beginning of a payload, with its number."""
 # The texts that are free: everything else has rules of its own and must be refused.
 FREE = {
     *("documentation", "units", "format", "holdReason"),
@@ -34,8 +36,13 @@ FREE = {
 }
 
 
+@cache
 def string_features():
-    """Yields class, feature and span of the value of every text in the model."""
+    """Returns class, feature and span of the value of every text in the model."""
+    return list(_string_features())
+
+
+def _string_features():
     model = read_models([MODEL]).model
     lines = TEXT.splitlines(keepends=True)
     starts = [sum(map(len, lines[:number])) for number in range(len(lines))]
@@ -50,9 +57,6 @@ def string_features():
             found = re.compile(written).match(TEXT, start)
             if found:
                 yield element.eClass.name, feature.name, found.span()
-
-
-FEATURES = list(string_features())
 
 
 def is_field_name(class_name, feature):
@@ -93,7 +97,7 @@ def test_model_has_every_string_feature():
         for feature in table.features.values()
         if feature.data_type is not None and feature.data_type.kind is ValueKind.STRING
     }
-    present = {(class_name, feature) for class_name, feature, _ in FEATURES}
+    present = {(class_name, feature) for class_name, feature, _ in string_features()}
     # A bridge is generated here, and so is at no endpoint that a model could state.
     assert declared - present == {("Bridge", "endpoint")}
 
@@ -110,11 +114,12 @@ def is_used_in_a_path(class_name, name, start):
     return is_step and start > mapped and written in IN_PATHS
 
 
-FREE_FEATURES = [
-    (class_name, name, span)
-    for class_name, name, span in FEATURES
-    if is_free(class_name, name) and not is_used_in_a_path(class_name, name, span[0])
-]
+def free_features():
+    return [
+        (class_name, name, span)
+        for class_name, name, span in string_features()
+        if is_free(class_name, name) and not is_used_in_a_path(class_name, name, span[0])
+    ]
 
 
 def errors_of(features, folder):
@@ -124,23 +129,51 @@ def errors_of(features, folder):
 
 
 def test_texts_that_are_free_are_free_together(tmp_path):
-    assert len(FREE_FEATURES) > 150
-    assert errors_of(FREE_FEATURES, tmp_path) == []
+    assert len(free_features()) > 150
+    assert errors_of(free_features(), tmp_path) == []
 
 
-@for_each(
-    "feature",
-    [each for each in FEATURES if each not in FREE_FEATURES],
-    ids=lambda feature: f"{feature[0]}.{feature[1]}-{feature[2][0]}",
-    shards=4,
-)
-def test_each_other_text_is_refused_where_it_stands(feature, tmp_path):
-    class_name, name, (start, _) = feature
-    errors = errors_of([feature], tmp_path)
-    assert errors, f"{class_name}.{name} was accepted"
-    assert all("\n" not in str(each) or each.location.line for each in errors)
-    if not is_used_in_a_path(class_name, name, start):
-        assert TEXT[:start].count("\n") + 1 in {each.location.line for each in errors}
+def line_of(feature):
+    return TEXT[: feature[2][0]].count("\n") + 1
+
+
+def refused_together(features, folder):
+    """Returns those of some features, of which no two are in a line, that an error tells of.
+
+    It stands in the line of its feature and shows its payload, whose number no other one has. Where
+    an error keeps others from being looked for, they are not told of.
+    """
+    errors = errors_of(features, folder)
+    told = {(each.location.line, said) for each in errors for said in SAID.findall(str(each))}
+    return [
+        each
+        for number, each in enumerate(sorted(features, key=lambda each: each[2]))
+        if (line_of(each), str(number)) in told
+    ]
+
+
+def refused_with_others(features, folder):
+    """Returns those of some features that are refused while others are hostile too."""
+    refused = []
+    while left := [each for each in features if each not in refused]:
+        found = refused_together(list({line_of(each): each for each in left}.values()), folder)
+        if not found:
+            break
+        refused += found
+    return refused
+
+
+def test_each_other_text_is_refused_where_it_stands(subtests, tmp_path):
+    others = [each for each in string_features() if each not in free_features()]
+    together = refused_with_others(others, tmp_path)
+    for feature in [each for each in others if each not in together]:
+        class_name, name, (start, _) = feature
+        with subtests.test(f"{class_name}.{name}-{start}"):
+            errors = errors_of([feature], tmp_path)
+            assert errors, f"{class_name}.{name} was accepted"
+            assert all("\n" not in str(each) or each.location.line for each in errors)
+            if not is_used_in_a_path(class_name, name, start):
+                assert line_of(feature) in {each.location.line for each in errors}
 
 
 def test_generated_files_hold_hostile_text_as_data_only(jausml, tmp_path, monkeypatch):
@@ -149,7 +182,7 @@ def test_generated_files_hold_hostile_text_as_data_only(jausml, tmp_path, monkey
     except GenerationError as error:
         pytest.skip(f"targets are not complete: {error}")
     monkeypatch.chdir(tmp_path)
-    Path("model.xmi").write_text(with_payload(FREE_FEATURES), encoding="utf-8")
+    Path("model.xmi").write_text(with_payload(free_features()), encoding="utf-8")
     result = jausml("--debug", "generate", "model.xmi", "-o", "out")
     assert result.exit_code == 0, result.stderr
     sources = list(Path("out").rglob("*.py"))

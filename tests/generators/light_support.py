@@ -118,6 +118,7 @@ def real_class(message):
 # ------------------------------------------------------------------ values
 
 
+@functools.cache
 def values_of(message):
     """Returns a strategy for the values of a message, as dict by field."""
     return st.fixed_dictionaries({each.name: _field(each) for each in fields_of(message)})

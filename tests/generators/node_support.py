@@ -41,7 +41,6 @@ def ros_environment(workspace=None, **more):
     return {
         **{key: value for key, value in os.environ.items() if not key.startswith("ROS_")},
         "PYTHONPATH": os.pathsep.join(folders),
-        "PYTHONDONTWRITEBYTECODE": "1",
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         "ROS_DOMAIN_ID": os.environ["ROS_DOMAIN_ID"],
         **more,
@@ -53,7 +52,7 @@ def run(*arguments, cwd=None, **environment):
     return subprocess.run(
         [sys.executable, *map(str, arguments)],
         cwd=cwd,
-        env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1", **environment},
+        env={**os.environ, **environment},
         capture_output=True,
         text=True,
         timeout=PATIENCE,

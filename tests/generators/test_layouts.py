@@ -18,7 +18,10 @@ from jausml.runtime.wire.message import DecodeError, EncodeError
 if TYPE_CHECKING:
     from types import ModuleType
 
-MOBILITY = library("mobility")[2]
+
+@pytest.fixture(scope="module")
+def mobility() -> ModuleType:
+    return library("mobility")[2]
 
 
 def test_bits_of_a_time_stamp() -> None:
@@ -29,16 +32,16 @@ def test_bits_of_a_time_stamp() -> None:
 
 
 @pytest.mark.parametrize("value", [327.68, -327.69, math.nan, math.inf, -math.inf, 1e308, "1"])
-def test_values_out_of_range_are_not_sent(value: Any) -> None:
+def test_values_out_of_range_are_not_sent(mobility: ModuleType, value: Any) -> None:
     with pytest.raises(EncodeError, match="velocity_x"):
-        MOBILITY.ReportVelocityState(velocity_x=value).encode()
+        mobility.ReportVelocityState(velocity_x=value).encode()
 
 
 @pytest.mark.parametrize(("value", "raw"), [(-327.68, "00000000"), (327.67, "ffffffff")])
-def test_both_ends_of_a_range_are_exact(value: float, raw: str) -> None:
-    data = MOBILITY.ReportVelocityState(velocity_x=value).encode()
+def test_both_ends_of_a_range_are_exact(mobility: ModuleType, value: float, raw: str) -> None:
+    data = mobility.ReportVelocityState(velocity_x=value).encode()
     assert data[4:].hex() == raw
-    back = MOBILITY.ReportVelocityState.decode(data)
+    back = mobility.ReportVelocityState.decode(data)
     assert back.velocity_x == pytest.approx(value, abs=1e-12)
     assert back.encode() == data
 

@@ -8,6 +8,7 @@ import sys
 from array import array
 
 import pytest
+from for_each import for_each
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from light_support import (
@@ -28,22 +29,25 @@ from jausml.runtime.bridge.light_message import differences, installed_class, is
 from jausml.runtime.bridge.messages.errors import RosTypeError
 from jausml.runtime.wire import DecodeError, EncodeError
 
-LIBRARY, EXTREME = library(), extremes()
-INSTALLED = [name for name, each in LIBRARY.types.items() if real_class(each) is not None]
-ALL = {
-    **{name: (LIBRARY, name) for name in LIBRARY.types},
-    **{name: (EXTREME, name) for name in EXTREME.types},
-}
 FEW = settings(
     deadline=None, max_examples=15, suppress_health_check=[HealthCheck.too_slow], derandomize=True
 )
 
 
-@pytest.mark.parametrize("name", ALL)
+def types_made():
+    """Returns the module of each type by its name."""
+    return {name: made for made in (library(), extremes()) for name in made.types}
+
+
+def types_installed():
+    return [name for name, each in library().types.items() if real_class(each) is not None]
+
+
+@for_each("name", types_made, shards=4)
 @FEW
 @given(data=st.data())
 def test_values_return_from_both_byte_orders(name, data):
-    made = ALL[name][0]
+    made = types_made()[name]
     values = data.draw(values_of(made.types[name]))
     light = made.object(name, values)
     little, _ = written(made.types[name], values, "<")
@@ -55,15 +59,15 @@ def test_values_return_from_both_byte_orders(name, data):
     assert kind.from_cdr(big).to_cdr() == little
 
 
-@pytest.mark.parametrize("name", INSTALLED)
+@for_each("name", types_installed, shards=4)
 @FEW
 @given(data=st.data())
 def test_the_bytes_are_those_of_rclpy(name, data):
     serialization = pytest.importorskip("rclpy.serialization")
-    message = LIBRARY.types[name]
+    message = library().types[name]
     values = data.draw(values_of(message))
     real = real_object(message, values)
-    light = LIBRARY.object(name, values)
+    light = library().object(name, values)
     ours, padding = light.to_cdr(), written(message, values)[1]
     theirs = serialization.serialize_message(real)
     # rclpy leaves padding as it is, and adds some where sequences are empty.
@@ -73,10 +77,10 @@ def test_the_bytes_are_those_of_rclpy(name, data):
     assert type(light).from_cdr(theirs) == light
 
 
-@pytest.mark.parametrize("name", INSTALLED)
+@for_each("name", types_installed)
 def test_a_new_message_is_that_of_rclpy(name):
     serialization = pytest.importorskip("rclpy.serialization")
-    real, light = real_class(LIBRARY.types[name])(), LIBRARY.kind(name)()
+    real, light = real_class(library().types[name])(), library().kind(name)()
     assert serialization.deserialize_message(light.to_cdr(), type(real)) == real
     assert installed_class(type(light)) is type(real)
 
@@ -84,11 +88,11 @@ def test_a_new_message_is_that_of_rclpy(name):
 # ------------------------------------------------------------------ bytes of strangers
 
 
-@pytest.mark.parametrize("name", ALL)
+@for_each("name", types_made, shards=4)
 @settings(FEW, max_examples=40)
 @given(data=st.data())
 def test_any_bytes_are_a_message_or_an_error(name, data):
-    made = ALL[name][0]
+    made = types_made()[name]
     values = data.draw(values_of(made.types[name]))
     raw = bytearray(written(made.types[name], values, data.draw(st.sampled_from("<>")))[0])
     for _ in range(data.draw(st.integers(0, 3))):
@@ -103,9 +107,9 @@ def test_any_bytes_are_a_message_or_an_error(name, data):
         assert repr(made.kind(name).from_cdr(found.to_cdr())) == repr(found)
 
 
-@pytest.mark.parametrize("name", ALL)
+@for_each("name", types_made)
 def test_a_message_that_ends_early_is_refused(name):
-    made = ALL[name][0]
+    made = types_made()[name]
     raw = made.kind(name)().to_cdr()
     for length in range(len(raw)):
         with pytest.raises(DecodeError):
@@ -128,11 +132,11 @@ def test_a_message_that_ends_early_is_refused(name):
 )
 def test_hostile_bytes_are_refused(name, raw):
     with pytest.raises(DecodeError):
-        LIBRARY.kind(name).from_cdr(bytes.fromhex(raw))
+        library().kind(name).from_cdr(bytes.fromhex(raw))
 
 
 def test_a_bounded_sequence_with_more_elements_is_refused():
-    numbers = EXTREME.kind("extreme_msgs/msg/Numbers")
+    numbers = extremes().kind("extreme_msgs/msg/Numbers")
     raw = bytearray(numbers().to_cdr())
     place = 4 + 4  # first, flags, then the count of `bytes`
     raw[place] = 5
@@ -141,7 +145,7 @@ def test_a_bounded_sequence_with_more_elements_is_refused():
 
 
 def test_text_is_utf_8_up_to_its_zero():
-    text = LIBRARY.kind("std_msgs/msg/String")
+    text = library().kind("std_msgs/msg/String")
     assert text.from_cdr(bytes.fromhex("00010000 00000000")).data == ""
     with pytest.raises(DecodeError, match="no zero at its end"):
         text.from_cdr(bytes.fromhex("00010000 03000000 616263"))
@@ -176,7 +180,7 @@ def test_text_is_utf_8_up_to_its_zero():
     ],
 )
 def test_what_does_not_fit_is_an_error(name, field, value):
-    message = ALL[name][0].kind(name)()
+    message = types_made()[name].kind(name)()
     setattr(message, field, value)
     with pytest.raises(EncodeError):
         message.to_cdr()
@@ -187,7 +191,7 @@ def test_what_does_not_fit_is_an_error(name, field, value):
     [[1.0, 2.0], (1.0, 2.0), array("f", [1.0, 2.0]), array("d", [1.0, 2.0]), [1, 2]],
 )
 def test_elements_may_stand_in_any_sequence(value):
-    kind = LIBRARY.kind("std_msgs/msg/Float32MultiArray")
+    kind = library().kind("std_msgs/msg/Float32MultiArray")
     assert kind(data=value).to_cdr() == kind(data=[1.0, 2.0]).to_cdr()
     assert kind.from_cdr(kind(data=value).to_cdr()).data == array("f", [1.0, 2.0])
 
@@ -195,7 +199,7 @@ def test_elements_may_stand_in_any_sequence(value):
 def test_numpy_arrays_are_sequences():
     numpy = pytest.importorskip("numpy")
     for name, dtype in (("Float32MultiArray", "f4"), ("UInt8MultiArray", "u1")):
-        kind = LIBRARY.kind(f"std_msgs/msg/{name}")
+        kind = library().kind(f"std_msgs/msg/{name}")
         value = numpy.array([1, 2], dtype=dtype)
         assert kind(data=value).to_cdr() == kind(data=[1, 2]).to_cdr()
 
@@ -204,8 +208,8 @@ def test_numpy_arrays_are_sequences():
 
 
 def test_messages_are_plain_objects():
-    point = LIBRARY.kind("geometry_msgs/msg/Point")
-    stamped = LIBRARY.kind("geometry_msgs/msg/PointStamped")
+    point = library().kind("geometry_msgs/msg/Point")
+    stamped = library().kind("geometry_msgs/msg/PointStamped")
     message = stamped(point=point(x=1.0))
     assert message.header is not stamped().header
     assert message == stamped(point=point(x=1.0))
@@ -221,33 +225,33 @@ def test_messages_are_plain_objects():
 
 
 def test_constants_and_defaults_are_those_of_the_model():
-    assert LIBRARY.kind("sensor_msgs/msg/NavSatStatus").STATUS_GBAS_FIX == 2
-    assert LIBRARY.kind("geometry_msgs/msg/Quaternion")().w == 1.0
-    numbers = EXTREME.kind("extreme_msgs/msg/Numbers")
+    assert library().kind("sensor_msgs/msg/NavSatStatus").STATUS_GBAS_FIX == 2
+    assert library().kind("geometry_msgs/msg/Quaternion")().w == 1.0
+    numbers = extremes().kind("extreme_msgs/msg/Numbers")
     assert (numbers.TYPE, numbers.TYPE_) == ("extreme_msgs/msg/Numbers", 7)
     assert (numbers.LIMIT, numbers.WORD) == (2.5, 'a "word"')
     assert (numbers().cdr, list(numbers().gains)) == (1.5, [0.5, 2.0])
-    assert EXTREME.kind("extreme_msgs/msg/Texts")().three == ["", "", ""]
+    assert extremes().kind("extreme_msgs/msg/Texts")().three == ["", "", ""]
 
 
 def test_a_byte_may_be_given_as_rclpy_has_it():
-    numbers = EXTREME.kind("extreme_msgs/msg/Numbers")
+    numbers = extremes().kind("extreme_msgs/msg/Numbers")
     ours = numbers(first=b"\7", octets=[b"\1", 2])
     assert ours.to_cdr() == numbers(first=7, octets=b"\1\2").to_cdr()
 
 
 def test_objects_of_ros_may_stand_inside():
     pytest.importorskip("rclpy")
-    path, stamped = LIBRARY.kind("nav_msgs/msg/Path"), "geometry_msgs/msg/PoseStamped"
-    real = real_class(LIBRARY.types[stamped])()
+    path, stamped = library().kind("nav_msgs/msg/Path"), "geometry_msgs/msg/PoseStamped"
+    real = real_class(library().types[stamped])()
     real.pose.position.x = 2.0
-    own = LIBRARY.kind(stamped)()
+    own = library().kind(stamped)()
     own.pose.position.x = 2.0
     assert path(header=real.header, poses=[real]).to_cdr() == path(poses=[own]).to_cdr()
 
 
 def test_the_module_is_clean(tmp_path):
-    for made in (LIBRARY, EXTREME):
+    for made in (library(), extremes()):
         file = tmp_path / "ros_types.py"
         file.write_text(made.text, encoding="utf-8")
         config = ["--config", str(ROOT / "pyproject.toml"), "--no-cache"]
@@ -261,7 +265,7 @@ def test_the_module_is_clean(tmp_path):
 
 
 def test_the_module_passes_the_type_checker(tmp_path):
-    for number, made in enumerate((LIBRARY, EXTREME)):
+    for number, made in enumerate((library(), extremes())):
         text = made.text.replace("from jausml_runtime.", "from jausml.runtime.")
         (tmp_path / f"types_{number}.py").write_text(text, encoding="utf-8")
     done = subprocess.run(
@@ -334,24 +338,24 @@ class Real:
     ],
 )
 def test_differences_are_told(fields, found):
-    assert differences(LIBRARY.kind("geometry_msgs/msg/Point"), Real(fields)) == found
+    assert differences(library().kind("geometry_msgs/msg/Point"), Real(fields)) == found
 
 
 def test_differences_inside_are_told():
-    holder = EXTREME.kind("extreme_msgs/msg/Holder")
+    holder = extremes().kind("extreme_msgs/msg/Holder")
     found = differences(holder, Real(dict(holder.LAYOUT)))
     assert any("extreme_msgs/msg/Numbers: " in each for each in found)
 
 
 def test_a_package_that_is_not_installed_is_one_error_with_its_cure():
     with pytest.raises(RosTypeError, match=r"extreme_msgs/msg/Holder is not installed .*install"):
-        installed_class(EXTREME.kind("extreme_msgs/msg/Holder"))
+        installed_class(extremes().kind("extreme_msgs/msg/Holder"))
 
 
 def test_a_type_that_is_installed_otherwise_is_one_error_with_its_cure(monkeypatch):
     pytest.importorskip("rclpy")
-    point = LIBRARY.kind("geometry_msgs/msg/Point")
+    point = library().kind("geometry_msgs/msg/Point")
     monkeypatch.setattr(point, "LAYOUT", {**point.LAYOUT, "z": "float"})
-    pose = LIBRARY.kind("geometry_msgs/msg/Pose")
+    pose = library().kind("geometry_msgs/msg/Pose")
     with pytest.raises(RosTypeError, match=r"z is float in the model and is double there.*import"):
         installed_class(pose)

@@ -19,17 +19,21 @@ from jausml.runtime.base.address import JausAddress
 pytestmark = pytest.mark.ports
 
 TARGET = JausAddress(100, 1, 1)
-CATALOGUE = load_catalogue()
-CODES = [entry.code for entry in CATALOGUE.messages]
+
+
+@pytest.fixture(scope="module")
+def catalogue():
+    return load_catalogue()
 
 
 @settings(max_examples=300, deadline=None)
-@given(st.sampled_from(CODES), st.binary(max_size=60))
-def test_any_payload_can_be_described_and_shown(code, body):
+@given(data=st.data(), body=st.binary(max_size=60))
+def test_any_payload_can_be_described_and_shown(catalogue, data, body):
+    code = data.draw(st.sampled_from([entry.code for entry in catalogue.messages]))
     payload = code.to_bytes(2, "little") + body
-    assert 0 < len(describe(payload, CATALOGUE)) <= MAX_LENGTH
+    assert 0 < len(describe(payload, catalogue)) <= MAX_LENGTH
     try:
-        message = CATALOGUE.decode(payload)
+        message = catalogue.decode(payload)
     except MessageError:
         return
     assert report_line(TARGET, message.entry, message.fields).isprintable()
@@ -37,13 +41,13 @@ def test_any_payload_can_be_described_and_shown(code, body):
 
 
 @settings(max_examples=100, deadline=None)
-@given(st.binary(max_size=4))
-def test_any_short_payload_can_be_described(payload):
-    assert describe(payload, CATALOGUE)
+@given(payload=st.binary(max_size=4))
+def test_any_short_payload_can_be_described(catalogue, payload):
+    assert describe(payload, catalogue)
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_a_target_that_babbles_gets_a_report(seed, peer_module, free_port, network):
+def test_a_target_that_babbles_gets_a_report(seed, catalogue, peer_module, free_port, network):
     """Each answer has the right message code and a body that is cut, prolonged or random."""
     chance = random.Random(seed)
 
@@ -65,7 +69,7 @@ def test_a_target_that_babbles_gets_a_report(seed, peer_module, free_port, netwo
 
     babbler = Babbler(TARGET, free_port)
     try:
-        with opened(network, TARGET, CATALOGUE, timeout=0.05, quiet=0.02) as session:
+        with opened(network, TARGET, catalogue, timeout=0.05, quiet=0.02) as session:
             report = run(session, all_groups(), lambda _: None)
     finally:
         babbler.close()

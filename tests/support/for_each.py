@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 def for_each(
     names: str | tuple[str, ...],
-    values: Iterable[Any],
+    values: Iterable[Any] | Callable[[], Iterable[Any]],
     *,
     ids: Callable[[Any], str] = str,
     shards: int = 1,
@@ -28,27 +28,32 @@ def for_each(
 
     Args:
         names: The parameter that takes a value, or the parameters that take those of a tuple.
-        values: The values, of which there is at least one.
+        values: The values, of which there is at least one; or what returns them when the test runs,
+            where they are read from models, which is too long for each worker to begin with.
         ids: How a value is called when it fails.
         shards: Into how many tests they are divided, for that many workers.
     """
-    cases = [(ids(value), _named(names, value)) for value in values]
+    own_names = (names,) if isinstance(names, str) else names
+    known = None if callable(values) else list(values)
 
     def of_all(test: Callable[..., None]) -> Callable[..., None]:
-        assert cases, f"{test.__name__} would test nothing"
+        assert known != [], f"{test.__name__} would test nothing"
 
-        @functools.wraps(test)
+        @functools.wraps(test, updated=())  # What Hypothesis knows of a test is not true of all.
         def run(subtests: pytest.Subtests, shard: int = 0, **fixtures: Any) -> None:
-            for name, arguments in cases[shard::shards]:
-                with subtests.test(name):
-                    test(**arguments, **fixtures)
+            cases = list(values()) if callable(values) else known
+            assert cases, f"{test.__name__} tests nothing"
+            for value in cases[shard::shards]:
+                with subtests.test(ids(value)):
+                    test(**_named(names, value), **fixtures)
 
         signature = inspect.signature(test)
-        fixtures = [p for p in signature.parameters.values() if p.name not in cases[0][1]]
+        fixtures = [p for p in signature.parameters.values() if p.name not in own_names]
         own = ["subtests"] if shards == 1 else ["subtests", "shard"]
         asked = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY) for name in own]
         fixtures = [each.replace(kind=inspect.Parameter.KEYWORD_ONLY) for each in fixtures]
         run.__signature__ = signature.replace(parameters=[*asked, *fixtures])  # type: ignore[attr-defined]
+        run.pytestmark = list(getattr(test, "pytestmark", ()))  # type: ignore[attr-defined]
         return run if shards == 1 else pytest.mark.parametrize("shard", range(shards))(run)
 
     return of_all

@@ -31,3 +31,31 @@ def test_all_that_fail_are_named(pytester, shards, tests, failed):
 def test_a_test_of_nothing_is_refused():
     with pytest.raises(AssertionError, match="would test nothing"):
         for_each("value", [])(print)
+
+
+def test_values_may_be_read_when_the_test_runs(pytester):
+    pytester.makepyfile("""
+        from for_each import for_each
+        from hypothesis import given, strategies as st
+
+        def numbers():
+            return (2, 3)
+
+        def nothing():
+            return ()
+
+        @for_each("number", numbers)
+        @given(other=st.integers())
+        def test_numbers(number, other):
+            assert number * other % 2 == 0
+
+        @for_each("number", nothing)
+        def test_nothing(number):
+            pass
+    """)
+    done = pytester.runpytest_inprocess("-p", "no:xdist", "-rf")
+    done.assert_outcomes(failed=1 + 1 + 1)
+    lines = "\n".join(done.outlines)
+    assert "SUBFAILED[3]" in lines
+    assert "SUBFAILED[2]" not in lines
+    assert "test_nothing tests nothing" in lines

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from by_chance import by_bytes, cdr, one_by_one, outcome, ros_value
 from codec_strategies import messages
+from for_each import for_each
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from mapping_support import (
@@ -27,12 +28,25 @@ if TYPE_CHECKING:
 
 GUARDS = ("models/library/mappings",)
 
-MAPS = [
-    (path.stem, each) for path in FILES for each in ready_maps()[path.stem] if not is_of_call(each)
-]
-TO_ROS = [pytest.param(stem, each, id=each.name) for stem, each in MAPS if each.toRos]
-TO_JAUS = [pytest.param(stem, each, id=each.name) for stem, each in MAPS if each.toJaus]
 SEEDS = st.integers(0, 2**32)
+
+
+def maps() -> list[tuple[str, Any]]:
+    """Maps of messages, each with the name of its file."""
+    found = [(path.stem, each) for path in FILES for each in ready_maps()[path.stem]]
+    return [(stem, each) for stem, each in found if not is_of_call(each)]
+
+
+def to_ros() -> list[tuple[str, Any]]:
+    return [(stem, each) for stem, each in maps() if each.toRos]
+
+
+def to_jaus() -> list[tuple[str, Any]]:
+    return [(stem, each) for stem, each in maps() if each.toJaus]
+
+
+def name(pair: tuple[str, Any]) -> str:
+    return str(pair[1].name)
 
 
 ODOMETRY = (
@@ -111,7 +125,7 @@ def joined(each: Any, chance: Random) -> dict[str, Any]:
     }
 
 
-@pytest.mark.parametrize(("stem", "each"), TO_JAUS)
+@for_each(("stem", "each"), to_jaus, ids=name, shards=4)
 @settings(max_examples=10, deadline=None)
 @given(seed=SEEDS)
 def test_to_jaus(translator: Callable[[str], Translator], stem: str, each: Any, seed: int) -> None:
@@ -136,7 +150,7 @@ def drawn(maps: Translator, join: Any, data: Any) -> Any:
     return None if made is None else source.decode(made.encode())
 
 
-@pytest.mark.parametrize(("stem", "each"), TO_ROS)
+@for_each(("stem", "each"), to_ros, ids=name, shards=4)
 @settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
 @given(data=st.data(), seed=SEEDS)
 def test_to_ros(
@@ -183,7 +197,7 @@ def view_of(message: Any) -> Any:
     return build_message_map([message])[message]
 
 
-@pytest.mark.parametrize(("stem", "each"), TO_JAUS)
+@for_each(("stem", "each"), to_jaus, ids=name, shards=4)
 @settings(max_examples=5, deadline=None)
 @given(seed=SEEDS)
 def test_bytes_that_are_no_message(

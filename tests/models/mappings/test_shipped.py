@@ -110,7 +110,6 @@ def test_the_vectors_of_each_file_hold(workspace: Path) -> None:
         env={
             **os.environ,
             "PYTHONPATH": os.pathsep.join(map(str, paths)),
-            "PYTHONDONTWRITEBYTECODE": "1",
         },
         cwd=workspace,
         capture_output=True,

@@ -1,4 +1,4 @@
-"""One browser for the tests of a module, and a studio for each test."""
+"""One browser for the tests of a module, and a studio for all of them or for each."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from urllib.parse import urlsplit
 
 import pytest
 from browsers import browser, build_page, missing
+from studio_client import Server
 
 from jausml.language.model.library import LIBRARY_URI
 
@@ -19,7 +20,16 @@ MODELS = Path(__file__).parents[3] / "models"
 PATIENCE = 40_000
 """Milliseconds: long enough for a computer that is busy with other tests."""
 
+_FAILED = pytest.StashKey[bool]()
 _ADDRESS = re.compile(r"http://\S+#token=\S+")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item):
+    """Notes which tests failed, for a picture of the page they failed at."""
+    report = yield
+    item.stash[_FAILED] = report.failed or item.stash.get(_FAILED, False)
+    return report
 
 
 @pytest.fixture(scope="module")
@@ -77,15 +87,49 @@ class Studio:
 @pytest.fixture
 def example(tmp_path):
     """The example vehicle in a folder of its own."""
+    return _example_in(tmp_path)
+
+
+def _example_in(folder):
     text = (MODELS / "catvehicle" / "catvehicle.xmi").read_text(encoding="utf-8")
-    path = tmp_path / "project" / "catvehicle.xmi"
+    path = folder / "project" / "catvehicle.xmi"
     path.parent.mkdir()
     path.write_text(text.replace("../library/", LIBRARY_URI), encoding="utf-8")
     return path
 
 
+@pytest.fixture(scope="module")
+def running_studio(tmp_path_factory):
+    """The example vehicle and a studio that has it open: it takes seconds to begin."""
+    folder = tmp_path_factory.mktemp("shared")
+    path = _example_in(folder)
+    studio = Studio(path, folder / "studio.log")
+    yield path, studio
+    studio.close()
+
+
 @pytest.fixture
-def open_studio(chromium, tmp_path_factory):
+def shared_example(running_studio):
+    """The example vehicle in the studio of the module; what a test edits is undone after it."""
+    path, studio = running_studio
+    before, server = path.read_bytes(), Server(studio.process, studio.address)
+    with server.page() as page:
+        at = page.ask("log")["at"]
+    yield path
+    with server.page() as page:
+        while page.ask("log")["at"] > at:
+            page.ask("undo")
+    assert path.read_bytes() == before
+
+
+@pytest.fixture
+def open_shared(running_studio, shared_example, open_studio):  # noqa: ARG001 - it is undone
+    """Returns a function that opens a page of the studio of the module."""
+    return lambda **options: open_studio.page_of(running_studio[1].address, **options)
+
+
+@pytest.fixture
+def open_studio(request, chromium, tmp_path_factory):
     """Returns a function that opens a model or folder in a page; both end with the test.
 
     No page may say anything in its console, be refused by its policy, or ask another host.
@@ -121,8 +165,9 @@ def open_studio(chromium, tmp_path_factory):
     open_.studios, open_.complaints = opened, complaints
     yield open_
     for context in contexts:
-        for page in context.pages:
-            page.screenshot(path=tmp_path_factory.mktemp("last") / "page.png")
+        if request.node.stash.get(_FAILED, False):
+            for page in context.pages:
+                page.screenshot(path=tmp_path_factory.mktemp("last") / "page.png")
         context.close()
     for studio in opened:
         studio.close()

@@ -16,75 +16,85 @@ HOSTILE = "&lt;script>window.hit=1&lt;/script>&lt;img src=x onerror='window.hit=
 
 
 @pytest.fixture
-def desk(open_studio, example):
-    desk = Desktop(open_studio(example))
+def desk(open_shared):
+    return shown(open_shared())
+
+
+@pytest.fixture
+def own_desk(open_studio, example):
+    """A desk whose model others change, or whose boxes are moved, which is not undone."""
+    return shown(open_studio(example))
+
+
+def shown(page):
+    desk = Desktop(page)
     expect(desk.box("vehicle")).to_be_visible()
     return desk
 
 
-def test_what_was_moved_stays_where_it_is(desk, example):
+def test_what_was_moved_stays_where_it_is(own_desk, example):
     before = example.read_bytes()
-    place = desk.title("vehicle").bounding_box()
-    desk.drag(desk.title("vehicle"), place["x"] + 45, place["y"] + 85)
-    expect(desk.said).to_contain_text("Move a box")
-    moved = desk.place("vehicle")
-    desk.page.reload()
-    expect(desk.box("vehicle")).to_be_visible()
-    assert desk.place("vehicle") == moved
+    place = own_desk.title("vehicle").bounding_box()
+    own_desk.drag(own_desk.title("vehicle"), place["x"] + 45, place["y"] + 85)
+    expect(own_desk.said).to_contain_text("Move a box")
+    moved = own_desk.place("vehicle")
+    own_desk.page.reload()
+    expect(own_desk.box("vehicle")).to_be_visible()
+    assert own_desk.place("vehicle") == moved
     assert example.read_bytes() == before
     assert [each.name for each in example.parent.glob("*.layout.json")]
 
 
-def test_edits_are_in_the_file_at_once_and_undone_to_the_same_bytes(desk, example):
-    before = example.read_bytes()
+def test_edits_are_in_the_file_at_once_and_undone_to_the_same_bytes(desk, shared_example):
+    before = shared_example.read_bytes()
     desk.rename("vehicle", "rover")
-    assert b'name="rover"' in example.read_bytes()
+    assert b'name="rover"' in shared_example.read_bytes()
     desk.title("logger").click()
     desk.keyboard.press("Delete")
     expect(desk.box("logger")).to_have_count(0)
-    assert b'name="logger"' not in example.read_bytes()
+    assert b'name="logger"' not in shared_example.read_bytes()
     desk.keyboard.press("Control+z")
     expect(desk.box("logger")).to_have_count(1)
     desk.keyboard.press("Control+z")
     expect(desk.box("vehicle")).to_have_count(1)
-    assert example.read_bytes() == before
+    assert shared_example.read_bytes() == before
     desk.keyboard.press("Control+Shift+z")
     expect(desk.box("rover")).to_have_count(1)
 
 
-def test_what_others_refer_to_is_removed_with_them_when_one_agrees(desk, example):
-    before = example.read_bytes()
+def test_what_others_refer_to_is_removed_with_them_when_one_agrees(desk, shared_example):
+    before = shared_example.read_bytes()
     desk.title("vehicle").click()
     desk.keyboard.press("Delete")
     dialog = desk.dialog(re.compile("Remove vehicle"))
     expect(dialog).to_contain_text("odometry")
     desk.keyboard.press("Escape")
     expect(desk.box("vehicle")).to_have_count(1)
-    assert example.read_bytes() == before
+    assert shared_example.read_bytes() == before
 
 
-def test_a_change_of_another_program_appears(desk, example):
+def test_a_change_of_another_program_appears(own_desk, example):
     text = example.read_text(encoding="utf-8")
     example.write_text(text.replace('name="logger"', 'name="recorder"'), encoding="utf-8")
-    expect(desk.box("recorder")).to_be_visible()
-    expect(desk.page.get_by_text("Another program changed catvehicle.xmi")).to_be_visible()
-    desk.page.get_by_role("button", name="Show the difference").click()
-    expect(desk.dialog(re.compile("What changed"))).to_contain_text("recorder")
+    expect(own_desk.box("recorder")).to_be_visible()
+    expect(own_desk.page.get_by_text("Another program changed catvehicle.xmi")).to_be_visible()
+    own_desk.page.get_by_role("button", name="Show the difference").click()
+    expect(own_desk.dialog(re.compile("What changed"))).to_contain_text("recorder")
 
 
-def test_a_file_that_cannot_be_read_shows_how_it_was_and_is_left_alone(desk, example):
+def test_a_file_that_cannot_be_read_shows_how_it_was_and_is_left_alone(own_desk, example):
     text = example.read_text(encoding="utf-8")
     broken = text[: len(text) // 2]
     example.write_text(broken, encoding="utf-8")
-    expect(desk.page.get_by_text("shows how it was before (revision 0)")).to_be_visible()
-    expect(desk.box("vehicle")).to_be_visible()
+    expect(own_desk.page.get_by_text("shows how it was before (revision 0)")).to_be_visible()
+    expect(own_desk.box("vehicle")).to_be_visible()
     assert example.read_text(encoding="utf-8") == broken
     example.write_text(text, encoding="utf-8")
-    expect(desk.page.get_by_text("cannot be read as it is")).to_have_count(0)
-    desk.no_problems()
+    expect(own_desk.page.get_by_text("cannot be read as it is")).to_have_count(0)
+    own_desk.no_problems()
 
 
-def test_by_keys_alone(desk, example):
+def test_by_keys_alone(desk, shared_example):
     desk.keyboard.press("Control+f")
     desk.keyboard.type("logger")
     desk.keyboard.press("Enter")
@@ -96,14 +106,14 @@ def test_by_keys_alone(desk, example):
     desk.keyboard.type("recorder")
     desk.keyboard.press("Enter")
     expect(desk.box("recorder")).to_have_count(1)
-    assert b'name="recorder"' in example.read_bytes()
+    assert b'name="recorder"' in shared_example.read_bytes()
     desk.keyboard.press("?")
     expect(desk.dialog(re.compile("Keys"))).to_contain_text("connect to")
     desk.keyboard.press("Escape")
     expect(desk.page.get_by_role("dialog")).to_have_count(0)
 
 
-def test_connecting_by_keys_alone(desk, example):
+def test_connecting_by_keys_alone(desk, shared_example):
     desk.keyboard.press("Control+f")
     desk.keyboard.type("vehicle")
     desk.keyboard.press("Enter")
@@ -119,11 +129,11 @@ def test_connecting_by_keys_alone(desk, example):
     desk.keyboard.press("Enter")
     expect(desk.row("bridge", "dead_reckoning")).to_have_count(1)
     expect(desk.page.get_by_role("dialog")).to_have_count(0)
-    assert b'<topics name="dead_reckoning"' in example.read_bytes()
+    assert b'<topics name="dead_reckoning"' in shared_example.read_bytes()
 
 
-def test_a_copied_bridge_is_a_bridge_of_its_own(desk, example):
-    before = example.read_bytes()
+def test_a_copied_bridge_is_a_bridge_of_its_own(desk, shared_example):
+    before = shared_example.read_bytes()
     desk.title("bridge").click()
     desk.keyboard.press("Control+c")
     expect(desk.said).to_contain_text("Copied bridge")
@@ -132,19 +142,19 @@ def test_a_copied_bridge_is_a_bridge_of_its_own(desk, example):
     expect(desk.row("bridge_2", "estimated_pose")).to_have_count(1)
     desk.keyboard.press("Control+z")
     expect(desk.box("bridge_2")).to_have_count(0)
-    assert example.read_bytes() == before
+    assert shared_example.read_bytes() == before
 
 
-def test_what_two_programs_changed_is_told_with_both(desk, example):
+def test_what_two_programs_changed_is_told_with_both(own_desk, example):
     text = example.read_text(encoding="utf-8")
-    desk.rename("logger", "recorder")
+    own_desk.rename("logger", "recorder")
     example.write_text(text.replace('name="vehicle"', 'name="rover"'), encoding="utf-8")
-    banner = desk.page.get_by_role("status").filter(has_text="catvehicle.xmi")
+    banner = own_desk.page.get_by_role("status").filter(has_text="catvehicle.xmi")
     expect(banner).to_contain_text("while you did")
-    expect(desk.box("rover")).to_be_visible()
-    expect(desk.box("logger")).to_be_visible()
+    expect(own_desk.box("rover")).to_be_visible()
+    expect(own_desk.box("logger")).to_be_visible()
     banner.get_by_role("button", name=re.compile("difference", re.I)).click()
-    expect(desk.dialog(re.compile("catvehicle.xmi"))).to_contain_text("recorder")
+    expect(own_desk.dialog(re.compile("catvehicle.xmi"))).to_contain_text("recorder")
 
 
 def test_what_is_dragged_into_a_host_runs_there_and_frames_take_all_along(open_studio, example):
@@ -185,9 +195,8 @@ def test_the_table_tells_the_same(desk):
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_light_and_dark_as_the_system_has_it(open_studio, example, scheme):
-    desk = Desktop(open_studio(example, color_scheme=scheme))
-    expect(desk.box("vehicle")).to_be_visible()
+def test_light_and_dark_as_the_system_has_it(open_shared, scheme):
+    desk = shown(open_shared(color_scheme=scheme))
     ground = desk.page.evaluate("getComputedStyle(document.body).backgroundColor")
     levels = [int(each) for each in re.findall(r"\d+", ground)[:3]]
     assert (max(levels) < 80) == (scheme == "dark"), ground

@@ -22,8 +22,8 @@ def test_the_token_leaves_the_address_and_lasts_for_the_tab(open_studio, example
     assert token not in open_studio.studios[0].log.read_text()
 
 
-def test_without_the_token_nothing_is_shown(open_studio, example):
-    page = open_studio(example)
+def test_without_the_token_nothing_is_shown(open_shared, open_studio):
+    page = open_shared()
     expect(page.get_by_label("File")).to_have_value("catvehicle.xmi")
     stranger = open_studio.page_of(page.url)
     expect(stranger.get_by_text("catvehicle")).to_have_count(0)
@@ -41,8 +41,8 @@ ASKING = """address => Promise.all([
 
 
 @pytest.mark.parametrize("site", ["http://127.0.0.1:9/", "http://other.test/"])
-def test_the_page_of_another_site_can_ask_nothing(open_studio, example, chromium, site):
-    page = open_studio(example)
+def test_the_page_of_another_site_can_ask_nothing(open_shared, chromium, site):
+    page = open_shared()
     expect(page.get_by_label("File")).to_have_value("catvehicle.xmi")
     context = chromium.new_context()
     other = context.new_page()
@@ -52,8 +52,8 @@ def test_the_page_of_another_site_can_ask_nothing(open_studio, example, chromium
     context.close()
 
 
-def test_the_page_can_ask_no_other_site(open_studio, example):
-    page = open_studio(example)
+def test_the_page_can_ask_no_other_site(open_shared, open_studio, example):
+    page = open_shared()
     expect(page.get_by_label("File")).to_have_value("catvehicle.xmi")
     other = open_studio(example)
     expect(other.get_by_label("File")).to_have_value("catvehicle.xmi")

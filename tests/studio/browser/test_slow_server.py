@@ -44,10 +44,10 @@ class Line:
 
 
 @pytest.fixture
-def slow(open_studio, example):
+def slow(open_shared):
     """A desk, and its line."""
     lines = []
-    page = open_studio(example, prepare=lambda page: lines.append(Line(page)))
+    page = open_shared(prepare=lambda page: lines.append(Line(page)))
     desk = Desktop(page)
     expect(desk.box("vehicle")).to_be_visible()
     return desk, lines[0]
@@ -61,7 +61,7 @@ def choose(desk, name):
     expect(desk.diagram).to_be_focused()
 
 
-def test_a_name_that_is_typed_before_the_present_one_is_known(slow, example):
+def test_a_name_that_is_typed_before_the_present_one_is_known(slow, shared_example):
     desk, line = slow
     choose(desk, "logger")
     line.hold()
@@ -70,17 +70,17 @@ def test_a_name_that_is_typed_before_the_present_one_is_known(slow, example):
     desk.keyboard.press("Enter")
     line.release()
     expect(desk.box("recorder")).to_have_count(1)
-    assert b'name="recorder"' in example.read_bytes()
+    assert b'name="recorder"' in shared_example.read_bytes()
 
 
-def test_keys_after_an_end_was_picked_are_for_the_ways_to_connect(slow, example):
+def test_keys_after_an_end_was_picked_are_for_the_ways_to_connect(slow, shared_example):
     desk, line = slow
     choose(desk, "vehicle")
     desk.keyboard.press("c")
     ends = desk.dialog("Connect to…")
     desk.keyboard.type("velocity_controller dead")
     expect(ends.get_by_role("option")).to_have_count(1)
-    before = example.read_bytes()
+    before = shared_example.read_bytes()
     line.hold()
     desk.keyboard.press("Enter")
     expect(desk.dialog("Connect how?")).to_be_visible()
@@ -89,12 +89,14 @@ def test_keys_after_an_end_was_picked_are_for_the_ways_to_connect(slow, example)
     line.release()
     expect(desk.row("bridge", "dead_reckoning")).to_have_count(1)
     expect(desk.box("vehicle")).to_have_count(1)
-    assert before != example.read_bytes()
+    assert before != shared_example.read_bytes()
 
 
-def test_nothing_is_removed_that_was_let_go_while_its_referrers_were_looked_for(slow, example):
+def test_nothing_is_removed_that_was_let_go_while_its_referrers_were_looked_for(
+    slow, shared_example
+):
     desk, line = slow
-    before = example.read_bytes()
+    before = shared_example.read_bytes()
     for key in ("Escape", "Enter"):
         choose(desk, "vehicle")
         line.hold()
@@ -106,7 +108,7 @@ def test_nothing_is_removed_that_was_let_go_while_its_referrers_were_looked_for(
             expect(desk.dialog(re.compile("Remove"))).to_contain_text("Delete")
             desk.keyboard.press("Escape")
         expect(desk.page.get_by_role("dialog")).to_have_count(0)
-    assert example.read_bytes() == before
+    assert shared_example.read_bytes() == before
 
 
 def test_what_was_closed_does_not_open_over_another_dialog(slow):

@@ -1,0 +1,36 @@
+"""A plugin: the tests of a process share what they read of the library, which none may change.
+
+Half of what it takes to read an example is the library. Programs that tests start read all of it.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from jausml.language.model import read_models
+from jausml.language.model.reading.library_cache import LibraryCache
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+TESTS = Path(__file__).resolve().parents[1]
+OF_THE_READER = ("model", "text", "editing", "merging")
+"""Folders of tests that judge reading itself, or change what was read."""
+
+_CACHE = pytest.StashKey[LibraryCache]()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
+    """Lets a test and its fixtures read with the library that earlier ones have read."""
+    if any(item.path.is_relative_to(TESTS / each) for each in OF_THE_READER):
+        return (yield)
+    defaults = read_models.__kwdefaults__
+    defaults["cache"] = item.config.stash.setdefault(_CACHE, LibraryCache())
+    try:
+        return (yield)
+    finally:
+        defaults["cache"] = None
