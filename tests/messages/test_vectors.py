@@ -15,6 +15,7 @@ from wire_vectors import close, given, payload_of, vectors
 
 from jausml.live import messages
 from jausml.live.messages import load_catalogue
+from jausml.live.messages.embedded import as_it_is
 from jausml.runtime import wire
 
 EVERY = pytest.mark.parametrize("vector", vectors(), ids=lambda vector: vector["name"])
@@ -56,7 +57,7 @@ class Interpreted:
         self._entry = catalogue(vector["model"]).message(vector["message"])
 
     def decode(self, data):
-        return self._entry.decode(data)
+        return self._entry.decode(data, as_it_is)
 
     def encode(self, fields):
         return self._entry.encode(fields)

@@ -8,6 +8,8 @@ import math
 from pathlib import Path
 from typing import Any
 
+from jausml.live.messages.values import as_numbers
+
 VECTORS = Path(__file__).resolve().parents[1] / "vectors"
 GOLDEN = Path(__file__).resolve().parents[3] / "shared" / "golden"
 
@@ -45,4 +47,5 @@ def close(ours: Any, theirs: Any) -> bool:
         return list(ours) == list(theirs) and all(close(ours[k], theirs[k]) for k in theirs)
     if isinstance(theirs, list):
         return len(ours) == len(theirs) and all(map(close, ours, theirs))
+    ours = as_numbers(ours)
     return type(ours) is type(theirs) and bool(ours == theirs)

@@ -5,25 +5,26 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from jausml.language.model.notation import Fault
-
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 _MARKER = re.compile(rb"^(<{7}|={7}|>{7})(?:[ \r\n]|$)", re.MULTILINE)
 
 
-def unmerged(data: bytes) -> Fault | None:
-    """Returns one fault for all markers of conflicts, at the first; None where there is none.
+RULE = "JML009"
+HINT = "keep what is meant, and remove the marks"
+
+
+def unmerged(data: bytes) -> tuple[str, int]:
+    """Returns what is said of all markers of conflicts, and the line of the first; empty for none.
 
     To be asked where a file cannot be read: some texts may hold such lines.
     """
     found = list(_conflicts(data))
     if not found:
-        return None
+        return "", 0
     places = ", ".join(f"{first}-{last}" if last > first else f"{first}" for first, last in found)
-    message = f"an unmerged conflict stands in lines {places}"
-    return Fault("JML009", message, "keep what is meant, and remove the marks", found[0][0])
+    return f"an unmerged conflict stands in lines {places}", found[0][0]
 
 
 def _conflicts(data: bytes) -> Iterator[tuple[int, int]]:

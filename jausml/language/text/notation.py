@@ -6,7 +6,7 @@ import codecs
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel import FeatureKind
-from jausml.language.model.conflicts import unmerged
+from jausml.language.model import conflicts
 from jausml.language.model.notation import Fault, Notation
 from jausml.language.text.keywords import snake_case
 from jausml.language.text.rules import TEXT_RULES
@@ -84,9 +84,10 @@ class Ros2Jaus:
         if fault is not None:
             return TextDocument(SyntaxTree(), [fault], path, metamodels)
         parsed = (self._parse or parse)(text)
-        conflict = unmerged(data) if parsed.faults else None
-        if conflict is not None:
-            return TextDocument(SyntaxTree(), [conflict], path, metamodels)
+        conflict, first = conflicts.unmerged(data) if parsed.faults else ("", 0)
+        if conflict:
+            fault = Fault(conflicts.RULE, conflict, conflicts.HINT, first)
+            return TextDocument(SyntaxTree(), [fault], path, metamodels)
         faults = [
             Fault("JML701", each.message, each.hint, each.span.line, each.span.column)
             for each in parsed.faults

@@ -1,8 +1,13 @@
 """Messages: a catalogue of what models define, and a codec that needs no generated code."""
 
 from jausml.live.messages.catalogue import Catalogue, load_catalogue
-from jausml.live.messages.embedded import DecodedMessage, EmbeddedMessage
-from jausml.live.messages.entries import MessageEntry, ServiceEntry, read_code
+from jausml.live.messages.entries import (
+    DecodedMessage,
+    EmbeddedMessage,
+    MessageEntry,
+    ServiceEntry,
+    read_code,
+)
 from jausml.live.messages.errors import (
     AmbiguousMessageError,
     CatalogueError,

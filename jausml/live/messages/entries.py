@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import struct
+from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from jausml.language import wire
 from jausml.live.messages.codec import PRESENCE, codec_of, may_hold
-from jausml.live.messages.embedded import put_in_place, shortened
-from jausml.live.messages.errors import DecodeError, DefinitionError, EncodeError
+from jausml.live.messages.counted import MESSAGE
+from jausml.live.messages.embedded import holders
+from jausml.live.messages.errors import DecodeError, DefinitionError, EncodeError, MessageError
 from jausml.live.messages.paths import by_name
 
 if TYPE_CHECKING:
@@ -17,7 +19,6 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes import jaus
     from jausml.live.messages.counted import EncodeMessage
-    from jausml.live.messages.embedded import DecodeMessage
     from jausml.live.messages.items import Codec
 
 _CODE = struct.Struct("<H")
@@ -218,3 +219,67 @@ class MessageEntry:
         except struct.error as error:
             raise EncodeError(str(error)) from None
         return bytes(out)
+
+
+@dataclass(frozen=True)
+class DecodedMessage:
+    """A message with its fields."""
+
+    entry: MessageEntry
+    fields: dict[str, Any]
+    service: ServiceEntry
+
+    def to_json(self) -> dict[str, Any]:
+        """Returns the message as `jausml decode` prints it and `Catalogue.encode` takes it."""
+        return {
+            "message": self.entry.name,
+            "code": self.entry.code_text,
+            "service": self.service.urn,
+            "service_version": self.service.version,
+            "fields": self.fields,
+        }
+
+
+class EmbeddedMessage(dict[str, Any]):
+    """A message inside another, as `DecodedMessage.to_json` has it.
+
+    Attributes:
+        decoded: The message; None when it cannot be decoded, and the object says why.
+    """
+
+    def __init__(self, decoded: DecodedMessage | None, error: str = "") -> None:
+        super().__init__({"error": error} if decoded is None else decoded.to_json())
+        self.decoded = decoded
+
+
+class DecodeMessage(Protocol):
+    """Decodes an embedded message; None leaves it as it is."""
+
+    def __call__(self, payload: bytes, /) -> DecodedMessage | None:
+        """Returns the message of a payload."""
+
+
+def put_in_place(record: wire.Record, fields: dict[str, Any], decode: DecodeMessage) -> None:
+    """Puts messages in the place of their hex; what cannot be decoded stays, and says why."""
+    for holder in holders(record, fields):
+        try:
+            found = decode(bytes.fromhex(holder["hex"]))
+        except MessageError as error:
+            holder[MESSAGE] = EmbeddedMessage(None, str(error))
+            continue
+        if found is not None:
+            del holder["hex"]
+            holder[MESSAGE] = EmbeddedMessage(found)
+
+
+def shortened(value: Any) -> Any:
+    """Returns a value in which messages have the fields of `MessageEntry.shortened`."""
+    match value:
+        case EmbeddedMessage(decoded=DecodedMessage() as decoded):
+            return {**value, "fields": decoded.entry.shortened(decoded.fields)}
+        case dict():
+            return {name: shortened(each) for name, each in value.items()}
+        case list():
+            return [shortened(each) for each in value]
+        case _:
+            return value

@@ -12,7 +12,7 @@ from jausml.live.messages.counted import MESSAGE
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from jausml.live.messages.embedded import DecodedMessage, EmbeddedMessage
+    from jausml.live.messages.entries import DecodedMessage, EmbeddedMessage
 
 _INDENT = "  "
 _SHOWN_OCTETS = 32

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 from xml.parsers import expat
 
-from jausml.language.model.conflicts import unmerged
+from jausml.language.model import conflicts
 
 MAX_DEPTH = 200
 
@@ -234,9 +234,9 @@ def _accident(data: bytes) -> ParseFault | None:
 
 def _explain(error: expat.ExpatError, data: bytes) -> ParseFault:
     line, column = max(error.lineno, 1), error.offset + 1
-    conflict = unmerged(data)
-    if conflict is not None:
-        return ParseFault(conflict.rule, conflict.message, conflict.hint, conflict.line)
+    conflict, first = conflicts.unmerged(data)
+    if conflict:
+        return ParseFault(conflicts.RULE, conflict, conflicts.HINT, first)
     reason = expat.ErrorString(error.code) or str(error)
     rule, hint = "JML004", ""
     if error.code in _ENCODING_ERRORS:
