@@ -164,6 +164,7 @@ def test_what_is_dragged_into_a_host_runs_there_and_frames_take_all_along(open_s
     text = text.replace(" operator_control_unit bridge", " bridge")
     example.write_text(text.replace("<placements", f"{ground}\n  <placements"), encoding="utf-8")
     desk = Desktop(open_studio(example))
+    desk.page.get_by_role("button", name="Fit").click()
     frame = desk.page.locator(".frame", has_text="host ground")
     inside = frame.bounding_box()
     desk.drag(desk.title("logger"), inside["x"] + 10, inside["y"] + inside["height"] - 10)
