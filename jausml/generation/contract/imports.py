@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import difflib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,6 +10,7 @@ from jausml.generation.contract.edits import Edit, name_edit, removal
 from jausml.generation.contract.scopes import Scope, own_nodes
 from jausml.generation.contract.symbols import Module
 from jausml.generation.contract.syntax import absolute
+from jausml.language.model.values import nearest
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from jausml.generation.contract.mentions import Mentions
     from jausml.generation.contract.names import Names
     from jausml.generation.contract.types import Types
-
-_ALIKE = 0.7
-"""Ratio of difflib above which a name may be another one, renamed."""
 
 
 @dataclass(frozen=True)
@@ -157,8 +154,8 @@ class Imports:
 def alike(name: str, names: Iterable[str]) -> str:
     """Asks whether a name is another one that resembles it; empty where none does."""
     likely = [each for each in names if each[:1].isupper() == name[:1].isupper()]
-    found = difflib.get_close_matches(name, likely, n=1, cutoff=_ALIKE)
-    return f"; is it {found[0]} now?" if found else ""
+    found = nearest(name, likely)
+    return f"; is it {found} now?" if found else ""
 
 
 def _unused(cut: tuple[Edit, ...]) -> str:
