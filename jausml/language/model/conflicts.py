@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 _MARKER = re.compile(rb"^(<{7}|={7}|>{7})(?:[ \r\n]|$)", re.MULTILINE)
-
+_MOST_NAMED = 5
 
 RULE = "JML009"
 HINT = "keep what is meant, and remove the marks"
@@ -23,15 +23,19 @@ def unmerged(data: bytes) -> tuple[str, int]:
     found = list(_conflicts(data))
     if not found:
         return "", 0
-    places = ", ".join(f"{first}-{last}" if last > first else f"{first}" for first, last in found)
-    return f"an unmerged conflict stands in lines {places}", found[0][0]
+    places = [f"{first}-{last}" if last > first else f"{first}" for first, last in found]
+    more = [f"and {len(places) - _MOST_NAMED} more"] if len(places) > _MOST_NAMED else []
+    shown = ", ".join([*places[:_MOST_NAMED], *more])
+    return f"an unmerged conflict stands in lines {shown}", found[0][0]
 
 
 def _conflicts(data: bytes) -> Iterator[tuple[int, int]]:
     """Yields the first and the last line of each conflict."""
-    first = last = 0
+    first = last = at = 0
+    line = 1
     for marker in _MARKER.finditer(data):
-        line = data.count(b"\n", 0, marker.start()) + 1
+        line += data.count(b"\n", at, marker.start())
+        at = marker.start()
         if first and marker[1].startswith(b"<"):
             yield first, last
             first = 0
