@@ -26,7 +26,8 @@ def feed_watchdog(loop: Waiting, environment: Mapping[str, str] = os.environ) ->
     place, time_out = environment.get("NOTIFY_SOCKET", ""), environment.get("WATCHDOG_USEC", "")
     # A process that this one starts inherits the environment, and is not who is watched.
     watched = environment.get("WATCHDOG_PID", str(os.getpid()))
-    if not place or not time_out.isdecimal() or watched != str(os.getpid()):
+    is_time_out = time_out.isdecimal() and int(time_out) > 0
+    if not place or not is_time_out or watched != str(os.getpid()):
         return
     # A name that begins with @ is one of Linux's abstract sockets.
     address = f"\0{place[1:]}" if place.startswith("@") else place
