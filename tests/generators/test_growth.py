@@ -37,7 +37,7 @@ def calls(text, folder, work=rendering):
     model.write_text(text, encoding="utf-8")
     report = check_project([model])
     assert not report.has_errors, report.diagnostics[:3]
-    return counted(lambda: work(report.model))
+    return counted(lambda: work(report.model)).total()
 
 
 @pytest.mark.parametrize(("own_maps", "own_frames"), [(False, False), (True, False), (True, True)])

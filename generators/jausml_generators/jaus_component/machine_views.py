@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import deque
+from collections import defaultdict, deque
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -267,19 +267,18 @@ def walks(machine: Machine, transitions: Listed) -> list[Walk]:
 
 
 def _steps(machine: Machine, place: _Place, transitions: Listed) -> Iterator[tuple[Step, _Place]]:
-    listed = list(_listed(place.state, transitions))
-    triggers = {_trigger(transition): None for _, transition in listed}
-    for trigger in triggers:
-        refused = 0
-        for path, transition in listed:
-            if trigger is None or _trigger(transition) != trigger:
-                continue
+    by_trigger = defaultdict(list)
+    for path, transition in _listed(place.state, transitions):
+        by_trigger[_trigger(transition)].append((path, transition))
+    for trigger, tried in by_trigger.items():
+        if trigger is None:
+            continue
+        for refused, (path, transition) in enumerate(tried):
             after = _after(machine, place, path, transition)
             if after is not None:
                 yield Step(trigger, refused, after.state), after
             if parse_guard(transition.guard) is None:
                 break
-            refused += 1
 
 
 def _listed(state: str, transitions: Listed) -> Iterator[tuple[str, jaus.Transition]]:

@@ -13,7 +13,7 @@ from jausml.language.metamodel import FeatureKind
 from jausml.language.metamodel.filling import set_value
 from jausml.language.model.notation import Fault, ImportedDocument
 from jausml.language.semantics.connections.exchanges import CONNECTION, FEATURES, infer
-from jausml.language.semantics.memory import remembering
+from jausml.language.semantics.memory import remembered, remembering
 from jausml.language.text.reading import imports
 from jausml.language.text.reading.bridge_of_maps import add_bridge
 from jausml.language.text.reading.declarations.declarer import Declarer
@@ -187,7 +187,7 @@ def _settle(node: Node, table: ClassTable) -> Iterator[Fault]:
         for name in FEATURES
         if name in written
     }
-    is_known = _is_read(node, _PEERS) and (node.parent is None or _is_read(node.parent, _SERVICES))
+    is_known = _is_read(node, _PEERS) and (node.parent is None or _knows_services(node.parent))
     inferred = infer(connection, **stated, is_known=is_known)
     for name in unstated:
         feature = table.features[name]
@@ -195,6 +195,12 @@ def _settle(node: Node, table: ClassTable) -> Iterator[Fault]:
         set_value(connection, feature, literals[getattr(inferred, name)])
     if len(inferred.options) > 1:
         yield _ambiguous(node, inferred)
+
+
+@remembered
+def _knows_services(bridge: Node) -> bool:
+    """Tells it once for all connections of a bridge."""
+    return _is_read(bridge, _SERVICES)
 
 
 def _is_read(node: Node, features: Iterable[str]) -> bool:
