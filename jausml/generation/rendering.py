@@ -173,7 +173,7 @@ class _FilesInMemory(JinjaTask):  # type: ignore[misc]  # multigen has no types
     def _artifact(self, view: Any) -> Artifact:
         task, path = self.task, self.task.path(view)
         text = self._text(view)
-        is_parsed = False
+        is_parsed = isinstance(task, TextTask) and task.is_copied
         if isinstance(task, FileTask) and path.endswith(".py"):
             text, is_parsed = self._module(task, text, view), True
         text = _laid_out(text)

@@ -77,10 +77,15 @@ class TextFile:
 
 @dataclass(frozen=True)
 class TextTask:
-    """Files of ready text."""
+    """Files of ready text.
+
+    Attributes:
+        is_copied: What is copied from modules that run here need not be read to be believed.
+    """
 
     views: Sequence[TextFile]
     _: KW_ONLY
+    is_copied: bool = False
     kind: Kind = Kind.GENERATED
     executable: bool = False
     contract: Callable[[TextFile], SkeletonContract] | None = None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -20,13 +21,13 @@ from jausml.runtime.transports.packets.packet import DataFlags, Packet
 from jausml.runtime.transports.udp.shared_port import present_frame
 
 GOLDEN = Path(__file__).resolve().parents[3] / "shared" / "golden" / "judp_datagrams.jsonl"
-CATALOGUE = load_catalogue()
+catalogue = cache(load_catalogue)
 ROBOT, OPERATOR = JausAddress(200, 1, 2), JausAddress(101, 1, 1)
 IDENTIFICATION = bytes.fromhex("004b 02 1127 05") + b"robot"
 
 
 def observe(*datagrams, source=None):
-    observer = Observer(CATALOGUE)
+    observer = Observer(catalogue())
     return [
         seen
         for number, data in enumerate(datagrams, 1)
@@ -142,7 +143,7 @@ def test_acknowledgements_have_no_message():
 
 
 def test_frames_between_processes_of_a_host_are_no_traffic():
-    observer = Observer(CATALOGUE)
+    observer = Observer(catalogue())
     here = Endpoint("127.0.0.1", 3794)
     assert list(observer.observe(Datagram(present_frame([ROBOT]), here, here))) == []
     assert observer.host_frames == 1

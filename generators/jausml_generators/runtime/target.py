@@ -34,7 +34,7 @@ def tasks(model: Model) -> list[Task]:
         test_dependencies=(),
         has_own_init=True,
     )
-    return [*package_tasks([package]), TextTask(_modules())]
+    return [*package_tasks([package]), TextTask(_modules(), is_copied=True)]
 
 
 def _modules() -> list[TextFile]:

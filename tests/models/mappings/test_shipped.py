@@ -32,7 +32,9 @@ if TYPE_CHECKING:
 
 GUARDS = ("models/library/mappings",)
 
-MAPS = [(stem, each) for stem, maps in ready_maps().items() for each in maps]
+
+def all_maps() -> list[Any]:
+    return [each for maps in ready_maps().values() for each in maps]
 
 
 def test_the_files_are_free_of_findings() -> None:
@@ -44,7 +46,7 @@ def test_bridges_that_use_each_map_are_free_of_findings(system: ReadResult) -> N
     assert [each for each in findings(system) if "JML367" not in each] == []
 
 
-@for_each("each", [each for _, each in MAPS], ids=lambda each: each.name)
+@for_each("each", all_maps, ids=lambda each: each.name)
 def test_each_map_has_vectors_for_each_direction_and_says_what_it_is(each: Any) -> None:
     tested = {vector.direction.name for vector in each.vectors}
     has = {"jausToRos"} if each.toRos else set()
@@ -53,7 +55,7 @@ def test_each_map_has_vectors_for_each_direction_and_says_what_it_is(each: Any) 
     assert each.documentation
 
 
-@for_each("each", [each for _, each in MAPS], ids=lambda each: each.name)
+@for_each("each", all_maps, ids=lambda each: each.name)
 def test_each_sign_that_changes_is_in_a_vector(each: Any) -> None:
     """With a figure that is not 0, which has the same sign as its opposite."""
     for way, assignments in (("jausToRos", each.toRos), ("rosToJaus", each.toJaus)):
@@ -83,7 +85,7 @@ def _conversions(assignments: Any, around: str = "") -> Iterator[tuple[str, set[
 
 
 def test_names_are_unique_over_all_files() -> None:
-    names = [each.name for _, each in MAPS]
+    names = [each.name for each in all_maps()]
     assert len(set(names)) == len(names)
     assert all(ready_maps().values())
 
@@ -92,8 +94,8 @@ def test_the_list_has_each_map_and_no_other() -> None:
     text = (MAPPINGS / "README.md").read_text(encoding="utf-8")
     rows = [line.split("|") for line in text.splitlines() if line.startswith("| ")]
     listed = set(re.findall(r"`(\w+)`", " ".join(row[4] for row in rows)))
-    names = {each.name for _, each in MAPS}
-    lamps = {each.name for stem, each in MAPS if stem == "illumination" and each.toRos}
+    names = {each.name for each in all_maps()}
+    lamps = {each.name for each in ready_maps()["illumination"] if each.toRos}
     assert len(lamps) == 24
     assert listed - lamps == names - lamps
     assert set(ready_maps()) <= set(re.findall(r"`(\w+)`", text))

@@ -1,4 +1,4 @@
-"""One process for the tests of a file: it begins in seconds, and they leave nothing behind."""
+"""One process for all tests here: it begins in seconds, and they leave nothing behind."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import pytest
 from studio_client import serving
 
+from jausml.language.model.library import LIBRARY_URI
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
@@ -14,13 +16,21 @@ if TYPE_CHECKING:
     from studio_client import Page, Server
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory, new_project: Callable[[Path], Path]) -> Path:
-    """A project whose edits are undone after each test."""
-    return new_project(tmp_path_factory.mktemp("shared"))
+@pytest.fixture(scope="session")
+def folder(
+    tmp_path_factory: pytest.TempPathFactory,
+    new_project: Callable[[Path], Path],
+    models: Path,
+) -> Path:
+    """A project and a service beside it, whose edits are undone after each test."""
+    root = new_project(tmp_path_factory.mktemp("shared"))
+    text = (models / "examples" / "winch" / "service.xmi").read_text(encoding="utf-8")
+    text = text.replace("../../library/", LIBRARY_URI)
+    (root / "service.xmi").write_text(text, encoding="utf-8")
+    return root
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def server(folder: Path, built: Path) -> Iterator[Server]:
     with serving(folder / "catvehicle.xmi", built) as server:
         yield server

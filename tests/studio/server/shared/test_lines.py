@@ -6,11 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from jausml.language.model.library import LIBRARY_URI
-
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from studio_client import Page
 
 pytestmark = pytest.mark.ports
@@ -18,14 +14,6 @@ pytestmark = pytest.mark.ports
 FILE = "service.xmi"
 MACHINE = {"file": FILE, "view": "machine:Winch.ReceiveFSM"}
 SERVICE = {"file": FILE, "view": "service:Winch"}
-
-
-@pytest.fixture(scope="module")
-def folder(folder: Path, models: Path) -> Path:
-    text = (models / "examples" / "winch" / FILE).read_text(encoding="utf-8")
-    path = folder / FILE
-    path.write_text(text.replace("../../library/", LIBRARY_URI), encoding="utf-8")
-    return folder
 
 
 def test_a_transition_is_drawn_from_state_to_state(page: Page) -> None:

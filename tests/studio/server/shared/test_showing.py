@@ -21,7 +21,7 @@ def test_hello_tells_of_the_project(page: Page) -> None:
     assert page.project["name"] == "project"
     assert page.project["opened"] == FILE
     assert page.project["version"] == __version__
-    assert [each["path"] for each in page.project["files"]] == [FILE]
+    assert [each["path"] for each in page.project["files"]] == [FILE, "service.xmi"]
 
 
 def test_views_are_those_of_the_file(page: Page) -> None:
@@ -44,4 +44,4 @@ def test_an_unknown_view_is_refused(page: Page) -> None:
 def test_problems_of_the_example_are_none(page: Page) -> None:
     found = page.ask("problems", file=FILE)
     assert [each for each in found["problems"] if each["severity"] == "error"] == []
-    assert found["files"] == [FILE]
+    assert found["files"] == [FILE, "service.xmi"]
