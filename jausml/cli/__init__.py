@@ -212,8 +212,8 @@ def program() -> None:
         offer_files()
     if LASTING.isdisjoint(sys.argv):
         gc.disable()
-        # Else the collector looks at all of them at the end.
-        atexit.register(gc.freeze)
+    # Else the collector looks at all of them at the end.
+    atexit.register(gc.freeze)
     try:
         main(prog_name="jausml")
     except SystemExit as end:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
+from jausml.language.model.collector import without_collector
 from jausml.language.model.diagnostics import Severity
 from jausml.language.model.library import library_paths
 from jausml.language.project.library import services_alone
@@ -68,7 +69,8 @@ def load_catalogue(
 
 @cache
 def _library_catalogue() -> Catalogue:
-    return Catalogue(services_alone())
+    with without_collector():
+        return Catalogue(services_alone())
 
 
 def _catalogue_of(result: ReadResult) -> Catalogue:
