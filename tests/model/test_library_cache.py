@@ -110,16 +110,39 @@ def test_a_library_that_is_checked_itself_is_read_itself(tmp_path):
     assert outline(result) == outline(read(path))
 
 
-def test_the_same_library_by_another_name_is_called_by_that(tmp_path):
+def by_another_name(file, folder):
+    return os.path.relpath(library_root() / "jaus" / file, folder)
+
+
+def test_the_same_library_by_another_name_is_called_by_that_and_kept_too(tmp_path):
     cache = LibraryCache()
-    read(write(tmp_path, COMPONENT), cache)
-    path = write(
-        tmp_path,
-        COMPONENT,
-        os.path.relpath(library_root() / MOBILITY.removeprefix(LIBRARY_URI), tmp_path),
-    )
+    shared = read(write(tmp_path, COMPONENT), cache)
+    path = write(tmp_path, COMPONENT, by_another_name("mobility.xmi", tmp_path), "other.xmi")
     options = {"allow_outside": True, "project_root": tmp_path}
-    assert outline(read(path, cache, **options)) == outline(read(path, **options))
+    first, again = read(path, cache, **options), read(path, cache, **options)
+    assert outline(first) == outline(again) == outline(read(path, **options))
+    assert library_of(first) == library_of(again) != library_of(shared)
+    assert library_of(read(tmp_path / "model.xmi", cache)) == library_of(shared)
+
+
+@pytest.mark.parametrize("is_known", [True, False])
+def test_a_library_of_two_names_in_a_model_is_one(tmp_path, is_known):
+    cache = LibraryCache()
+    if is_known:
+        read(write(tmp_path, COMPONENT), cache)
+    core = by_another_name("core-1.0.xmi", tmp_path)
+    both = COMPONENT.replace("<provides", f'<provides href="{core}#Management"/><provides', 1)
+    path = write(tmp_path, both, name="other.xmi")
+    options = {"allow_outside": True, "project_root": tmp_path}
+    for _ in range(2):
+        result = read(path, cache, **options)
+        assert outline(result) == outline(read(path, **options))
+        management, sensor = result.model.root.provides
+        assert top_of(management) is top_of(sensor)
+
+
+def top_of(service):
+    return service if service.inherits is None else top_of(service.inherits)
 
 
 def test_a_library_with_a_finding_is_not_kept(tmp_path, monkeypatch):

@@ -12,6 +12,7 @@ import pytest
 
 from jausml.language.model import read_models
 from jausml.language.model.reading.library_cache import LibraryCache
+from jausml.language.project import index
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 TESTS = Path(__file__).resolve().parents[1]
 OF_THE_READER = ("model", "text", "editing", "merging")
 """Folders of tests that judge reading itself, or change what was read."""
+IN_THREADS = ("studio", "editor")
+"""Folders of tests that read in several threads at once, which each need a cache."""
 
 _CACHE = pytest.StashKey[LibraryCache]()
 
@@ -26,11 +29,15 @@ _CACHE = pytest.StashKey[LibraryCache]()
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
     """Lets a test and its fixtures read with the library that earlier ones have read."""
-    if any(item.path.is_relative_to(TESTS / each) for each in OF_THE_READER):
+    if _is_in(item.path, OF_THE_READER):
         return (yield)
-    defaults = read_models.__kwdefaults__
-    defaults["cache"] = item.config.stash.setdefault(_CACHE, LibraryCache())
-    try:
+    cache = item.config.stash.setdefault(_CACHE, LibraryCache())
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(read_models.__kwdefaults__, "cache", cache)
+        if not _is_in(item.path, IN_THREADS):
+            patch.setattr(index, "LibraryCache", lambda: cache)
         return (yield)
-    finally:
-        defaults["cache"] = None
+
+
+def _is_in(path: Path, folders: tuple[str, ...]) -> bool:
+    return any(path.is_relative_to(TESTS / each) for each in folders)

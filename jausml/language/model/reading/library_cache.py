@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     """What the references of documents led to, by URI; None for nowhere."""
 
 
+_MOST = 500
+"""Documents; more are of projects that nobody works with any more."""
+
+
 class NotShareableError(Exception):
     """A model does to the library what others must not see: it needs a library of its own."""
 
@@ -43,29 +47,24 @@ class LibraryCache:
     """Documents of the library in XMI that were read without findings, with all they refer to.
 
     Elements of the library do not know who of another document refers to them, and nobody may
-    change them. One reading uses a cache at a time.
+    change them. A document is kept for each name that messages call it by: that of the library, or
+    of its copy in a project. One reading uses a cache at a time.
     """
 
     def __init__(self) -> None:
-        self._documents: dict[Path, CachedDocument] = {}
+        self._documents: dict[tuple[Path, str], CachedDocument] = {}
         self._stamps: dict[Path, tuple[int, int]] = {}
 
     def prepare(self, held: Collection[Path]) -> None:
         """Forgets everything when a file has changed: what refers to it has its elements."""
-        is_current = all(self._stamps[each] == _stamp(each) for each in self._documents)
-        if not is_current or not self._documents.keys().isdisjoint(held):
+        paths = {path for path, _ in self._documents}
+        is_current = all(self._stamps[each] == _stamp(each) for each in paths)
+        if not is_current or not paths.isdisjoint(held) or len(self._documents) > _MOST:
             self._documents.clear()
 
     def find(self, target: FileTarget) -> CachedDocument | None:
-        """Returns the document of a file, None when it is not there.
-
-        Raises:
-            NotShareableError: It is there under another name, by which messages call it.
-        """
-        found = self._documents.get(target.path)
-        if found is not None and found.document.display != target.display:
-            raise NotShareableError
-        return found
+        """Returns the document of a file, None when it is not there."""
+        return self._documents.get((target.path, target.display))
 
     def note(self, path: Path) -> None:
         """Remembers how the file of a document is, which is read next."""
@@ -76,9 +75,9 @@ class LibraryCache:
         shared = [each for each in model.documents if each.is_shared]
         if all(_is_sound(each, opened, faulty) for each in shared):
             for each in shared:
-                if each.path not in self._documents:
-                    uris = tuple(opened.get(each, ()))
-                    self._documents[each.path] = CachedDocument(each, uris, model.origins_of(each))
+                uris = tuple(opened.get(each, ()))
+                kept = CachedDocument(each, uris, model.origins_of(each))
+                self._documents.setdefault((each.path, each.display), kept)
 
 
 def _is_sound(document: Document, opened: Opened, faulty: Collection[str]) -> bool:

@@ -230,6 +230,8 @@ class _Reading:
                 del self._documents[target.path]
                 self._model.documents.remove(document)
                 return absent
+        if base.is_shared and document.display != target.display:
+            raise NotShareableError  # what is kept refers to a document of the other name
         return document
 
     def _add(self, target: FileTarget, *, given: bool) -> Document:
