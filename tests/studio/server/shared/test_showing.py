@@ -44,4 +44,4 @@ def test_an_unknown_view_is_refused(page: Page) -> None:
 def test_problems_of_the_example_are_none(page: Page) -> None:
     found = page.ask("problems", file=FILE)
     assert [each for each in found["problems"] if each["severity"] == "error"] == []
-    assert found["files"] == [FILE, "service.xmi"]
+    assert found["files"] == [FILE]
