@@ -105,10 +105,10 @@ def test_calls_are_recorded_where_a_node_publishes_them(tmp_path, monkeypatch):
     recorder = Recorder(
         RecordingFiles(path, SplitLimits()), Catalogue(read(FLEET)), {}, TrafficFilter()
     )
-    ros = RosTopics(None, TrafficFilter(topics=("/switch/*",)))
+    ros = RosTopics(TrafficFilter(topics=("/switch/*",)))
     with Introspected() as node, recorder.kept(0.1, ros.repeat_latched):
         ros.open()
-        ros.begin(recorder.take_topic)
+        ros.begin(None, recorder.take_topic)
         try:
             wait_for(lambda: node.listeners() > 0, "recorder")
             node.call(True)

@@ -58,10 +58,10 @@ def test_each_file_has_the_latest_of_a_latched_topic(tmp_path, publisher):
     publisher(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL).publish(String(data="a robot"))
     parts = RecordingFiles(tmp_path / "run.mcap", SplitLimits(duration=0.5))
     recorder = Recorder(parts, open_catalogue([]), {}, TrafficFilter())
-    ros = RosTopics(["/description"], TrafficFilter())
+    ros = RosTopics(TrafficFilter())
     with recorder.kept(0.05, ros.repeat_latched):
         ros.open()
-        ros.begin(recorder.take_topic)
+        ros.begin(["/description"], recorder.take_topic)
         try:
             wait_for(lambda: len(holding(parts)) >= 3, "files with messages")
         finally:
@@ -88,9 +88,9 @@ def test_messages_for_which_there_was_no_time_are_counted(publisher):
         came.append(message)
 
     made = publisher(depth=10)
-    ros = RosTopics(["/description"], TrafficFilter())
+    ros = RosTopics(TrafficFilter())
     ros.open()
-    ros.begin(take)
+    ros.begin(["/description"], take)
     try:
         wait_for(lambda: made.get_subscription_count() > 0, "recorder")
         # What was lost before the first that came, nobody can know.

@@ -12,7 +12,7 @@ import click
 from jausml.cli.live.network import Settings, operator_options, until_interrupted
 from jausml.cli.shared.files import PROBLEMS
 from jausml.cli.shared.lines import to_json
-from jausml.cli.shared.models import readable_model
+from jausml.cli.shared.models import only_system, readable_model
 from jausml.cli.shared.options import FiniteRange
 from jausml.cli.shared.terminal import warn
 
@@ -32,8 +32,12 @@ _BRIDGE_HEAD = ("bridge", "connection", _PLACES[0], "", "", _PLACES[1], "", "")
 _BRIDGE_UNDER_HEAD = ("", "", *_WORDS, *_WORDS)
 
 
+def _or_only_system(_: click.Context, __: click.Parameter, value: str | None) -> str:
+    return value or only_system("ID|MODEL")
+
+
 @click.command("latency")
-@click.argument("source", metavar="ID|MODEL")
+@click.argument("source", metavar="[ID|MODEL]", required=False, callback=_or_only_system)
 @click.argument("messages", metavar="[MESSAGE]...", nargs=-1)
 @click.option(
     "--duration",
@@ -65,6 +69,8 @@ def command(
     interval: float,
 ) -> None:
     """Measure the reports of the component ID, or those of all connections of a MODEL.
+
+    Without either, MODEL is that of the project of the current folder.
 
     Subscribes to each report, and also queries it. Shows how many reports arrive per second, how
     much the intervals between them deviate from their median (jitter), how old they are on arrival

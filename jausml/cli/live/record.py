@@ -19,7 +19,7 @@ from jausml.cli.live.recordings import (
     stopped_by_signals,
 )
 from jausml.cli.shared.files import EnvironmentFault
-from jausml.cli.shared.models import open_catalogue, valid_model
+from jausml.cli.shared.models import open_catalogue, optional_model_argument
 from jausml.cli.shared.options import (
     FiniteRange,
     interface_option,
@@ -47,7 +47,7 @@ _FRAGMENT = 0x3FFF
 
 
 @click.command("record")
-@click.argument("model", metavar="[MODEL]", required=False)
+@optional_model_argument
 @output_option
 @force_option
 @click.option("--all-topics", is_flag=True, help="Record all ROS topics, not only those of MODEL.")
@@ -132,14 +132,16 @@ def command(
     """Record both sides of a running system until Ctrl-C.
 
     FILE contains the JAUS messages on the interface, as JSON, and the ROS topics of the system in
-    MODEL. The capture is written beside it, with the ending .pcap. Without MODEL, or without ROS,
-    only JAUS is recorded. The recorder sends nothing. To see messages between others it needs
-    CAP_NET_RAW, like tcpdump; without it, it receives only the multicast group.
+    MODEL, by default that of the project of the current folder. The capture is written beside it,
+    with the ending .pcap. Without a model, or without ROS, only JAUS is recorded. From the moment
+    at which it says "recording", all that is sent and published by those who are there is recorded.
+    The recorder sends nothing. To see messages between others it needs CAP_NET_RAW, like tcpdump;
+    without it, it receives only the multicast group.
 
     After a power failure or a kill, everything that was flushed is still readable: `jausml replay`
     reads and repairs files that were cut off.
 
-    Exit status: 0 done, 1 problems in the model, 2 usage or environment, a full disk among them,
+    Exit status: 0 done, 1 the model cannot be read, 2 usage or environment, a full disk among them,
     3 internal error.
     """
     from threading import Event
@@ -160,21 +162,22 @@ def command(
         )
     except ValueError as error:
         raise click.UsageError(str(error)) from error
-    definitions = topics_of(valid_model(model)) if model is not None else {}
-    catalogue = open_catalogue([model] if model is not None else [])
     selection = TrafficFilter(topics, excluded, components)
     is_any = all_topics or (model is None and bool(topics))
     stop = Event()
     with ExitStack() as stack:
         stack.enter_context(stopped_by_signals(stop))
+        ros = RosTopics(selection)
+        # ROS looks around while the model is read.
+        speaks_ros = (model is not None or is_any) and _entered(ros, stack, is_wanted=is_any)
+        catalogue = open_catalogue([] if model is None else [model])
+        types = {} if model is None else topics_of(catalogue.model)
         frames, what = _opened(settings, stack)
-        ros = RosTopics(None if is_any else definitions, selection)
-        speaks_ros = bool(definitions or is_any) and _entered(ros, stack, is_wanted=is_any)
         parts = _parts(path, limits, compression, force=force)
-        recorder = Recorder(parts, catalogue, definitions, selection)
+        recorder = Recorder(parts, catalogue, types, selection)
         stack.enter_context(recorder.kept(flush_every, ros.repeat_latched))
-        if speaks_ros:
-            ros.begin(recorder.take_topic)
+        if speaks_ros and (types or is_any):
+            ros.begin(None if is_any else types, recorder.take_topic)
             stack.callback(ros.stop)
         click.echo(what, err=True)
         reader = UdpReader(port)

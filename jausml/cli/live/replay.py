@@ -21,7 +21,7 @@ from jausml.cli.live.recordings import (
 )
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault
 from jausml.cli.shared.lines import shown_path
-from jausml.cli.shared.models import bridge_options, open_catalogue, valid_model
+from jausml.cli.shared.models import bridge_options, only_system, open_catalogue, valid_model
 from jausml.cli.shared.options import (
     FiniteRange,
     interface_option,
@@ -37,8 +37,9 @@ if TYPE_CHECKING:
     from jausml.cli.shared.terminal import Progress
     from jausml.language.model import Model
     from jausml.live.recording.bags import Bag, RosMessage
+    from jausml.live.recording.captured import JausWriter
     from jausml.live.recording.filters import TimeSpan
-    from jausml.live.recording.from_captures import CaptureReplay, JausWriter
+    from jausml.live.recording.from_captures import CaptureReplay
     from jausml.live.recording.to_wire import ReplayPace, WireReplay
     from jausml.live.recording.translating import Translator
     from jausml.live.traffic.captures import CapturedFrame
@@ -138,22 +139,23 @@ def command(
     moves a vehicle like the original one, whatever is around it now. On a terminal, the space bar
     pauses and continues.
 
-    Without MODEL, an MCAP file is copied to FILE. If it was cut off, FILE is complete again. Every
-    replay reads a file that was cut off as far as possible.
+    MODEL is by default that of the project of the current folder. But an MCAP file with --output is
+    copied to FILE without MODEL. If it was cut off, FILE is complete again. Every replay reads a
+    file that was cut off as far as possible.
 
     Exit status: 0 done, 1 problems in the model, in the recording or in what is in it (the rest is
     done), 2 usage or environment, 3 internal error.
     """
     from jausml.generation import GenerationError, NoSystemError
     from jausml.language.project.reading import Reading
-    from jausml.live.recording.bags import is_bag
+    from jausml.live.recording.bags import MCAP, is_bag
     from jausml.live.recording.filters import TimeSpan
     from jausml.live.recording.mcap_files import RecordingError
 
     span = TimeSpan(start, duration)
     if output is not None:
         not_itself(recording, output)
-    if model is None:
+    if model is None and output is not None and recording.endswith(MCAP):
         _again(recording, output, span, force=force, ros_only=ros_only)
         return
     to_wire = is_bag(recording)
@@ -163,6 +165,7 @@ def command(
         raise click.UsageError("--ros-only is for an MCAP file without MODEL")
     if not to_wire and output is None:
         raise click.UsageError("say with --output which file is written")
+    model = model or only_system("MODEL")
     try:
         read = valid_model(model, Reading(bridge_address=bridge_address))
         if to_wire:
@@ -180,15 +183,10 @@ def command(
         raise click.exceptions.Exit(PROBLEMS)
 
 
-def _again(
-    recording: str, output: str | None, span: TimeSpan, *, force: bool, ros_only: bool
-) -> None:
+def _again(recording: str, output: str, span: TimeSpan, *, force: bool, ros_only: bool) -> None:
     """Writes an MCAP file again, as far as it goes, or a part of it."""
-    from jausml.live.recording.bags import MCAP
     from jausml.live.recording.mcap_files import McapRecording, RecordingError, copied
 
-    if not recording.endswith(MCAP) or output is None:
-        raise click.UsageError("Missing argument '[MODEL]': an MCAP file with --output needs none")
     source = McapRecording(recording, span)
     try:
         found = source.messages()
@@ -293,7 +291,8 @@ def _to_file(
     read: Model, paths: tuple[str, str, str], port: int, span: TimeSpan, *, force: bool, jaus: bool
 ) -> bool:
     """Makes a file of a capture; returns whether all of it could be used."""
-    from jausml.live.recording.from_captures import CaptureReplay, JausWriter
+    from jausml.live.recording.captured import JausWriter
+    from jausml.live.recording.from_captures import CaptureReplay
     from jausml.live.recording.mcap_files import McapFile
     from jausml.live.recording.translating import Translator
 

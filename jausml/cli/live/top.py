@@ -13,7 +13,7 @@ import click
 
 from jausml.cli.live.network import network_from, network_options, transport_options
 from jausml.cli.shared.files import EnvironmentFault
-from jausml.cli.shared.models import ModelFault, readable_model
+from jausml.cli.shared.models import ModelFault, optional_model_argument, readable_model
 from jausml.cli.shared.options import FiniteRange
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 @click.command("top")
-@click.argument("model", metavar="[MODEL]", required=False)
+@optional_model_argument
 @click.option("--once", is_flag=True, help="Listen for --duration, print one table, and exit.")
 @click.option(
     "--json", "as_json", is_flag=True, help="Print one JSON object per line, every --interval."
@@ -61,9 +61,9 @@ def command(
 
     Shows the connections that bridges report on /diagnostics, with rate, age, latency, losses and
     peers; this needs ROS 2 on this machine. Asks JAUS components for their states and controllers,
-    at most once a second. Commands nothing and takes no control. Parts that a MODEL declares and
-    that nobody reports are shown as "not heard". With a MODEL, the last messages of a connection
-    can be shown.
+    at most once a second. Commands nothing and takes no control. With a MODEL, by default that
+    of the project of the current folder, parts that it declares and that nobody reports are shown
+    as "not heard", and the last messages of a connection can be shown.
 
     Keys: arrows, / filter, s or 1 to 9 sort, r reverse, enter details, q quit.
 

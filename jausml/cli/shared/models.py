@@ -41,13 +41,41 @@ def model_argument(command: Callable[..., None]) -> Callable[..., None]:
     )(command)
 
 
+def optional_model_argument(command: Callable[..., None]) -> Callable[..., None]:
+    """Adds MODEL to a verb that does without one where no project is around."""
+    return click.argument(
+        "model", metavar="[MODEL]", required=False, callback=_or_system_of_project
+    )(command)
+
+
 def _or_only_system(_: click.Context, __: click.Parameter, value: str) -> str:
+    return value or only_system("MODEL")
+
+
+def _or_system_of_project(_: click.Context, __: click.Parameter, value: str | None) -> str | None:
     from jausml.language.project.index import Index
 
-    if value:
+    index = None if value or not is_in_project() else Index.here()
+    if index is None or not index.files_with_systems:
         return value
     with _usable_input():
-        return from_here(Index(_project("MODEL")).only_system())
+        return from_here(index.only_system())
+
+
+def only_system(argument: str) -> str:
+    """Returns the model in the project of the current folder that has a system.
+
+    Args:
+        argument: What would name another one.
+
+    Raises:
+        EnvironmentFault: There is none, or more than one.
+        UsageError: No project is here.
+    """
+    from jausml.language.project.index import Index
+
+    with _usable_input():
+        return from_here(Index(_project(argument)).only_system())
 
 
 def models_argument(command: Callable[..., None]) -> Callable[..., None]:

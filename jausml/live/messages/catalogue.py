@@ -81,10 +81,15 @@ def _catalogue_of(result: ReadResult) -> Catalogue:
 
 
 class Catalogue:
-    """Services and messages by name and code."""
+    """Services and messages by name and code.
+
+    Attributes:
+        model: What defines them.
+    """
 
     def __init__(self, model: Model) -> None:
         """Lists what a model defines; codecs are made when they are used."""
+        self.model = model
         self.services: dict[tuple[str, str], ServiceEntry] = {}
         self._by_code: dict[int, list[tuple[jaus.MessageDef, ServiceEntry]]] = {}
         self._codes: dict[str, list[int]] = {}

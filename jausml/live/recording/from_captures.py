@@ -1,96 +1,19 @@
-"""A capture becomes an MCAP file: topics by the maps of a model, and JAUS messages where wanted.
-
-Reports come out of the events that carry them.
-"""
+"""A capture becomes an MCAP file: topics by the maps of a model, and JAUS messages where wanted."""
 
 from __future__ import annotations
 
 from collections import Counter
 from typing import TYPE_CHECKING
 
-from jausml.live.messages import MessageError
-from jausml.live.messages.values import as_numbers
-from jausml.live.recording.translating import JausMessage
-from jausml.live.traffic.observing import Observer
-from jausml.runtime.messages import Event
-from jausml.runtime.wire.message import DecodeError
+from jausml.live.recording.captured import CapturedMessages
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from jausml.live.messages import Catalogue
+    from jausml.live.recording.captured import JausMessage, JausWriter
     from jausml.live.recording.mcap_files import McapFile
     from jausml.live.recording.translating import Translator
     from jausml.live.traffic.frames import Datagram
-    from jausml.runtime.transports.packets.packet import Packet
-
-
-_LEAST = 2
-_EVENT = Event.CODE.to_bytes(2, "little")
-
-
-class CapturedMessages:
-    """The messages in datagrams, in their order."""
-
-    def __init__(self) -> None:
-        """Starts without packets."""
-        self.count = 0
-        self.skipped: Counter[str] = Counter()
-        self._observer = Observer()
-
-    def read(self, datagrams: Iterable[Datagram]) -> Iterator[tuple[JausMessage, Packet]]:
-        """Yields messages, each with the packet that completes it."""
-        for datagram in datagrams:
-            if datagram.nanoseconds is None:
-                self.skipped["datagrams of which the capture does not tell the time"] += 1
-                continue
-            for seen in self._observer.observe(datagram):
-                if seen.is_problem:
-                    self.skipped[seen.error] += 1
-                elif seen.packet is not None and len(seen.payload) >= _LEAST:
-                    self.count += 1
-                    yield self._message(datagram.nanoseconds, seen.packet, seen.payload)
-
-    def _message(self, time: int, packet: Packet, payload: bytes) -> tuple[JausMessage, Packet]:
-        source = packet.source
-        message = JausMessage(time, str(source), source.subsystem, _report_in(payload))
-        return message, packet
-
-
-def _report_in(payload: bytes) -> bytes:
-    """Returns the report of an event (AS5710, Event), or the payload itself."""
-    if payload[:_LEAST] != _EVENT:
-        return payload
-    try:
-        return Event.decode(payload).report_message
-    except DecodeError:
-        return payload
-
-
-class JausWriter:
-    """Writes JAUS messages as JSON."""
-
-    def __init__(self, catalogue: Catalogue) -> None:
-        """Writes nothing yet."""
-        self.undecoded: Counter[str] = Counter()
-        self._catalogue = catalogue
-
-    def write(self, file: McapFile, message: JausMessage, packet: Packet) -> None:
-        """Writes a message."""
-        try:
-            found = self._catalogue.decode(message.payload)
-            channel = file.jaus_channel(message.source, found.entry)
-        except MessageError as error:
-            self.undecoded[str(error)] += 1
-            return
-        value = {
-            "source": message.source,
-            "destination": str(packet.destination),
-            "sequence": packet.sequence,
-            "payload": message.payload.hex(),
-            "fields": as_numbers(found.entry.shortened(found.fields)),
-        }
-        file.write_json(channel, message.time, value)
 
 
 class CaptureReplay:

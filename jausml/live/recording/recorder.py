@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any
 from jausml.language.interfaces import Installation
 from jausml.language.metamodel.classes import bridge, system
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
-from jausml.live.recording.from_captures import CapturedMessages, JausWriter
+from jausml.live.recording.captured import CapturedMessages, JausWriter
 from jausml.live.recording.type_definitions import installed_definition, modelled_definition
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Mapping
 
+    from jausml.language.metamodel.classes import ros
     from jausml.language.model import Model
     from jausml.live.messages import Catalogue
     from jausml.live.recording.files import RecordingFiles
@@ -33,19 +34,19 @@ DIAGNOSTICS = "/diagnostics"
 _ACTION = ("/_action/feedback", "/_action/status")
 
 
-def topics_of(model: Model) -> dict[str, str]:
-    """Returns the topics of a model, each with the definition of its type.
+def topics_of(model: Model) -> dict[str, ros.MessageType | None]:
+    """Returns the topics of a model, each with its type.
 
     So are those on which services and actions are seen, and those on which bridges tell what
-    became of all messages. Their types are known where they are installed alone, and have no
-    definition here.
+    became of all messages. Their types are known where they are installed alone, and are none of
+    the model.
     """
-    found = {}
-    for whole in (root for root in model.documents[0].roots if isinstance(root, system.System)):
+    found: dict[str, ros.MessageType | None] = {}
+    for whole in model.instances(system.System, library=False):
         for end in endpoints([*whole.bridges, *whole.nodes]):
-            found[end.topic] = modelled_definition(end.type)
+            found[end.topic] = end.type
         for owner in whole.bridges:
-            found.update((each, "") for each in (DIAGNOSTICS, *_seen_calls(owner)))
+            found.update((each, None) for each in (DIAGNOSTICS, *_seen_calls(owner)))
     return found
 
 
@@ -76,7 +77,7 @@ class Recorder:
         self,
         parts: RecordingFiles,
         catalogue: Catalogue,
-        definitions: dict[str, str],
+        types: Mapping[str, ros.MessageType | None],
         selection: TrafficFilter,
     ) -> None:
         """Has recorded nothing yet."""
@@ -89,7 +90,7 @@ class Recorder:
         self.reached: float | None = None
         self._parts = parts
         self._selection = selection
-        self._definitions = definitions
+        self._types = types
         self._installation = Installation()
         self._known: dict[tuple[str, str], str] = {}
         self._lock = Lock()
@@ -178,7 +179,10 @@ class Recorder:
         key = (topic, kind)
         if key not in self._known:
             found = installed_definition(kind, self._installation)
-            self._known[key] = found or self._definitions.get(topic, "")
+            modelled = self._types.get(topic)
+            if not found and modelled is not None:
+                found = modelled_definition(modelled)
+            self._known[key] = found
             if not self._known[key]:
                 self.undefined.add(topic)
         return self._known[key]

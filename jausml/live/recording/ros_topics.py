@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
+from threading import Event
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.recording.mcap_files import RecordingError
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
 _LOOK = 0.1
 """Seconds from one look for publishers to the next."""
 
+_KNOWN, _MATCHED, _PATIENCE = 1.0, 0.5, 5.0
+"""Seconds after which a node knows who publishes, after which publishers know a subscription, and
+for which both is waited at most."""
+
 _DEPTH = 1000
 
 
@@ -31,21 +36,23 @@ class RosTopics:
     """A node that subscribes to what is published, with the quality of service that is offered.
 
     Attributes:
-        wanted: Full names of the topics that are wanted, None for all.
+        wanted: Full names of the topics that are wanted, None for all of the selection.
         lost: How many messages of each topic did not come, as their numbers tell.
     """
 
-    def __init__(self, wanted: Collection[str] | None, selection: TrafficFilter) -> None:
+    def __init__(self, selection: TrafficFilter) -> None:
         """Does nothing before `open`."""
         self.lost: Counter[str] = Counter()
         self.heard: dict[str, Any] = {}
         self.missing: dict[str, str] = {}
-        self.wanted = None if wanted is None else frozenset(filter(selection.wants_topic, wanted))
+        self.wanted: frozenset[str] | None = None
         self._selection = selection
         self._latched: set[str] = set()
         self._repeats = False
         self._take: Take = _drop
         self._quiet = QuietNode("record")
+        self._opened = self._subscribed = 0.0
+        self._is_settled = Event()
 
     def open(self) -> None:
         """Enters ROS."""
@@ -53,16 +60,21 @@ class RosTopics:
             self._quiet.open()
         except RosFault as error:
             raise RecordingError(str(error)) from error
+        self._opened = time.monotonic()
 
-    def begin(self, take: Take) -> None:
-        """Begins to look for publishers.
+    def begin(self, wanted: Collection[str] | None, take: Take) -> None:
+        """Begins to look for publishers; returns when what those publish comes that there are.
 
         Args:
+            wanted: Full names of the topics that are wanted, None for all.
             take: Takes each message, on another thread.
         """
+        if wanted is not None:
+            self.wanted = frozenset(filter(self._selection.wants_topic, wanted))
         self._take = take
         self._quiet.node.create_timer(_LOOK, self._look)
         self._quiet.spin()
+        self._is_settled.wait(_PATIENCE)
 
     def repeat_latched(self) -> None:
         """Has the latest messages of latched topics come again, from those who publish them.
@@ -84,6 +96,9 @@ class RosTopics:
         for topic, kind in self._published():
             if topic not in self.heard and topic not in self.missing:
                 self._subscribe(topic, kind)
+        now = time.monotonic()
+        if now - self._opened > _KNOWN and now - self._subscribed > _MATCHED:
+            self._is_settled.set()
 
     def _published(self) -> Iterator[tuple[str, str]]:
         for topic, kinds in self._quiet.node.get_topic_names_and_types():
@@ -111,6 +126,7 @@ class RosTopics:
         self.heard[topic] = self._quiet.node.create_subscription(
             cls, topic, self._noting(topic, kind), asked, raw=True
         )
+        self._subscribed = time.monotonic()
 
     def _noting(self, topic: str, kind: str) -> Callable[[bytes, Any], None]:
         """Returns what takes the messages of a topic, and counts those that did not come."""

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes import jaus
     from jausml.language.model import Model
+    from jausml.live.recording.captured import JausMessage
     from jausml_generators.bridge.views import BridgeView
 
 
@@ -49,25 +50,6 @@ _WORDS = {
     "NotImplementedError": "a conversion is code of yours, which is not known here",
     "dropped": "the map drops it",
 }
-
-
-@dataclass(frozen=True)
-class JausMessage:
-    """A JAUS message of a recording.
-
-    Attributes:
-        time: When it was heard, in nanoseconds since 1970.
-    """
-
-    time: int
-    source: str
-    subsystem: int
-    payload: bytes
-
-    @property
-    def code(self) -> int:
-        """Message code."""
-        return int.from_bytes(self.payload[:2], "little")
 
 
 @dataclass(frozen=True)

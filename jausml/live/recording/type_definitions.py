@@ -14,7 +14,6 @@ from jausml.language.interfaces.definitions import is_type_name
 from jausml.language.metamodel.classes import ros
 from jausml.language.model.inputs import read_text
 from jausml.language.semantics.installed import package_of
-from jausml_generators.ros_interfaces.definitions import section_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -50,6 +49,9 @@ def full_name(kind: ros.MessageType) -> str:
 
 def modelled_definition(kind: ros.MessageType) -> str:
     """Returns the definition of a type of a model."""
+    # It takes long to load, and types that are installed need none of it.
+    from jausml_generators.ros_interfaces.definitions import section_of  # noqa: PLC0415
+
     known = {_short(kind): kind}
 
     def part(name: str) -> Part:
