@@ -37,6 +37,7 @@ class Speaker:
     """Publishes odometry whose speed grows, so that each message is known by it."""
 
     def __init__(self, publisher):
+        self.said = 0
         self._publisher = publisher
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
@@ -45,22 +46,22 @@ class Speaker:
     def _run(self):
         from nav_msgs.msg import Odometry
 
-        number = 0
         while not self._stop.wait(0.1):
             message = Odometry()
-            message.twist.twist.linear.x = 1 + number / 100
+            message.twist.twist.linear.x = 1 + self.said / 100
             message.twist.twist.linear.y = -0.5
             self._publisher.publish(message)
-            number += 1
+            self.said += 1
 
     def close(self):
         self._stop.set()
         self._thread.join()
 
 
-def jausml(*arguments, log):
+def jausml(*arguments, log, folder=None):
+    line = [sys.executable, "-m", "jausml", *arguments]
     with log.open("wb") as stream:
-        return subprocess.Popen([sys.executable, "-m", "jausml", *arguments], stderr=stream)
+        return subprocess.Popen(line, stderr=stream, cwd=folder)
 
 
 def ended(process):
@@ -197,3 +198,33 @@ def test_topics_given_back_to_jaus_say_the_same(recording, tmp_path):
     for x, y in again:
         assert any(x == pytest.approx(each, abs=1e-6) for each in published), log.read_text()
         assert y == pytest.approx(0.5, abs=1e-6)
+
+
+def test_all_is_recorded_from_when_it_says_so_of_the_model_of_the_project(tmp_path, monkeypatch):
+    from nav_msgs.msg import Odometry
+
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
+    project = tmp_path / "project"
+    (project / "models").mkdir(parents=True)
+    (project / ".project").write_text("<projectDescription/>", encoding="utf-8")
+    (project / "models" / FLEET.name).write_bytes(FLEET.read_bytes())
+    path, log = tmp_path / "run.mcap", tmp_path / "record.log"
+    ros = RosPeer()
+    speaker = Speaker(ros.node.create_publisher(Odometry, TOPIC, 10))
+    arguments = ("record", "--output", str(path), "--port", str(free_port()))
+    recorder = jausml(*arguments, log=log, folder=project / "models")
+    try:
+        wait_for(lambda: "recorded" in log.read_text() or "recording" in log.read_text(), "begin")
+        first = speaker.said
+        wait_for(lambda: speaker.said > first + 5, "messages", PATIENCE)
+        last = speaker.said - 1
+        wait_for(lambda: path.stat().st_size > 0, "file", PATIENCE)
+        assert ended(recorder) == 0, log.read_text()
+    finally:
+        recorder.kill()
+        recorder.wait()
+        speaker.close()
+        ros.close()
+    found = {round((x - 1) * 100) for x, _ in speeds_of(path)}
+    assert set(range(first, last)) <= found

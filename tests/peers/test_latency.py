@@ -76,7 +76,7 @@ def test_every_report_of_a_component_is_shown_as_a_table(jausml):
 
 @pytest.mark.ports
 @pytest.mark.usefixtures("stamped")
-def test_a_model_names_components_and_reports(jausml, tmp_path):
+def test_a_model_names_components_and_reports(jausml, tmp_path, monkeypatch):
     model = tmp_path / "speed.ros2jaus"
     model.write_text(
         """\
@@ -98,6 +98,14 @@ bridge speeds {
     (found,) = json.loads(result.stdout)["reports"]
     assert (found["component"], found["report"]) == ("100.1.1", "ReportVelocityState")
     assert jausml("latency", model, "VelocityState").exit_code == 2
+    monkeypatch.chdir(tmp_path)
+    result = jausml("latency", "--duration", "0.5")
+    assert result.exit_code == 2
+    assert "Missing argument 'ID|MODEL': no project is here" in result.stderr
+    (tmp_path / ".project").write_text("<projectDescription/>", encoding="utf-8")
+    result = jausml("latency", "--duration", "0.5")
+    assert result.exit_code == 0, result.output
+    assert "100.1.1    ReportVelocityState" in result.stdout
 
 
 @pytest.mark.ports

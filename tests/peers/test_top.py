@@ -72,6 +72,24 @@ def test_a_model_that_cannot_be_read_is_told_and_is_no_state_of_a_system(
 
 
 @pytest.mark.ports
+def test_in_a_project_its_system_is_expected(jausml, tmp_path, monkeypatch):
+    (tmp_path / "speed.ros2jaus").write_text(MODEL, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    watch = ("top", "--once", "--duration", "0.1")
+    assert "speeds" not in jausml(*watch).stdout
+    (tmp_path / ".project").write_text("<projectDescription/>", encoding="utf-8")
+    result = jausml(*watch)
+    assert result.exit_code == 2, result.output
+    assert "not heard" in result.stdout
+    (tmp_path / "other.ros2jaus").write_text(MODEL, encoding="utf-8")
+    result = jausml(*watch)
+    assert result.exit_code == 2
+    assert "several models have a system: name one (other.ros2jaus, speed.ros2jaus)" in (
+        result.stderr
+    )
+
+
+@pytest.mark.ports
 def test_observing_asks_little_and_takes_nothing(jausml, component):
     target, questions, others = component(), [], []
     for query in (QueryStatus, QueryControl):

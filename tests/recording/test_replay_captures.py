@@ -153,6 +153,26 @@ def test_broken_messages_are_counted_and_the_rest_is_done(velocities):
     assert result.exit_code == 1
 
 
+def test_maps_are_those_of_the_project_by_default(tmp_path, monkeypatch):
+    capture, found = tmp_path / "capture.pcap", tmp_path / "found.mcap"
+    capture.write_bytes(nano_pcap([frame(velocity(1.0, 0.0, 0.0), source=(100, 1, 10))]))
+    (tmp_path / "fleet.ros2jaus").write_bytes(Path(FLEET).read_bytes())
+    monkeypatch.chdir(tmp_path)
+    words = ["replay", str(capture), "--output", str(found)]
+    result = CliRunner().invoke(main, words)
+    assert result.exit_code == 2
+    assert "Missing argument 'MODEL': no project is here" in result.stderr
+    (tmp_path / ".project").write_text("<projectDescription/>", encoding="utf-8")
+    result = CliRunner().invoke(main, words)
+    assert result.exit_code == 0, result.output
+    assert [each.topic for each in by_rosbags(found)] == ["/odom"]
+    # A recording of topics is still copied as it is.
+    again = tmp_path / "again.mcap"
+    result = CliRunner().invoke(main, ["replay", str(found), "--output", str(again)])
+    assert result.exit_code == 0, result.output
+    assert "1 messages" in result.stderr
+
+
 def test_capture_that_ends_early_gives_what_it_has(tmp_path):
     capture, found = tmp_path / "cut.pcap", tmp_path / "found.mcap"
     capture.write_bytes(nano_pcap([frame(velocity(1.0, 0.0, 0.0))] * 2)[:-5])
