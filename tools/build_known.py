@@ -1,4 +1,4 @@
-"""Writes jausml/cli/shared/known/: what `rules`, `explain` and `list` print at once."""
+"""Writes jausml/cli/shared/known/: what verbs print, and shells complete, at once."""
 
 from __future__ import annotations
 
@@ -20,7 +20,13 @@ def lists() -> Mapping[str, Sequence[Mapping[str, Any]]]:
     maps = listed.maps(())
     for each in maps:
         each["file"] = each["file"].removeprefix(f"{root}/")
-    made = (listed.rules(), listed.services(()), listed.messages(()), maps)
+    made = (
+        listed.rules(),
+        listed.services(()),
+        listed.messages(()),
+        listed.fields(()),
+        maps,
+    )
     return dict(zip(NAMES, made, strict=True))
 
 

@@ -89,3 +89,92 @@ def test_fish_completes(jausml, folder):
     )
     offered = {line.split("\t")[0] for line in done.stdout.splitlines()}
     assert offered >= {completed.split()[-1] for completed in TYPED.values()}, done
+
+
+WINCH = """\
+import `jaus.core-1.1`
+
+service_set winch {
+    service Winch {
+        urn: "urn:example:winch:Winch"
+        inherits: Management
+        inputs: new message_def QueryWinch { code: 0xD201 }
+        inputs: new message_def SetWinch {
+            code: 0xD101
+            isCommand: true
+            record WinchRec { fixed_field Pull { type: uint16  units: "percent" } }
+        }
+    }
+}
+"""
+READS = "import atexit, sys; from jausml.cli import program; "
+READS += "atexit.register(lambda: print('pyecore' in sys.modules, file=sys.stderr)); program()"
+
+
+@pytest.fixture
+def offered(tmp_path):
+    """What a shell in a project offers, and whether models were read for that."""
+    project = tmp_path / "project"
+    (project / "models").mkdir(parents=True)
+    (project / ".project").write_text("<projectDescription/>", encoding="utf-8")
+    (project / "models" / "winch.ros2jaus").write_text(WINCH, encoding="utf-8")
+
+    def words(line, folder=project / "models"):
+        asked = {
+            "COMP_WORDS": line,
+            "COMP_CWORD": str(len(line.split(" ")) - 1),
+            "_JAUSML_COMPLETE": "bash_complete",
+            "XDG_CACHE_HOME": str(tmp_path / "cache"),
+        }
+        program = [sys.executable, "-c", READS]
+        done = subprocess.run(
+            program, cwd=folder, env={**os.environ, **asked}, capture_output=True, text=True
+        )
+        assert done.stderr in ("True\n", "False\n"), done.stderr
+        lines = (each.split(",") for each in done.stdout.splitlines())
+        # Where nothing fits, the shell is told to look for files.
+        return [name for kind, name in lines if kind == "plain"], done.stderr == "True\n"
+
+    words.folder = project / "models"
+    words.cache = tmp_path / "cache"
+    return words
+
+
+def test_names_of_the_project_are_offered_and_read_once(offered, tmp_path):
+    assert offered("jausml show message SetWi") == (["SetWinch"], True)
+    assert offered("jausml show message SetWi") == (["SetWinch"], False)
+    assert offered("jausml show message SetWrenchEff") == (["SetWrenchEffort"], False)
+    assert offered("jausml show service Win") == (["Winch"], False)
+    assert offered("jausml ocu command 100.1.1 SetWinch Pu") == (["Pull="], False)
+    assert offered("jausml show message SetWi", tmp_path) == ([], False)
+
+
+def test_names_follow_the_models(offered):
+    offered("jausml show message SetWi")
+    model = offered.folder / "winch.ros2jaus"
+    model.write_text(WINCH.replace("SetWinch", "SetWinding"), encoding="utf-8")
+    assert offered("jausml show message SetWi") == (["SetWinding"], True)
+
+
+@pytest.mark.parametrize("kept", ["", "[]", '{"state": 1}', "\0"])
+def test_names_are_read_again_where_they_cannot_be_kept(offered, kept):
+    offered("jausml show message SetWi")
+    (file,) = (offered.cache / "jausml").iterdir()
+    file.write_text(kept, encoding="utf-8")
+    assert offered("jausml show message SetWi") == (["SetWinch"], True)
+    file.unlink()
+    file.mkdir()
+    assert offered("jausml show message SetWi") == (["SetWinch"], True)
+
+
+def test_a_model_with_errors_takes_nothing_from_completion(offered):
+    (offered.folder / "broken.ros2jaus").write_text("service_set { service", encoding="utf-8")
+    assert offered("jausml show message SetWi") == (["SetWinch"], True)
+
+
+def test_models_that_are_named_are_known(offered, tmp_path):
+    model = str(offered.folder / "winch.ros2jaus")
+    line = f"jausml show message --model {model} SetWi"
+    assert offered(line, tmp_path) == (["SetWinch"], True)
+    line = f"jausml show message --model {tmp_path}/none.ros2jaus SetWrenchEff"
+    assert offered(line, tmp_path)[0] == ["SetWrenchEffort"]

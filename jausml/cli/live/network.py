@@ -12,10 +12,10 @@ import click
 
 from jausml.cli.shared.files import EnvironmentFault
 from jausml.cli.shared.models import model_option, open_catalogue, told
+from jausml.cli.shared.names import beginning, field_paths, input_names
 from jausml.cli.shared.options import (
     TRANSPORTS,
     FiniteRange,
-    completing,
     format_option,
     interface_option,
     multicast_group_option,
@@ -200,10 +200,12 @@ def _address(_context: click.Context, _parameter: click.Parameter, value: str) -
 def _fields(
     _context: click.Context, _parameter: click.Parameter, words: tuple[str, ...]
 ) -> dict[str, Any] | None:
+    if not words:
+        return None
     from jausml.live.messages.paths import parse_fields
 
     try:
-        return parse_fields(" ".join(words)) if words else None
+        return parse_fields(" ".join(words))
     except ValueError as error:
         raise click.BadParameter(str(error)) from error
 
@@ -212,44 +214,41 @@ _COMPLETION_TIME = 0.7
 """Seconds that a component has to say what it provides while a person waits for a completion."""
 
 
-def _message_names(context: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
-    """Returns the messages that the named component takes; all of the library if it says none.
+def _message_names(context: click.Context, _parameter: click.Parameter, begun: str) -> list[str]:
+    """Returns the messages that the named component takes; all that are known if it says none.
 
-    The component is asked for them, as `kubectl` and others do.
+    The component is asked for its services, as `kubectl` and others do.
     """
-    from jausml.live.messages import MessageError
-    from jausml.live.peers.completing import message_names
-    from jausml.live.peers.network import identified
-    from jausml.live.peers.operator import running_operator
+    found = list(input_names(context.params.get("models") or (), _provided(context.params)))
+    if context.info_name not in ("query", "watch"):
+        return beginning(begun, found)
+    queries = [each for each in found if each.startswith("Query")]
+    return beginning(begun, (each.removeprefix("Query") for each in queries)) or beginning(
+        begun, queries
+    )
 
-    given = context.params
-    found: list[str] = []
+
+def _provided(given: dict[str, Any]) -> list[str]:
+    """Returns URN and version of the services of the named component, none if it says none."""
+    from jausml.live.peers.discovery import provided_services
+    from jausml.live.peers.network import identified
+
     try:
         peers = given.get("peers") or ()
         place = (given["interface"], given["port"], given["multicast_group"], peers)
         network = network_from(given.get("own_id"), *place)
-        catalogue = open_catalogue(given.get("models") or ())
-        with (
-            identified(network) as ours,
-            running_operator(ours, catalogue, _COMPLETION_TIME) as operator,
-        ):
-            if operator.services(given["target"]):
-                found = message_names(operator, given["target"], str(context.info_name))
-    except (KeyError, OSError, MessageError, click.ClickException):
-        pass  # a completion has nobody to tell it
-    if not found:
-        return completing("messages", "message")(context, parameter, begun)
-    return sorted(each for each in set(found) if each.lower().startswith(begun.lower()))
+        with identified(network) as ours:
+            found = provided_services(ours, given["target"], _COMPLETION_TIME)
+    except (KeyError, OSError, click.ClickException):
+        return []  # a completion has nobody to tell it
+    return [f"{each.urn}/{each.major}.{each.minor}" for each in found]
 
 
 def _field_names(context: click.Context, _parameter: click.Parameter, begun: str) -> list[str]:
     """Returns the paths of the fields of the message that is named before, with their `=`."""
-    from jausml.live.messages.definitions import paths_of
-
-    name = context.params.get("message")
-    entries = open_catalogue(context.params.get("models") or ()).named(str(name))
-    found = {f"{path}=" for entry in entries for path in paths_of(entry)}
-    return sorted(each for each in found if each.lower().startswith(begun.lower()))
+    given = context.params
+    found = field_paths(str(given.get("message")), given.get("models") or ())
+    return beginning(begun, (f"{each}=" for each in found))
 
 
 TARGET = click.argument("target", metavar="ID", callback=_address)

@@ -7,11 +7,11 @@ from difflib import get_close_matches
 import click
 
 from jausml.cli.shared.known import known
-from jausml.cli.shared.options import completing
+from jausml.cli.shared.names import completing, rule_names
 
 
 @click.command("explain")
-@click.argument("rule_id", metavar="RULE", shell_complete=completing("rules", "rule"))
+@click.argument("rule_id", metavar="RULE", shell_complete=completing(rule_names))
 def command(rule_id: str) -> None:
     """Explain a rule: what it requires and why, with a bad and a good example."""
     entries = {entry["rule"]: entry for entry in known("rules")}

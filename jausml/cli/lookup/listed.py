@@ -10,6 +10,7 @@ import click
 
 from jausml.authoring.merging.conflicts import MERGE_RULES
 from jausml.cli.shared.models import open_catalogue, readable_model
+from jausml.cli.shared.project_names import listed_fields, listed_service
 from jausml.language.importers.jsidl.rules import JSIDL_RULES
 from jausml.language.importers.ros.rules import ROS_RULES
 from jausml.language.metamodel.classes import bridge
@@ -22,7 +23,7 @@ from jausml.live.messages import UnknownServiceError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.live.messages import Catalogue, MessageEntry, ServiceEntry
+    from jausml.live.messages import Catalogue, MessageEntry
 
 
 def rules() -> list[dict[str, Any]]:
@@ -40,7 +41,12 @@ def rules() -> list[dict[str, Any]]:
 
 def services(models: Sequence[str]) -> list[dict[str, Any]]:
     """Returns the services of models and of the library."""
-    return [_service(entry) for entry in open_catalogue(models).services.values()]
+    return [listed_service(entry) for entry in open_catalogue(models).services.values()]
+
+
+def fields(models: Sequence[str]) -> list[dict[str, Any]]:
+    """Returns the messages of models and of the library with the paths of their fields."""
+    return listed_fields(open_catalogue(models).services.values())
 
 
 def messages(models: Sequence[str], service: str | None = None) -> list[dict[str, Any]]:
@@ -62,18 +68,6 @@ def _messages_of(found: Catalogue, service: str) -> Sequence[MessageEntry]:
         raise click.UsageError(str(error)) from error
     every = (entry for each in meant for owner in each.lineage for entry in owner.messages)
     return sorted(dict.fromkeys(every), key=lambda entry: (entry.code, entry.name))
-
-
-def _service(service: ServiceEntry) -> dict[str, Any]:
-    return {
-        "service": service.urn,
-        "version": service.version,
-        "name": service.name,
-        "set": service.set_name,
-        "inherits": service.inherits.label if service.inherits else None,
-        "inputs": [entry.name for entry in service.inputs],
-        "outputs": [entry.name for entry in service.outputs],
-    }
 
 
 def _message(entry: MessageEntry) -> dict[str, Any]:

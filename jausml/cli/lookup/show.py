@@ -10,7 +10,7 @@ import click
 from jausml.cli.shared.known import known
 from jausml.cli.shared.lines import line_format_option, to_json, write
 from jausml.cli.shared.models import model_option, open_catalogue, project_files, told
-from jausml.cli.shared.options import completing
+from jausml.cli.shared.names import completing, map_names, message_names, service_names
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -49,7 +49,7 @@ def command() -> None:
 
 
 @command.command("message")
-@click.argument("name", metavar="NAME", shell_complete=completing("messages", "message"))
+@click.argument("name", metavar="NAME", shell_complete=completing(message_names))
 @click.option(
     "--service",
     metavar="SERVICE",
@@ -138,7 +138,7 @@ def _values(field: Row) -> str:
 
 
 @command.command("service")
-@click.argument("name", metavar="NAME", shell_complete=completing("services", "name"))
+@click.argument("name", metavar="NAME", shell_complete=completing(service_names))
 @line_format_option
 @model_option
 def service(name: str, output_format: str, models: tuple[str, ...]) -> None:
@@ -193,7 +193,7 @@ def _service_lines(entry: ServiceEntry) -> Iterator[str]:
 
 
 @command.command("map")
-@click.argument("name", metavar="NAME", shell_complete=completing("maps", "map"))
+@click.argument("name", metavar="NAME", shell_complete=completing(map_names))
 @line_format_option
 @model_option
 def map_(name: str, output_format: str, models: tuple[str, ...]) -> None:

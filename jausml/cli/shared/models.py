@@ -110,12 +110,10 @@ def from_here(path: Path) -> str:
 
 
 def is_in_project() -> bool:
-    """Tells whether `jausml init` made the folder around the current one: by a look at names.
+    """Tells whether `jausml init` made the folder around the current one."""
+    from jausml.language.model.project import made_project
 
-    What reads models says it in full; that takes a while to load.
-    """
-    here = Path.cwd()
-    return any((each / ".project").is_file() for each in (here, *here.parents))
+    return made_project(Path.cwd()) is not None
 
 
 def project_files() -> list[str]:

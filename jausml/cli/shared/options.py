@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
-    Completing = Callable[[click.Context, click.Parameter, str], list[str]]
 
 
 # What options offer, without the modules that know more of it: they load slowly; tests compare.
@@ -56,18 +55,6 @@ class FiniteRange(click.FloatRange):
         if not math.isfinite(number):
             self.fail(f"{value!a} is no finite number.", param, ctx)
         return number
-
-
-def completing(kind: str, key: str) -> Completing:
-    """Returns what completes a word by the names that the library has."""
-
-    def names(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[str]:
-        from jausml.cli.shared.known import known
-
-        found = {each[key] for each in known(kind)}
-        return sorted(each for each in found if each.lower().startswith(begun.lower()))
-
-    return names
 
 
 def format_option(text: str, formats: tuple[str, ...] = TEXT_OR_JSON) -> Decorator:

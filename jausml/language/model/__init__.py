@@ -1,25 +1,31 @@
 """Models: read from XMI with every problem placed, and asked by validation and generation."""
 
-from jausml.language.model.diagnostics import Diagnostic, Location, Related, Severity
-from jausml.language.model.documents import Document
-from jausml.language.model.library import LIBRARY_URI, library_root
-from jausml.language.model.model import Model
-from jausml.language.model.project import find_project_root
-from jausml.language.model.reading.reader import ReadResult, read_models
-from jausml.language.model.rules import READER_RULES, RuleInfo
+from importlib import import_module
+from typing import Any
 
-__all__ = [
-    "LIBRARY_URI",
-    "READER_RULES",
-    "Diagnostic",
-    "Document",
-    "Location",
-    "Model",
-    "ReadResult",
-    "Related",
-    "RuleInfo",
-    "Severity",
-    "find_project_root",
-    "library_root",
-    "read_models",
-]
+_HOMES = {
+    "LIBRARY_URI": "jausml.language.model.library",
+    "READER_RULES": "jausml.language.model.rules",
+    "Diagnostic": "jausml.language.model.diagnostics",
+    "Document": "jausml.language.model.documents",
+    "Location": "jausml.language.model.diagnostics",
+    "Model": "jausml.language.model.model",
+    "ReadResult": "jausml.language.model.reading.reader",
+    "Related": "jausml.language.model.diagnostics",
+    "RuleInfo": "jausml.language.model.rules",
+    "Severity": "jausml.language.model.diagnostics",
+    "find_project_root": "jausml.language.model.project",
+    "library_root": "jausml.language.model.library",
+    "read_models": "jausml.language.model.reading.reader",
+}
+"""Where the names stand. They are loaded when used: what a project is can be told at once."""
+
+__all__ = list(_HOMES)
+
+
+def __getattr__(name: str) -> Any:
+    """Returns a name (PEP 562)."""
+    home = _HOMES.get(name)
+    if home is None:
+        raise AttributeError(f"module 'jausml.language.model' has no attribute {name!r}")
+    return getattr(import_module(home), name)

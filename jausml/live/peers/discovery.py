@@ -6,8 +6,10 @@ import time
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from jausml.runtime import ComponentSettings, JausComponent, Scope
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.clients.discovery_client import ServicesById
+from jausml.runtime.component.process import running_transport
 from jausml.runtime.messages import (
     QueryControl,
     QueryIdentification,
@@ -17,14 +19,14 @@ from jausml.runtime.messages import (
     ReportServices,
     ReportStatus,
 )
-from jausml.runtime.services.definitions import Scope, ServiceIdentity
+from jausml.runtime.services.definitions import ServiceIdentity
 from jausml.runtime.services.discovery_messages import query_all_services
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
     from typing import TypeAlias
 
-    from jausml.runtime import JausComponent
+    from jausml.live.peers.network import Network
     from jausml.runtime.messages import ReportServiceList
 
     _Component: TypeAlias = ReportServices.ComponentSeq | ReportServiceList.ComponentSeq
@@ -35,6 +37,10 @@ Services = dict[JausAddress, tuple[ServiceIdentity, ...]]
 
 ROUND = 0.5
 """Seconds between two rounds of questions; a datagram may be lost."""
+
+POLL = 0.01
+"""Seconds from one look for an answer to the next."""
+
 _TYPE_NAMES = {
     10001: "vehicle",
     20001: "OCU",
@@ -173,6 +179,18 @@ class Survey:
         component = subsystem.components.get(address) if subsystem else None
         return component.services if component else ()
 
+    def services_within(self, seconds: float, address: JausAddress) -> tuple[ServiceIdentity, ...]:
+        """Returns what a component provides; it and its subsystem are asked if that is unknown."""
+        known = self.services(address)
+        if not known:
+            self.ask(address)
+            self.ask(JausAddress(address.subsystem, 255, 255))
+            end = time.monotonic() + seconds
+            while not known and time.monotonic() < end:
+                time.sleep(POLL)
+                known = self.services(address)
+        return known
+
     def ask(self, destination: JausAddress) -> None:
         """Asks one component, or everybody of a wildcard, who it is and what it provides."""
         for scope in (Scope.SUBSYSTEM, Scope.COMPONENT):
@@ -217,3 +235,24 @@ class Survey:
     def _at(self, address: JausAddress) -> KnownComponent:
         components = self._subsystem(address.subsystem).components
         return components.setdefault(address, KnownComponent(address))
+
+
+def provided_services(
+    network: Network, address: JausAddress, seconds: float
+) -> tuple[ServiceIdentity, ...]:
+    """Returns what a component provides, by a component of ours that does nothing else.
+
+    Raises:
+        OSError: The network cannot be used as the settings say.
+    """
+    with running_transport(network.settings) as transport:
+        settings = ComponentSettings(register_services=False)
+        component = JausComponent(
+            transport, network.own, name="jausml", services=(), settings=settings
+        )
+        survey = Survey(component, tuple(network.settings.address_book))
+        component.start()
+        try:
+            return survey.services_within(seconds, address)
+        finally:
+            component.stop()

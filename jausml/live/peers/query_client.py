@@ -9,7 +9,7 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.live.messages import AmbiguousMessageError, MessageError
-from jausml.live.peers.discovery import Survey, controller_of
+from jausml.live.peers.discovery import POLL, Survey, controller_of
 from jausml.live.peers.entry_messages import find_exchange, find_message, full_query, message_class
 from jausml.runtime.messages import (
     QueryControl,
@@ -40,8 +40,6 @@ M = TypeVar("M", bound="Message")
 ATTEMPTS = 3
 """Fewest times that a question is asked; of long times for an answer, once each second."""
 
-POLL = 0.01
-"""Seconds between two looks at what has come."""
 
 _GRACE = 0.5
 """Seconds for the second of two questions, when the first is answered."""
@@ -281,15 +279,7 @@ class QueryClient:
         Returns:
             The services; none when nobody knows.
         """
-        known = self.survey.services(target)
-        if not known:
-            self.survey.ask(target)
-            self.survey.ask(type(target)(target.subsystem, 255, 255))
-            end = time.monotonic() + self.timeout
-            while not known and time.monotonic() < end:
-                time.sleep(POLL)
-                known = self.survey.services(target)
-        return known
+        return self.survey.services_within(self.timeout, target)
 
     def status(self, target: JausAddress) -> tuple[Status | None, ReportControl | None]:
         """Returns the Management state of a component and who controls it, None where unknown.

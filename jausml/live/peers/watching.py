@@ -5,8 +5,9 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, Any
 
+from jausml.live.peers.discovery import POLL
 from jausml.live.peers.entry_messages import full_query, message_class
-from jausml.live.peers.query_client import POLL, QueryClient, Refused
+from jausml.live.peers.query_client import QueryClient, Refused
 from jausml.live.peers.rendering import printable
 
 if TYPE_CHECKING:

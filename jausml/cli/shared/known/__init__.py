@@ -2,7 +2,7 @@
 
 Each file beside this module holds a list, one JSON object a line, as `--format json` prints it.
 `tools/build_known.py` writes them from the rules and the library, and a test compares them, so that
-lists are printed without reading either, which takes several times as long.
+lists are printed, and words completed, without reading either, which takes several times as long.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-NAMES = ("rules", "services", "messages", "maps")
+NAMES = ("rules", "services", "messages", "fields", "maps")
 """The lists; the files of the maps are relative to the library."""
 
 FOLDER = Path(__file__).parent

@@ -1,0 +1,157 @@
+"""Names that complete words: those of the library, and of the project of the current folder.
+
+To read a project takes longer than a person waits for a completion: its names are kept in the cache
+of the user until one of its models changes.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from hashlib import blake2b
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from jausml import __version__
+from jausml.cli.shared.known import known
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Iterable, Sequence
+
+    Completing = Callable[[click.Context, click.Parameter, str], list[str]]
+
+Names = dict[str, list[dict[str, Any]]]
+"""Services as `list services` has them, and the paths of the fields of messages."""
+
+_KINDS = ("services", "fields")
+
+
+def completing(names: Callable[[Sequence[str]], Iterable[str]]) -> Completing:
+    """Returns what completes a word by names, of which some come from the models of `--model`."""
+
+    def fitting(context: click.Context, _parameter: click.Parameter, begun: str) -> list[str]:
+        return beginning(begun, names(context.params.get("models") or ()))
+
+    return fitting
+
+
+def beginning(begun: str, names: Iterable[str]) -> list[str]:
+    """Returns the names that begin as a word does, in order."""
+    return sorted(each for each in set(names) if each.lower().startswith(begun.lower()))
+
+
+def rule_names(_models: Sequence[str] = ()) -> Iterable[str]:
+    """Returns the rules."""
+    return (each["rule"] for each in known("rules"))
+
+
+def map_names(_models: Sequence[str] = ()) -> Iterable[str]:
+    """Returns the maps of the library."""
+    return (each["map"] for each in known("maps"))
+
+
+def service_names(models: Sequence[str] = ()) -> Iterable[str]:
+    """Returns the services."""
+    return (each["name"] for each in _all("services", models))
+
+
+def message_names(models: Sequence[str] = ()) -> Iterable[str]:
+    """Returns the messages."""
+    services = _all("services", models)
+    return (name for each in services for name in (*each["inputs"], *each["outputs"]))
+
+
+def input_names(models: Sequence[str] = (), labels: Collection[str] = ()) -> Iterable[str]:
+    """Yields the messages that services take, those that they inherit too.
+
+    Args:
+        labels: URN and version of each service, e.g. `urn:jaus:jss:core:Management/1.1`; all
+            services without any.
+    """
+    services = {f"{each['service']}/{each['version']}": each for each in _all("services", models)}
+    waiting, seen = list(labels or services), set()
+    for label in waiting:
+        if label in services and label not in seen:
+            seen.add(label)
+            yield from services[label]["inputs"]
+            waiting.append(services[label]["inherits"])
+
+
+def field_paths(message: str, models: Sequence[str] = ()) -> Iterable[str]:
+    """Yields the paths of the fields of the messages of a name."""
+    found = (each for each in _all("fields", models) if each["message"] == message)
+    return (path for each in found for path in each["paths"])
+
+
+def _all(kind: str, models: Sequence[str]) -> list[dict[str, Any]]:
+    try:
+        own = _named(models) if models else _of_project()
+    except click.ClickException:
+        own = {}  # a completion has nobody to tell it
+    return [*known(kind), *own.get(kind, ())]
+
+
+def _named(models: Sequence[str]) -> Names:
+    from jausml.cli.shared.models import open_catalogue
+    from jausml.cli.shared.project_names import names_of
+
+    return names_of(open_catalogue(models))
+
+
+def _of_project() -> Names:
+    """Returns the names that the models of the project of the current folder add."""
+    from jausml.language.model.project import made_project
+
+    root = made_project(Path.cwd())
+    if root is None:
+        return {}
+    state = _state(root)
+    file = _cache_folder() / f"names-{blake2b(bytes(root), digest_size=12).hexdigest()}.json"
+    names = _kept(file, state)
+    if names is None:
+        from jausml.cli.shared.project_names import names_of
+        from jausml.live.messages.of_project import project_catalogue
+
+        names = names_of(project_catalogue(lambda _: None))
+        _keep(file, {"state": state, **names})
+    return names
+
+
+def _state(root: Path) -> str:
+    """Returns a text that is another one when any model of a project has changed."""
+    from jausml.language.model.inputs import read_input
+    from jausml.language.model.project import model_files
+
+    found = blake2b(__version__.encode(), digest_size=24)
+    for each in model_files(root):
+        try:
+            data = read_input(root / each)
+        except OSError:
+            continue
+        found.update(f"\0{each}\0{len(data)}\0".encode("utf-8", "surrogateescape"))
+        found.update(data)
+    return found.hexdigest()
+
+
+def _cache_folder() -> Path:
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "jausml"
+
+
+def _kept(file: Path, state: str) -> Names | None:
+    try:
+        found = json.loads(file.read_text(encoding="utf-8"))
+        return {kind: found[kind] for kind in _KINDS} if found["state"] == state else None
+    except (OSError, ValueError, KeyError, TypeError):
+        return None  # There is none, or somebody else has written it.
+
+
+def _keep(file: Path, content: dict[str, Any]) -> None:
+    new = file.with_suffix(f".{os.getpid()}")
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        new.write_text(json.dumps(content), encoding="utf-8")
+        new.replace(file)
+    except OSError:
+        return  # It is read again at the next completion.
