@@ -198,3 +198,105 @@ def test_it_says_how_an_action_is_carried(tmp_path, monkeypatch):
     assert done.exit_code == 0, done.output
     done = CliRunner().invoke(main, ["validate", "car.ros2jaus", "--strict"])
     assert done.exit_code == 0, done.output
+
+
+DESCRIPTION = """<robot name="crane">
+  <joint name="mast" type="fixed"/>
+  <joint name="swing" type="revolute"><axis xyz="0 0 1"/></joint>
+  <joint type='prismatic' name='lift'/>
+  <transmission name="t"><joint name="swing"/></transmission>
+</robot>
+"""
+
+
+@pytest.fixture
+def crane(monkeypatch):
+    """A node with frames of its own, parameters, a stamped command, and a silent topic."""
+    import rclpy
+    from geometry_msgs.msg import TwistStamped
+    from nav_msgs.msg import Odometry
+    from rclpy.context import Context
+    from rclpy.executors import SingleThreadedExecutor
+    from sensor_msgs.msg import Imu
+
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
+    context = Context()
+    rclpy.init(context=context, args=[])
+    node = rclpy.create_node("base", context=context, namespace="crane")
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(node)
+    thread = Thread(target=executor.spin)
+    try:
+        for name, value in {
+            "robot_description": DESCRIPTION,
+            "odom_frame_id": "unused",
+            "map_frame": "site",
+            "cmd_vel_timeout": 0.5,
+            "linear.x.max_velocity": 1.5,
+            "publish_rate": 50.0,
+            "wheel_separation": 0.8,
+            "enable_odom_tf": True,
+            "use_sim_time_of_day": "noon",
+        }.items():
+            node.declare_parameter(name, value)
+        odometry = node.create_publisher(Odometry, "odom", 5)
+        moved = Odometry(child_frame_id="crane/chassis")
+        moved.header.frame_id = "crane/odom"
+        node.create_timer(0.2, lambda: odometry.publish(moved))
+        node.create_publisher(Imu, "imu", 5)
+        node.create_subscription(TwistStamped, "cmd_vel", print, 1)
+        thread.start()
+        yield node
+    finally:
+        executor.shutdown()
+        if thread.is_alive():
+            thread.join()
+        node.destroy_node()
+        context.try_shutdown()
+
+
+@pytest.mark.usefixtures("crane")
+@pytest.mark.parametrize("file", ["car.ros2jaus", "car.xmi"])
+def test_names_of_frames_go_into_maps_and_parameters_are_shown(tmp_path, monkeypatch, file):
+    monkeypatch.chdir(tmp_path)
+    done = CliRunner().invoke(
+        main,
+        ["new", "bridge", "face", "--from-graph", "--for", "60", "--yes", "--model", file],
+    )
+    assert done.exit_code == 0, done.output
+    told = done.stdout.splitlines()
+    assert "/crane/odom names the frame crane/odom and the child frame crane/chassis" in told
+    assert "/crane/imu was silent: what its messages name is not known" in told
+    shown = {
+        line.removeprefix("/crane/base has ").partition(":")[0]: line
+        for line in told
+        if line.startswith("/crane/base has ")
+    }
+    assert set(shown) == {
+        "cmd_vel_timeout 0.5",
+        "linear.x.max_velocity 1.5",
+        "map_frame site",
+        "odom_frame_id unused",
+        "publish_rate 50.0",
+        "robot_description",
+        "wheel_separation 0.8",
+    }
+    assert "--joints TOPIC=swing,lift states them" in shown["robot_description"]
+    assert "silenceTimeout of the connection is yours to decide" in shown["cmd_vel_timeout 0.5"]
+    (line,) = [each for each in told if each.startswith("crane/cmd_vel: JAUS -> ROS")]
+    assert line.endswith("; the frame base_link is crane/chassis")
+    model = read_models([tmp_path / file], notations=NOTATIONS).model
+    [made] = model.instances(bridge.Bridge, library=False)
+    frames = {
+        each.target: each.value
+        for used in made.maps
+        for each in used.toRos
+        if isinstance(each, bridge.ConstantAssignment)
+    }
+    assert frames["header.frame_id"] == "crane/chassis"
+    # What concerns safety is left to a person.
+    assert not any(each.silenceTimeout for each in made.bridgeConnections)
+    assert not made.quantities
+    done = CliRunner().invoke(main, ["validate", file, "--strict"])
+    assert done.exit_code == 0, done.output

@@ -177,7 +177,7 @@ def _identity(used: bridge.AttributeMap) -> tuple[str, str, str]:
 
 def _present(crossing: Crossing, scope: Scope, copies: Collection[Path]) -> Crossing:
     """Returns a way with its map as the models have it now; a copy replaces that of the library."""
-    if crossing.names:
+    if crossing.has_own_map:
         return crossing
     shipped = library().document_of(crossing.map)
     is_copied = shipped is not None and any(each.stem == shipped.path.stem for each in copies)
@@ -197,7 +197,7 @@ def _copies(place: Place, chosen: Sequence[Crossing]) -> dict[Path, Path]:
     found: dict[Path, Path] = {}
     for each in chosen:
         document = library().document_of(each.map)
-        if document is None or document.is_xml or each.names:
+        if document is None or document.is_xml or each.has_own_map:
             continue
         found[place.path.parent / MAPPINGS / f"{document.path.stem}.xmi"] = document.path
     return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from jausml.authoring.editing.commands import NEW, Add, Child, Set
+from jausml.authoring.editing.commands import NEW, Add, Child, Set, with_created
 from jausml.authoring.editing.describing import described
 from jausml.authoring.proposals.elements import literal, values_of
 from jausml.authoring.proposals.fresh import free_address, name_among, participant_name
@@ -315,18 +315,28 @@ def between(
     return list(by_name.values())
 
 
-def copied(scope: Scope, place: str, used: bridge.AttributeMap, name: str) -> list[Command]:
+def copied(
+    scope: Scope, place: str, used: bridge.AttributeMap, name: str, *, first: int = 0
+) -> list[Command]:
     """Returns what makes a copy of a map, with its tables, quantities and vectors.
 
     Args:
         place: Ref of the bridge that shall have it.
+        first: The number of elements that are made before.
     """
     described_map = described([(used, scope.model_of(used))], lambda each, _: scope.ref(each))
+
+    def later(ref: str) -> str:
+        made, _, inner = ref.partition("/")
+        if not made.startswith(NEW):
+            return ref
+        return f"{NEW}{int(made.removeprefix(NEW)) + first}{f'/{inner}' if inner else ''}"
+
     return [
         replace(each, owner=place, feature="maps", values={**each.values, "name": (name,)})
         if isinstance(each, Add) and not each.owner
         else each
-        for each in described_map
+        for each in (with_created(each, later) for each in described_map)
     ]
 
 

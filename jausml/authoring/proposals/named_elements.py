@@ -1,4 +1,4 @@
-"""Maps that know the elements of a list by names, such as joints: each robot has its own."""
+"""Maps with names that are others in each robot: of joints, which are elements, and of frames."""
 
 from __future__ import annotations
 
@@ -12,12 +12,14 @@ from jausml.language.model.names import name_of
 from jausml.language.project.library import library
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
+    from typing import TypeGuard
 
     from jausml.authoring.editing.commands import AddedT, Command
     from jausml.authoring.proposals.elements import Scope
 
-_LIST = "bridge.ListAssignment"
+FRAME_IDS = ("frame_id", "child_frame_id")
+"""The fields that name a frame."""
 
 
 def names_in(used: bridge.AttributeMap) -> list[str]:
@@ -38,24 +40,66 @@ def are_examples(used: bridge.AttributeMap) -> bool:
     return bool(names_in(used)) and library().document_of(used) is not None
 
 
-def copied_with_names(
-    scope: Scope, place: str, used: bridge.AttributeMap, name: str, names: Sequence[str]
-) -> list[Command]:
-    """Returns what makes a copy of a map with other names of elements.
+def frames_in(used: bridge.AttributeMap) -> list[str]:
+    """Returns the frames that a map names in what it publishes."""
+    found = (name for each in used.toRos for name in _frames(each))
+    return list(dict.fromkeys(found))
 
-    Its test vectors have the names of the original, so that the copy is without.
+
+def _frames(assignment: bridge.Assignment) -> Iterator[str]:
+    if isinstance(assignment, bridge.ConstantAssignment) and _is_frame(assignment.target or ""):
+        yield assignment.value or ""
+    if isinstance(assignment, bridge.ListAssignment):
+        for each in assignment.assignments:
+            yield from _frames(each)
+
+
+def _is_frame(path: str) -> bool:
+    return path.rpartition(".")[2] in FRAME_IDS
+
+
+def copied_with_names(
+    scope: Scope,
+    place: str,
+    used: bridge.AttributeMap,
+    name: str,
+    names: Sequence[str],
+    frames: Mapping[str, str],
+    *,
+    first: int,
+) -> list[Command]:
+    """Returns what makes a copy of a map with other names of elements or of frames.
+
+    Test vectors have the names of elements of the original, so that such a copy is without.
+
+    Args:
+        frames: New names by those of the original.
+        first: The number of elements that are made before.
     """
-    about = (
-        f"{', '.join(names)}: by these names in ROS, in this order in JAUS.\n\n"
-        f"Made of the ready map {name_of(used)}."
-    )
-    made = copied(scope, place, used, name)
+    joints = [f"{', '.join(names)}: by these names in ROS, in this order in JAUS."] if names else []
+    said = [f"The frame {old} is {new} here." for old, new in frames.items()]
+    about = "\n\n".join((*joints, *said, f"Made of the ready map {name_of(used)}."))
+    made = copied(scope, place, used, name, first=first)
+    if names:
+        made = [_with_names(each, names) if _is_map(each) else each for each in made]
+    made = [_with_frames(each, frames) if isinstance(each, Add) else each for each in made]
     return [
-        replace(_with_names(each, names), values={**each.values, "documentation": (about,)})
-        if isinstance(each, Add) and each.kind == "bridge.AttributeMap"
-        else each
+        replace(each, values={**each.values, "documentation": (about,)}) if _is_map(each) else each
         for each in made
     ]
+
+
+def _is_map(command: Command) -> TypeGuard[Add]:
+    return isinstance(command, Add) and command.kind == "bridge.AttributeMap"
+
+
+def _with_frames(made: AddedT, frames: Mapping[str, str]) -> AddedT:
+    values = dict(made.values)
+    (path,) = values.get("target") or values.get("path") or ("",)
+    if _is_frame(path) and "value" in values:
+        values["value"] = tuple(frames.get(each, each) for each in values["value"])
+    children = tuple(_with_frames(each, frames) for each in made.children)
+    return replace(made, values=values, children=children)
 
 
 def _with_names(made: AddedT, names: Sequence[str]) -> AddedT:

@@ -86,10 +86,13 @@ def _connections(
     fed: set[str] = set()
     for each in chosen:
         used = scope.ref(each.map)
-        if each.names:
+        if each.has_own_map:
             maps.append(free_name(f"{each.topic.name}_{name_of(each.map)}", maps))
-            used = f"{NEW}{first + len(found)}"
-            found += copied_with_names(scope, place, each.map, maps[-1], each.names)
+            before = first + sum(isinstance(one, Add) for one in found)
+            used = f"{NEW}{before}"
+            found += copied_with_names(
+                scope, place, each.map, maps[-1], each.names, each.frames, first=before
+            )
         names.append(free_name(_connection_name(each, chosen, names), names))
         draft = Draft(
             each.offer,

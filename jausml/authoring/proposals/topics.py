@@ -6,10 +6,11 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from jausml.authoring.proposals.bridging import is_served, lacks_stop, offer_of
-from jausml.authoring.proposals.named_elements import are_examples
+from jausml.authoring.proposals.named_elements import are_examples, frames_in
 from jausml.language.metamodel.classes import ros
 from jausml.language.model.names import name_of
 from jausml.language.model.words import words
+from jausml.language.project.library import library
 from jausml.language.semantics.connections.exchanges import EVENT
 from jausml.language.semantics.connections.unanswered import unanswered
 from jausml.language.semantics.jaus.answers import told_by_command
@@ -45,6 +46,7 @@ class TopicEnd:
             None for what is usual.
         published: Quality of service by which all that subscribe get it; None for what is usual.
         names: Names of the elements of its lists, such as joints, in the order that JAUS has.
+        frames: Names of the robot's frames by those that ready maps have.
     """
 
     name: str
@@ -54,6 +56,7 @@ class TopicEnd:
     heard: Mapping[str, str] | None = None
     published: Mapping[str, str] | None = None
     names: tuple[str, ...] = ()
+    frames: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -84,6 +87,19 @@ class Crossing:
     def names(self) -> tuple[str, ...]:
         """The names of elements that an own copy of its map has; none for a map as it is."""
         return self.topic.names if are_examples(self.map) else ()
+
+    @property
+    def frames(self) -> dict[str, str]:
+        """The robot's frames by those that its map publishes otherwise."""
+        if not self.offer.to_ros or library().document_of(self.map) is None:
+            return {}
+        known = self.topic.frames
+        return {each: known[each] for each in frames_in(self.map) if each in known}
+
+    @property
+    def has_own_map(self) -> bool:
+        """Whether it needs a copy of its map, with the names of the robot."""
+        return bool(self.names or self.frames)
 
     @property
     def qos(self) -> dict[str, str]:

@@ -9,10 +9,10 @@ import click
 from jausml.cli.authoring.places import model_option, place_for, report, stopping
 from jausml.cli.authoring.running import (
     graph_options,
-    graph_that_runs,
     left_topic,
     show_left,
     topics_in,
+    what_runs_here,
 )
 from jausml.cli.authoring.topics import (
     chosen_crossings,
@@ -56,9 +56,11 @@ def bridge(
     maps fit, asks which one to use; --yes takes the likeliest, and TOPIC:TYPE:MAP names one. A
     topic whose name does not suggest a command becomes a report, which moves nothing.
 
-    With --from-graph, lists the running ROS topics, services and actions, and takes types,
-    directions, quality of service and names of joints from them. What no ready map carries is left
-    out, with the reason and the command that comes next.
+    With --from-graph, lists the running ROS topics, services and actions, the joints and frames
+    that messages name, and the parameters that say something for a model. Takes types, directions,
+    quality of service and names of joints and frames from them. What no ready map carries is left
+    out, with the reason and the command that comes next. Limits and time-outs of the robot are
+    shown and never filled in.
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
@@ -73,7 +75,7 @@ def bridge(
         scope = scope_of(place)
         left = None
         if from_graph:
-            running = graph_that_runs(seconds)
+            running = what_runs_here(seconds)
             topics = topics_in(running, words)
             if not words:
                 show_left(running, scope)
@@ -127,7 +129,7 @@ def connection(
         place = place_for(model)
         space = namespace_of(place, bridge or "")
         if from_graph:
-            topics = topics_in(graph_that_runs(seconds), words, space)
+            topics = topics_in(what_runs_here(seconds), words, space)
         else:
             topics = topics_of(words)
         maps = ready_maps(scope_of(place))

@@ -162,7 +162,7 @@ def _copy(
         if not names_in(used):
             raise click.UsageError(f"--joints: {name_of(used)} knows no joints by names")
         click.echo(f"a copy of the ready map {name_of(used)} for {', '.join(own)}")
-        return copied_with_names(scope, place, used, wish.name, own)
+        return copied_with_names(scope, place, used, wish.name, own, {}, first=0)
     if are_examples(used):
         raise click.UsageError(
             f"{name_of(used)} knows joints by their names: state those of the robot by "

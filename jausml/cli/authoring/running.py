@@ -11,12 +11,19 @@ from jausml.cli.shared.files import EnvironmentFault
 from jausml.cli.shared.options import FiniteRange
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.proposals.topics import TopicEnd
     from jausml.cli.authoring.topics import LeftOut
-    from jausml.live.ros import RosEndpoint, RunningCall, RunningGraph, RunningTopic
+    from jausml.live.ros.graph import RosEndpoint, RunningCall, RunningTopic
+    from jausml.live.ros.running import Running
+
+
+_ODOMETRY = "nav_msgs/msg/Odometry"
+
+_LONGEST_VALUE = 60
+"""Characters of a parameter that are shown."""
 
 
 def graph_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -39,33 +46,88 @@ def graph_options(command: Callable[..., None]) -> Callable[..., None]:
     return from_graph(seconds(command))
 
 
-def graph_that_runs(seconds: float) -> RunningGraph:
+def what_runs_here(seconds: float) -> Running:
     """Returns what runs now, after it has listed all of it."""
-    from jausml.live.ros import RosFault, running_graph
+    from jausml.authoring.proposals.parameters import is_worth_reading
+    from jausml.live.ros.node import RosFault
+    from jausml.live.ros.running import what_runs
 
     try:
-        running = running_graph(seconds)
+        running = what_runs(seconds, is_worth_reading)
     except RosFault as error:
         raise EnvironmentFault(str(error)) from error
-    if not running:
+    graph = running.graph
+    if not graph:
         raise EnvironmentFault(f"no topic, service or action runs here (looked for {seconds:g} s)")
-    for each in running.topics:
+    for each in graph.topics:
         click.echo(_line(each))
-    for call in (*running.services, *running.actions):
+    for call in (*graph.services, *graph.actions):
         click.echo(_call_line(call))
-    for topic, names in running.joints.items():
-        click.echo(f"{topic} names the joints {', '.join(names)}")
+    for line in (*_said_lines(running), *_parameter_lines(running)):
+        click.echo(line)
     return running
 
 
-def topics_in(running: RunningGraph, words: Sequence[str], namespace: str = "") -> list[TopicEnd]:
+def _said_lines(running: Running) -> Iterator[str]:
+    """Yields which joints and frames the messages name."""
+    for topic, names in sorted(running.joints.items()):
+        yield f"{topic} names the joints {', '.join(names)}"
+    for topic, (frame, child) in sorted(running.frames.items()):
+        inner = f"{' and ' if frame else ''}the child frame {child}" if child else ""
+        yield f"{topic} names {f'the frame {frame}' if frame else ''}{inner}"
+    for topic in running.silent:
+        yield f"{topic} was silent: what its messages name is not known"
+
+
+def _parameter_lines(running: Running) -> Iterator[str]:
+    """Yields the parameters that say something for a model, and what."""
+    from jausml.authoring.proposals.parameters import says
+
+    for node, values in sorted(running.parameters.items()):
+        for name, value in sorted(values.items()):
+            if meaning := says(name, value):
+                shown = "" if len(str(value)) > _LONGEST_VALUE else f" {value}"
+                yield f"{node} has {name}{shown}: {meaning}"
+    for node in running.unread:
+        yield f"{node} does not tell its parameters"
+
+
+def _frames(running: Running) -> dict[str, str]:
+    """Returns the robot's frames by those of REP 105, as far as it is clear which they are.
+
+    Odometry tells what is; parameters tell what somebody wants.
+    """
+    from jausml.authoring.proposals.parameters import frame_role
+
+    published: dict[str, set[str]] = {}
+    for topic in running.graph.topics:
+        if topic.types == (_ODOMETRY,) and topic.name in running.frames:
+            for role, name in zip(("odom", "base_link"), running.frames[topic.name], strict=True):
+                published.setdefault(role, set()).update({name} - {""})
+    stated: dict[str, set[str]] = {}
+    for values in running.parameters.values():
+        for parameter, value in values.items():
+            if (role := frame_role(parameter)) and isinstance(value, str):
+                stated.setdefault(role, set()).update({value} - {""})
+    found = {}
+    for role in (*published, *stated):
+        names = published.get(role) or stated.get(role, set())
+        if len(names) == 1 and names != {role}:
+            found[role] = next(iter(names))
+    return found
+
+
+def topics_in(running: Running, words: Sequence[str], namespace: str = "") -> list[TopicEnd]:
     """Returns the topics of a graph that a bridge can carry.
 
     Args:
         words: Those that are meant, as `TOPIC` or `TOPIC:MAP,...`; all without any.
     """
+    frames = _frames(running)
     known = {
-        each.name: _end(each, running, namespace) for each in running.topics if len(each.types) == 1
+        each.name: replace(_end(each, running, namespace), frames=frames)
+        for each in running.graph.topics
+        if len(each.types) == 1
     }
     if not words:
         return list(known.values())
@@ -104,7 +166,7 @@ def _relative(name: str, namespace: str) -> str:
     return name.removeprefix(f"/{namespace.strip('/')}/" if namespace.strip("/") else "/")
 
 
-def _end(topic: RunningTopic, running: RunningGraph, namespace: str) -> TopicEnd:
+def _end(topic: RunningTopic, running: Running, namespace: str) -> TopicEnd:
     """Returns a topic with the direction and quality of service that its ends leave."""
     from jausml.authoring.proposals.elements import plain_type
     from jausml.authoring.proposals.topics import TopicEnd
@@ -120,14 +182,14 @@ def _end(topic: RunningTopic, running: RunningGraph, namespace: str) -> TopicEnd
     )
 
 
-def _joints(topic: RunningTopic, running: RunningGraph) -> tuple[str, ...]:
+def _joints(topic: RunningTopic, running: Running) -> tuple[str, ...]:
     """Returns the joints of a topic: those that it names, else those that its nodes publish."""
     if topic.name in running.joints:
         return running.joints[topic.name]
     own = {each.node for each in topic.subscriptions}
     by_own = {
         running.joints[each.name]
-        for each in running.topics
+        for each in running.graph.topics
         if each.name in running.joints and own & {end.node for end in each.publishers}
     }
     found = by_own or set(running.joints.values())
@@ -153,14 +215,14 @@ def _published(subscriptions: Sequence[RosEndpoint]) -> dict[str, str] | None:
     return {"reliability": "reliable", **({"durability": "transient_local"} if kept else {})}
 
 
-def show_left(running: RunningGraph, scope: Scope, namespace: str = "") -> None:
+def show_left(running: Running, scope: Scope, namespace: str = "") -> None:
     """Says of all that is no topic of a bridge why, and which command comes next."""
-    for topic in running.topics:
+    for topic in running.graph.topics:
         if len(topic.types) > 1:
             _left(f"{topic.name} has several types, a fault of its nodes")
     for kind, next_of, calls in (
-        ("service", _service, running.services),
-        ("action", _action, running.actions),
+        ("service", _service, running.graph.services),
+        ("action", _action, running.graph.actions),
     ):
         for each in calls:
             if len(each.types) > 1:

@@ -350,4 +350,5 @@ def _crossing_line(crossing: Crossing) -> str:
     reason = crossing.hold_reason
     held = f"; the last command stands when its source is lost: {reason}" if reason else ""
     own = f"; joints {', '.join(crossing.names)}" if crossing.names else ""
+    own += "".join(f"; the frame {old} is {new}" for old, new in crossing.frames.items())
     return f"{crossing.topic.name}: {arrow}, {crossing.says()}{own}{held}"

@@ -8,7 +8,7 @@ from threading import Event
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.recording.mcap_files import RecordingError
-from jausml.live.ros import QuietNode, RosFault, message_class
+from jausml.live.ros.node import QuietNode, RosFault, message_class
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from jausml.live.peers.discovery import controller_of, type_name
 from jausml.live.peers.network import component_address
 from jausml.live.peers.query_client import status_of
-from jausml.live.ros import RosFault
+from jausml.live.ros.node import RosFault
 from jausml.live.systems.folding import (
     AnswerSource,
     ComponentAnswer,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.ros import QuietNode, message_class
+from jausml.live.ros.node import QuietNode, message_class
 from jausml.live.systems.diagnostics import DiagnosticStatus
 
 if TYPE_CHECKING:

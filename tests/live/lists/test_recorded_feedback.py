@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.live.ros import message_class
+from jausml.live.ros.node import message_class
 
 pytestmark = pytest.mark.live
 
