@@ -217,7 +217,7 @@ def crane(monkeypatch):
     from nav_msgs.msg import Odometry
     from rclpy.context import Context
     from rclpy.executors import SingleThreadedExecutor
-    from sensor_msgs.msg import Imu
+    from sensor_msgs.msg import Imu, Temperature
 
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
@@ -245,6 +245,10 @@ def crane(monkeypatch):
         moved.header.frame_id = "crane/odom"
         node.create_timer(0.2, lambda: odometry.publish(moved))
         node.create_publisher(Imu, "imu", 5)
+        motor = node.create_publisher(Temperature, "motor", 5)
+        warm = Temperature()
+        warm.header.frame_id = "crane/motor"
+        node.create_timer(0.2, lambda: motor.publish(warm))
         node.create_subscription(TwistStamped, "cmd_vel", print, 1)
         thread.start()
         yield node
@@ -267,6 +271,9 @@ def test_names_of_frames_go_into_maps_and_parameters_are_shown(tmp_path, monkeyp
     assert done.exit_code == 0, done.output
     told = done.stdout.splitlines()
     assert "/crane/odom names the frame crane/odom and the child frame crane/chassis" in told
+    left = "no ready map carries sensor_msgs/Temperature of crane/motor for a vehicle; next: "
+    begun = "jausml new map crane_motor MESSAGE sensor_msgs/Temperature --to-ros "
+    assert f"left out: {left}{begun}'header.frame_id=\"crane/motor\"'\n" in done.stderr
     assert "/crane/imu was silent: what its messages name is not known" in told
     shown = {
         line.removeprefix("/crane/base has ").partition(":")[0]: line

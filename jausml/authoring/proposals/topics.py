@@ -47,6 +47,7 @@ class TopicEnd:
         published: Quality of service by which all that subscribe get it; None for what is usual.
         names: Names of the elements of its lists, such as joints, in the order that JAUS has.
         frames: Names of the robot's frames by those that ready maps have.
+        own_frames: Frames that its messages name, by the path of the field.
     """
 
     name: str
@@ -57,6 +58,7 @@ class TopicEnd:
     published: Mapping[str, str] | None = None
     names: tuple[str, ...] = ()
     frames: Mapping[str, str] = field(default_factory=dict)
+    own_frames: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

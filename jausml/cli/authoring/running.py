@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from jausml.live.ros.running import Running
 
 
+_FRAME_PATHS = ("header.frame_id", "child_frame_id")
 _ODOMETRY = "nav_msgs/msg/Odometry"
 
 _LONGEST_VALUE = 60
@@ -179,6 +180,11 @@ def _end(topic: RunningTopic, running: Running, namespace: str) -> TopicEnd:
         heard=_heard(topic.publishers),
         published=_published(topic.subscriptions),
         names=_joints(topic, running),
+        own_frames={
+            path: name
+            for path, name in zip(_FRAME_PATHS, running.frames.get(topic.name, ()), strict=False)
+            if name
+        },
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from shlex import quote
 from typing import TYPE_CHECKING, TypeAlias
 
 import click
@@ -240,7 +241,9 @@ def _without(
     known = {ros_name(each.type) for each in maps if each.type is not None}
     hint = suggest(topic.type, known - {topic.type}) if topic.type not in known else ""
     reason = f"no ready map carries {topic.type} of {topic.name} for a {side}"
-    command = f"jausml new map {snake_case(topic.name)} MESSAGE {topic.type}"
+    frames = (quote(f'{path}="{name}"') for path, name in topic.own_frames.items())
+    stated = "".join(f" --to-ros {each}" for each in frames)
+    command = f"jausml new map {snake_case(topic.name)} MESSAGE {topic.type}{stated}"
     if left_out is None:
         ask = f"jausml list maps tells which there are; {command} begins one"
         raise click.UsageError(f"{reason}; {hint or ask}")
