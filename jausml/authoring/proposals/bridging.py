@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -36,6 +37,8 @@ if TYPE_CHECKING:
 
 
 _QUERY = "Query"
+
+_MADE = re.compile(rf"{re.escape(NEW)}(\d+)")
 
 
 @dataclass(frozen=True)
@@ -315,6 +318,15 @@ def between(
     return list(by_name.values())
 
 
+def shifted(commands: Iterable[Command], by: int) -> list[Command]:
+    """Returns commands whose refs to what they make hold behind others in a batch."""
+
+    def known(ref: str) -> str:
+        return _MADE.sub(lambda match: f"{NEW}{int(match[1]) + by}", ref, count=1)
+
+    return [with_created(each, known) for each in commands]  # type: ignore[arg-type]
+
+
 def copied(
     scope: Scope, place: str, used: bridge.AttributeMap, name: str, *, first: int = 0
 ) -> list[Command]:
@@ -325,18 +337,11 @@ def copied(
         first: The number of elements that are made before.
     """
     described_map = described([(used, scope.model_of(used))], lambda each, _: scope.ref(each))
-
-    def later(ref: str) -> str:
-        made, _, inner = ref.partition("/")
-        if not made.startswith(NEW):
-            return ref
-        return f"{NEW}{int(made.removeprefix(NEW)) + first}{f'/{inner}' if inner else ''}"
-
     return [
         replace(each, owner=place, feature="maps", values={**each.values, "name": (name,)})
         if isinstance(each, Add) and not each.owner
         else each
-        for each in (with_created(each, later) for each in described_map)
+        for each in shifted(described_map, first)
     ]
 
 

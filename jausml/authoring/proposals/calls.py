@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.authoring.editing.commands import NEW, Add, Child, with_created
-from jausml.authoring.proposals.bridging import copied, fitting, offer_of, with_service
+from jausml.authoring.editing.commands import NEW, Add, Child
+from jausml.authoring.proposals.bridging import copied, fitting, offer_of, shifted, with_service
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.fresh import name_among
 from jausml.authoring.proposals.mapping.opens import documented
@@ -37,8 +36,6 @@ if TYPE_CHECKING:
 _SUCCESS = ("success", "succeeded", "ok", "accepted", "done")
 _REASON = ("message", "reason", "error_msg", "error_message", "status_message", "error")
 """Names of members of a response that tell how a call ended, as ROS packages have them."""
-
-_MADE = re.compile(rf"{re.escape(NEW)}(\d+)")
 
 
 @dataclass(frozen=True)
@@ -250,15 +247,6 @@ def own_copy(
 
 def _count(commands: Iterable[Command]) -> int:
     return sum(isinstance(each, Add) for each in commands)
-
-
-def shifted(commands: Iterable[Command], by: int) -> list[Command]:
-    """Returns commands whose refs to what they make hold behind others in a batch."""
-
-    def known(ref: str) -> str:
-        return _MADE.sub(lambda match: f"{NEW}{int(match[1]) + by}", ref, count=1)
-
-    return [with_created(each, known) for each in commands]  # type: ignore[arg-type]
 
 
 def opens_of(call: Call) -> list[str]:

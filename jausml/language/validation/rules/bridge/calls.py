@@ -24,6 +24,7 @@ from jausml.language.semantics.jaus.services import (
 )
 from jausml.language.semantics.paths.attributes import PathFault
 from jausml.language.semantics.paths.ros_paths import RosPlace, ros_name
+from jausml.language.semantics.paths.scopes import source_paths
 from jausml.language.validation.rule import Finding, Note, rule
 from jausml.language.validation.rules.jaus.components import provider_name
 
@@ -173,20 +174,46 @@ def members_tell(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML473", Severity.WARNING, "failures that cannot be told")
 def failures_told(subject: Subject) -> Iterator[Finding]:
-    """The response of a served service says whether the call succeeded.
+    """The connection of a service says which member of the response tells whether a call succeeded.
 
-    Otherwise a failed call gets no response, and its client waits until it gives up: a made-up
-    response would report success.
+    Otherwise a call of a served service that fails gets no response, and its client waits until it
+    gives up: a made-up response would report success. A service that is called may answer that it
+    failed: where its response has a bool that no map reads, and nothing says what that means, each
+    response counts as success, and JAUS is told that all went well.
 
     Bad: `type` std_srvs/Trigger without `successMember`
 
     Good: the same with `successMember="success"`
     """
-    needs = ("name", "type", "direction", "successMember")
+    needs = ("name", "type", "direction", "response", "successMember")
     for connection in subject.instances(bridge.RosServiceConnection, needs=needs):
-        if calls.serves(connection) and not connection.successMember:
+        if connection.successMember:
+            continue
+        if calls.serves(connection):
             message = f"clients of '{connection.name}' get no response when a call comes to nothing"
             yield Finding(connection, message, "type", "name a bool of the response: successMember")
+        elif bools := _untaken_bools(subject, connection):
+            message = f"a call of '{connection.name}' that fails counts as done"
+            hint = f"successMember names the bool that tells it, such as {' or '.join(bools)}"
+            yield Finding(connection, message, "type", hint)
+
+
+def _untaken_bools(subject: Subject, connection: bridge.RosServiceConnection) -> list[str]:
+    """Returns the bools of a response that no map reads."""
+    if connection.type is None or not subject.is_intact(connection.type):
+        return []
+    used = connection.response
+    if used is not None and not subject.is_intact(used):
+        return []
+    read = {path for each in (used.toJaus if used else ()) for path in source_paths(each)}
+    return [
+        str(each.name)
+        for each in connection.type.response.fields
+        if isinstance(each, ros.PrimitiveField)
+        and each.type.name == "bool"
+        and each.arrayKind.name == "single"
+        and each.name not in read
+    ]
 
 
 @rule("JML474", Severity.ERROR, "timeout of calls out of range")
