@@ -151,6 +151,18 @@ def test_own_types_of_the_project_are_carried(robot, jausml, notation):
     assert (pull.successMember, survey.progressMember) == (None, None)
     assert survey.goalMember == "path.poses"
     assert "Open: name the bool of winch_msgs/Pull.response" in pull.documentation
+    done = jausml("validate", "models", "--strict")
+    assert "JML473 a call of 'pull' that fails counts as done" in done.output
+    text = model.read_text("utf-8")
+    for old, new in (
+        ("service_connection pull {", "service_connection pull { successMember: finished"),
+        (
+            '<serviceConnections name="pull"',
+            '<serviceConnections name="pull" successMember="finished"',
+        ),
+    ):
+        text = text.replace(old, new)
+    model.write_text(text, "utf-8")
     sound(jausml, model)
 
 
