@@ -8,26 +8,25 @@ from __future__ import annotations
 
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from inspect import iscoroutinefunction
 from typing import TYPE_CHECKING
 
+from jausml.live.api.declarations import Declarations, taking
 from jausml.live.api.payloads import catalogue
 from jausml.live.api.reports import Received, Subscription
 from jausml.live.peers.discovery import controller_of
-from jausml.live.peers.entry_messages import find_exchange, find_message
 from jausml.live.peers.network import DEFAULT_GROUP, Network, component_address, fault, identified
-from jausml.live.peers.operator import Identity, Operator, running_operator
+from jausml.live.peers.operator import Operator, running_operator
 from jausml.live.peers.requesting import request
 from jausml.runtime.base.settings import JUDP_PORT, TransportSettings
 from jausml.runtime.messages import Resume
-from jausml.runtime.services.definitions import ServiceIdentity, Status
+from jausml.runtime.services.definitions import Status
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from jausml.live.api.payloads import Models
     from jausml.live.api.reports import Fields
-    from jausml.live.messages import Catalogue, MessageEntry
+    from jausml.live.messages import MessageEntry
     from jausml.live.peers.answering import Reply
     from jausml.runtime.base.address import JausAddress
 
@@ -90,13 +89,10 @@ class Component:
         own = component_address(address or "65000.1.1")
         self._network = Network(own, settings, is_own_given=address is not None)
         self._catalogue = catalogue(models)
-        named = (provides,) if isinstance(provides, str) else provides
-        self._identity = Identity(name, _identities(self._catalogue, named))
+        self._declared = Declarations(self._catalogue, name, provides)
         self._timeout = timeout
         self._stack = ExitStack()
         self._running: Operator | None = None
-        self._answers: dict[MessageEntry, tuple[MessageEntry, Callable[[], Fields | None]]] = {}
-        self._obeyed: dict[MessageEntry, Callable[[Received], Reply | None]] = {}
 
     def __repr__(self) -> str:
         state = "stopped" if self._running is None else "runs"
@@ -119,8 +115,9 @@ class Component:
             return
         with ExitStack() as stack:
             network = stack.enter_context(identified(self._network))
+            ours = self._declared
             operator = running_operator(
-                network, self._catalogue, self._timeout, self._identity, self._prepare
+                network, self._catalogue, self._timeout, ours.identity, ours.prepare
             )
             try:
                 self._running = stack.enter_context(operator)
@@ -326,11 +323,7 @@ class Component:
             TypeError: What gives is no function, or is async.
             ValueError: The query is answered already.
         """
-        _check_callable(give, "that returns the fields")
-        query, report = find_exchange(self._catalogue, _text(name), self._identity.services)
-        if query in self._answers:
-            raise ValueError(f"{query.name} is answered already")
-        self._answers[query] = report, give
+        query, report = self._declared.answer(_text(name), give)
         if self._running is not None:
             self._running.provide(query, report, give)
 
@@ -350,22 +343,9 @@ class Component:
             TypeError: What takes is no function, or is async.
             ValueError: Something takes it already, or it is a query.
         """
-        _check_callable(take, "that takes the message")
-        entry = find_message(self._catalogue, _text(name), self._identity.services)
-        if entry.name.startswith("Query"):
-            raise ValueError(f"{entry.name} is a query: `answer` gives its report")
-        if entry in self._obeyed:
-            raise ValueError(f"{entry.name} is obeyed already")
-        self._obeyed[entry] = take
+        entry = self._declared.obey(_text(name), take)
         if self._running is not None:
-            self._running.obey(entry, _taking(take))
-
-    def _prepare(self, operator: Operator) -> None:
-        """Has the operator do what was declared, before anybody can ask it."""
-        for query, (report, give) in self._answers.items():
-            operator.provide(query, report, give)
-        for entry, take in self._obeyed.items():
-            operator.obey(entry, _taking(take))
+            self._running.obey(entry, taking(take))
 
     @property
     def _operator(self) -> Operator:
@@ -406,29 +386,3 @@ def _state(state: Status | None) -> str | None:
 def _text(name: str | int) -> str:
     """Returns a name or code as text."""
     return name if isinstance(name, str) else f"{name:04X}"
-
-
-def _check_callable(function: object, purpose: str) -> None:
-    if iscoroutinefunction(function):
-        raise TypeError(f"a function {purpose} cannot be async: it is called on another thread")
-    if not callable(function):
-        raise TypeError(f"{function!r} is not a function {purpose}")
-
-
-def _taking(
-    take: Callable[[Received], Reply | None],
-) -> Callable[[MessageEntry, Fields, JausAddress], Reply | None]:
-    def taking(entry: MessageEntry, fields: Fields, sender: JausAddress) -> Reply | None:
-        return take(Received(entry.name, entry.shortened(fields), str(sender)))
-
-    return taking
-
-
-def _identities(known: Catalogue, names: Sequence[str]) -> tuple[ServiceIdentity, ...]:
-    """Returns services with all that they inherit, and the core services that each tool has."""
-    found = {each.urn: each for each in Identity().services}
-    for name in names:
-        for each in known.find_services(name)[0].lineage:
-            major, _, minor = each.version.partition(".")
-            found.setdefault(each.urn, ServiceIdentity(each.urn, int(major), int(minor or 0)))
-    return tuple(found.values())

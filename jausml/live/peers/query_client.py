@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import math
 import time
 from functools import partial
-from queue import Empty, SimpleQueue
+from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.live.messages import AmbiguousMessageError, MessageError
 from jausml.live.peers.discovery import POLL, Survey, controller_of
 from jausml.live.peers.entry_messages import find_exchange, find_message, full_query, message_class
+from jausml.live.peers.questions import asked
 from jausml.runtime.messages import (
     QueryControl,
     QueryStatus,
@@ -28,18 +28,14 @@ if TYPE_CHECKING:
     from jausml.live.messages import Catalogue, MessageEntry
     from jausml.live.peers.heard import Heard
     from jausml.live.peers.network import Network
+    from jausml.live.peers.questions import Question
     from jausml.runtime import JausComponent
     from jausml.runtime.base.address import JausAddress
     from jausml.runtime.base.quirks import Learnt
-    from jausml.runtime.clients.query import PendingQuery
     from jausml.runtime.services.definitions import ServiceIdentity
     from jausml.runtime.wire.message import Message
 
 M = TypeVar("M", bound="Message")
-
-ATTEMPTS = 3
-"""Fewest times that a question is asked; of long times for an answer, once each second."""
-
 
 _GRACE = 0.5
 """Seconds for the second of two questions, when the first is answered."""
@@ -183,21 +179,10 @@ class QueryClient:
         query: Message,
         report_class: type[Message],
         timeout: float | None = None,
-    ) -> _Question:
+    ) -> Question:
         """Asks, without waiting for the answer."""
         seconds = self.timeout if timeout is None else timeout
-        attempts = max(ATTEMPTS, math.ceil(seconds))
-        answers: SimpleQueue[Any] = SimpleQueue()
-        pending = self._component.query(
-            target,
-            query,
-            report_class,
-            lambda report, _: answers.put(report),
-            on_failure=lambda: answers.put(None),
-            timeout=seconds / attempts,
-            retries=attempts - 1,
-        )
-        return _Question(pending, answers)
+        return asked(self._component, target, query, report_class, seconds)
 
     def first_answered(
         self, target: JausAddress, questions: Sequence[tuple[Message, type[Message]]]
@@ -379,31 +364,6 @@ class QueryClient:
             return find_message(self.catalogue, name)
         except AmbiguousMessageError:
             return find_message(self.catalogue, name, self.services(target))
-
-
-class _Question:
-    """A question that waits for its answer."""
-
-    def __init__(self, pending: PendingQuery, answers: SimpleQueue[Any]) -> None:
-        self._pending = pending
-        self._answers = answers
-
-    @property
-    def is_over(self) -> bool:
-        """Whether the answer is there, or none came in time."""
-        return not self._answers.empty()
-
-    def cancel(self) -> None:
-        """Asks no more."""
-        self._pending.cancel()
-
-    def within(self, seconds: float | None) -> Any:
-        """Returns the answer, or None when none comes in time; then it is asked no more."""
-        try:
-            return self._answers.get(timeout=seconds)
-        except Empty:
-            self._pending.cancel()
-            return None
 
 
 def _told(report: Message) -> str:

@@ -5,15 +5,24 @@ from __future__ import annotations
 import itertools
 from typing import TYPE_CHECKING
 
+from jausml.live.peers.conformance.acknowledgements import (
+    acknowledges,
+    acknowledges_empty,
+    acknowledges_flags,
+    acknowledges_sequence,
+    duplicate,
+    duplicate_acknowledged,
+    expect_answer,
+    no_acknowledgement,
+    ping_payload,
+)
 from jausml.live.peers.conformance.check import Check, check, step
-from jausml.live.peers.conformance.evidence import CheckFailed
 from jausml.live.peers.conformance.session import PINGS
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.messages import ConfirmEventRequest, CreateEvent, RejectEventRequest
-from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet
+from jausml.runtime.transports.packets.packet import AckNak, DataFlags
 
 if TYPE_CHECKING:
-    from jausml.live.peers.conformance.client import Client
     from jausml.live.peers.conformance.session import Session
 
 UNKNOWN_CODE = b"\xb7\x7a"
@@ -33,7 +42,7 @@ def requires(session: Session) -> str:
 @step
 def damaged(session: Session, what: str, bytes_at: dict[int, bytes]) -> None:
     """A query is sent with other bytes at some offsets of its datagram."""
-    datagram = session.first.packet(_ping(session)).encode()
+    datagram = session.first.packet(ping_payload(session)).encode()
     for offset, others in bytes_at.items():
         datagram = datagram[:offset] + others + datagram[offset + len(others) :]
     session.probe.put_raw(datagram, what)
@@ -98,111 +107,6 @@ def request_answered(session: Session, what: str, *, tolerated: bool = False) ->
 
 
 @check(
-    "transport.ack",
-    "Acknowledges a message that asks for it, once",
-    "AS5669A, ack/nak flags",
-)
-def acknowledges(session: Session) -> None:
-    """One acknowledgement from the target's own id comes for one message."""
-    _acknowledged(session, session.first)
-    session.probe.wait(lambda: False, session.probe.quiet)
-    count = 1 + len(session.first.acknowledgements)
-    session.require(count == 1, f"{count} acknowledgements came for one message")
-
-
-@check(
-    "transport.ack-empty",
-    "Acknowledges without payload",
-    "AS5669A, acknowledgement: data size 14",
-)
-def acknowledges_empty(session: Session) -> None:
-    """An acknowledgement is a header and a sequence number, 14 bytes in all."""
-    acknowledgement, _ = _acknowledged(session, session.first)
-    size = len(acknowledgement.payload)
-    session.require(not size, f"the acknowledgement has {size} bytes of payload")
-
-
-@check(
-    "transport.ack-sequence",
-    "Acknowledges under the sequence number of the message",
-    "AS5669A, acknowledgement: sequence number",
-)
-def acknowledges_sequence(session: Session) -> None:
-    """The sender could not know otherwise which message has arrived."""
-    acknowledgement, sent = _acknowledged(session, session.first)
-    session.require(
-        acknowledgement.sequence == sent.sequence,
-        f"message {sent.sequence} is acknowledged as {acknowledgement.sequence}",
-    )
-
-
-@check(
-    "transport.ack-flags",
-    "Acknowledges with the flags of an acknowledgement",
-    "AS5669A, flags of the general transport header",
-)
-def acknowledges_flags(session: Session) -> None:
-    """Ack/nak is 3, data flags are 0; broadcast 0 and the priority of the message are usual."""
-    acknowledgement, sent = _acknowledged(session, session.first)
-    session.require(acknowledgement.acknowledge is AckNak.ACK, "a NAK came")
-    session.require(
-        acknowledgement.data_flags is DataFlags.SINGLE,
-        f"the data flags of the acknowledgement are {acknowledgement.data_flags}",
-    )
-    if acknowledgement.broadcast is not Broadcast.NONE:
-        session.note(f"the acknowledgement has broadcast {acknowledgement.broadcast}")
-    if acknowledgement.priority is not sent.priority:
-        session.note(f"the acknowledgement has priority {acknowledgement.priority}")
-
-
-@check(
-    "transport.no-ack",
-    "Acknowledges nothing that does not ask for it",
-    "AS5669A, ack/nak flags",
-)
-def no_acknowledgement(session: Session) -> None:
-    """A message with ack/nak 0 is answered, but not acknowledged."""
-    session.require_answers("nothing special")
-    session.probe.wait(lambda: False, session.probe.quiet)
-    session.require(
-        not session.third.acknowledgements, "a message that asks for no acknowledgement got one"
-    )
-
-
-@check(
-    "transport.duplicate",
-    "Drops a message that comes twice",
-    "AS5669A, sequence numbers",
-)
-def duplicate(session: Session) -> None:
-    """The second datagram with the same source and sequence number is not answered."""
-    client = session.first
-    packet = client.packet(_ping(session))
-    client.put(packet)
-    _answers(session, client, "a query")
-    client.put(packet)
-    session.probe.wait(lambda: bool(client.inbox), session.probe.quiet)
-    session.require(not client.inbox, "a repeated datagram is answered again")
-
-
-@check(
-    "transport.duplicate-ack",
-    "Acknowledges a message that comes twice again",
-    "AS5669A, retransmission",
-)
-def duplicate_acknowledged(session: Session) -> None:
-    """The first acknowledgement may be lost; without a second one the sender would give up."""
-    _, sent = _acknowledged(session, session.first)
-    session.probe.wait(lambda: False, session.probe.quiet)
-    session.first.clear()
-    session.first.put(sent)
-    arrived = session.probe.wait(
-        lambda: bool(session.first.acknowledgements), session.probe.timeout
-    )
-    session.require(arrived, "a repeated message is not acknowledged again")
-
-
-@check(
     "transport.two-messages",
     "Reads two messages in one datagram",
     "AS5669A, JUDP: one version byte and one or more messages",
@@ -210,7 +114,7 @@ def duplicate_acknowledged(session: Session) -> None:
 def two_messages(session: Session) -> None:
     """Both queries are answered; some stacks read only the first, so one may be lost."""
     client = session.first
-    packets = [client.packet(_ping(session)) for _ in range(2)]
+    packets = [client.packet(ping_payload(session)) for _ in range(2)]
     session.probe.put_raw(
         packets[0].encode() + packets[1].encode()[1:], "two queries in one datagram"
     )
@@ -228,7 +132,7 @@ def two_messages(session: Session) -> None:
 def trailing_bytes(session: Session) -> None:
     """The query before the garbage may be answered; the target goes on in any case."""
     client = session.first
-    packet = client.packet(_ping(session))
+    packet = client.packet(ping_payload(session))
     session.probe.put_raw(packet.encode() + b"\xde\xad\xbe", "a query and three bytes of garbage")
     if not session.probe.wait(lambda: bool(client.inbox), session.probe.timeout):
         session.note("a message that garbage follows is dropped")
@@ -242,7 +146,7 @@ def trailing_bytes(session: Session) -> None:
 )
 def size_too_large(session: Session) -> None:
     """The data size says 200 bytes more than there are."""
-    size = len(session.first.packet(_ping(session)).encode()) + 199
+    size = len(session.first.packet(ping_payload(session)).encode()) + 199
     what = "a query with a data size beyond the datagram"
     dropped(what, {2: size.to_bytes(2, "little")})(session)
 
@@ -255,7 +159,7 @@ def size_too_large(session: Session) -> None:
 )
 def short_datagrams(session: Session) -> None:
     """A query cut after each of its bytes; the target goes on."""
-    datagram = session.first.packet(_ping(session)).encode()
+    datagram = session.first.packet(ping_payload(session)).encode()
     for length in range(len(datagram)):
         session.probe.put_raw(datagram[:length], f"{length} of {len(datagram)} bytes of a query")
 
@@ -267,7 +171,7 @@ def short_datagrams(session: Session) -> None:
 )
 def message_type(session: Session) -> None:
     """A query under message type 5 is no JAUS message."""
-    packet = session.first.packet(_ping(session))._replace(message_type=5)
+    packet = session.first.packet(ping_payload(session))._replace(message_type=5)
     session.first.put(packet)
     if session.probe.wait(lambda: bool(session.first.inbox), session.probe.quiet):
         session.note("a query under the reserved message type 5 is answered")
@@ -283,8 +187,8 @@ def wildcard_destination(session: Session) -> None:
     target = session.probe.target
     for destination in (JausAddress(target.subsystem, target.node, 255), BROADCAST):
         session.first.clear()
-        session.first.put(session.first.packet(_ping(session), destination=destination))
-        _answers(session, session.first, f"a query to {destination} with broadcast flag 0")
+        session.first.put(session.first.packet(ping_payload(session), destination=destination))
+        expect_answer(session, session.first, f"a query to {destination} with broadcast flag 0")
 
 
 @check(
@@ -295,7 +199,9 @@ def wildcard_destination(session: Session) -> None:
 def wildcard_acknowledged(session: Session) -> None:
     """The acknowledgement comes from the concrete id, once."""
     session.first.put(
-        session.first.packet(_ping(session), destination=BROADCAST, acknowledge=AckNak.REQUESTED)
+        session.first.packet(
+            ping_payload(session), destination=BROADCAST, acknowledge=AckNak.REQUESTED
+        )
     )
     arrived = session.probe.wait(
         lambda: bool(session.first.acknowledgements), session.probe.timeout
@@ -311,7 +217,7 @@ def wildcard_acknowledged(session: Session) -> None:
 def multicast(session: Session) -> None:
     """A query to the target's own id, sent to the multicast group, is acknowledged and answered."""
     client = session.first
-    session.probe.put_to_group(client.packet(_ping(session), acknowledge=AckNak.REQUESTED))
+    session.probe.put_to_group(client.packet(ping_payload(session), acknowledge=AckNak.REQUESTED))
     arrived = session.probe.wait(
         lambda: bool(client.acknowledgements and client.inbox), session.probe.timeout
     )
@@ -330,7 +236,7 @@ def other_destination(session: Session) -> None:
     target = session.probe.target
     other = JausAddress(target.subsystem, target.node, target.component % 254 + 1)
     session.first.put(
-        session.first.packet(_ping(session), destination=other, acknowledge=AckNak.REQUESTED)
+        session.first.packet(ping_payload(session), destination=other, acknowledge=AckNak.REQUESTED)
     )
     session.first.expect_silence(f"it was sent to {other}")
     session.require(
@@ -348,7 +254,7 @@ def stray_acknowledgements(session: Session) -> None:
     client = session.first
     client.put(client.packet(b"", acknowledge=AckNak.ACK))
     client.put(client.packet(b"", acknowledge=AckNak.NAK))
-    client.put(client.packet(_ping(session), acknowledge=AckNak.ACK))
+    client.put(client.packet(ping_payload(session), acknowledge=AckNak.ACK))
     client.expect_silence("acknowledgements are not answered")
 
 
@@ -386,25 +292,6 @@ def well_formed(session: Session) -> None:
     """No datagram of the target so far was cut, of another version or followed by other bytes."""
     malformed = session.probe.malformed
     session.require(not malformed, f"{len(malformed)} unreadable datagrams: {malformed[:3]}")
-
-
-def _ping(session: Session) -> bytes:
-    return session.ping[0].encode()
-
-
-def _answers(session: Session, client: Client, what: str) -> None:
-    arrived = session.probe.wait(lambda: bool(client.inbox), session.probe.timeout)
-    session.require(arrived, f"{what} is not answered")
-    del client.inbox[0]
-
-
-def _acknowledged(session: Session, client: Client) -> tuple[Packet, Packet]:
-    """Returns the acknowledgement of a query, and the query."""
-    sent = client.packet(_ping(session), acknowledge=AckNak.REQUESTED)
-    client.put(sent)
-    if not session.probe.wait(lambda: bool(client.acknowledgements), session.probe.timeout):
-        raise CheckFailed("a message that asks for it is not acknowledged")
-    return client.acknowledgements.pop(0), sent
 
 
 CHECKS = (
