@@ -140,8 +140,10 @@ def _cache_folder() -> Path:
 
 
 def _kept(file: Path, state: str) -> Names | None:
+    from jausml.language.model.inputs import read_text
+
     try:
-        found = json.loads(file.read_text(encoding="utf-8"))
+        found = json.loads(read_text(file))
         return {kind: found[kind] for kind in _KINDS} if found["state"] == state else None
     except (OSError, ValueError, KeyError, TypeError):
         return None  # There is none, or somebody else has written it.
