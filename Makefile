@@ -56,8 +56,10 @@ faults: $(READY)  ## provoke every fault with real processes in about twelve min
 	JAUSML_FAULTS=benchmarks/faults.json $(BIN)/python -m pytest -p no:xdist --durations=10 tests/faults
 	$(BIN)/python benchmarks/fault_page.py --check
 
-stories: $(READY)  ## tell the stories of three new users, from an empty folder, in both notations
-	JAUSML_STORIES=1 $(BIN)/python -m pytest -p no:xdist --durations=0 tests/live/test_stories.py
+stories: $(READY) wheel  ## tell the stories of three new users, from an empty folder with the wheel, in both notations
+	installed=$$(mktemp -d) && trap 'rm -rf "$$installed"' EXIT && $(PYTHON) -m venv "$$installed" \
+	  && "$$installed/bin/python" -m pip install --quiet "$$(echo wheels/jausml-*.whl)[ros]" pytest \
+	  && JAUSML_STORIES="$$installed/bin" $(BIN)/python -m pytest -p no:xdist --durations=0 tests/live/test_stories.py
 
 studio: $(READY)  ## build the page of `jausml studio` with npm; node comes from PyPI if it is missing
 	$(BIN)/python tools/build_studio.py --no-check

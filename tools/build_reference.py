@@ -8,10 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.authoring.merging.conflicts import MERGE_RULES
 from jausml.cli import main as command_line
-from jausml.language.importers.jsidl.rules import JSIDL_RULES
-from jausml.language.importers.ros.rules import ROS_RULES
+from jausml.cli.lookup import listed
 from jausml.language.metamodel import (
     ClassTable,
     FeatureTable,
@@ -21,8 +19,6 @@ from jausml.language.metamodel import (
 )
 from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.semantics.conversions.definition import Definition, NoArithmetic
-from jausml.language.text.rules import TEXT_RULES
-from jausml.language.validation.catalogue import catalogue
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -33,8 +29,8 @@ LANGUAGES = ("jaus", "ros", "bridge", "system")
 _RULES = """\
 # Rules
 
-Look up the rules that `jausml validate` and the importers check, in the order of their ids. Each
-entry says what the rule requires and why, with examples where they help.
+Look up the rules that `jausml validate`, the importers and `jausml generate` check, in the order of
+their ids. Each entry says what the rule requires and why, with examples where they help.
 
 On the command line, `jausml rules` lists all rules, and `jausml explain JML103` shows one of them.
 [Check models in CI](../how-to/ci.md) shows how to allow single findings.
@@ -154,9 +150,9 @@ def _arithmetic(name: str, definition: Definition | NoArithmetic) -> list[str]:
 def rules_page() -> str:
     """Returns the page of all rules with what `jausml explain` says."""
     lines = [_RULES]
-    for entry in catalogue(JSIDL_RULES, ROS_RULES, TEXT_RULES, MERGE_RULES):
-        lines += [f"## {entry.id} {entry.title}", "", f"Severity: {entry.severity.value}.", ""]
-        lines += [entry.documentation, ""]
+    for entry in listed.rules():
+        lines += [f"## {entry['rule']} {entry['title']}", "", f"Severity: {entry['severity']}.", ""]
+        lines += [entry["documentation"], ""]
     return "\n".join(lines).rstrip() + "\n"
 
 

@@ -23,6 +23,7 @@ from jausml.generation.errors import (
 from jausml.generation.manifest import MANIFEST_PATH, Entry, Manifest, read_manifest
 from jausml.generation.plan import Action, ActionKind, Plan, make_plan, unified_diff
 from jausml.generation.rendering import render
+from jausml.generation.report import with_code
 from jausml.generation.target import Target, WholeLibrary, load_targets
 from jausml.generation.tasks import FileTask, Task, TextFile, TextTask, View, templates_beside
 from jausml.generation.workspace import Result, Selection, broken_code, generate, select
@@ -69,4 +70,5 @@ __all__ = [
     "select",
     "templates_beside",
     "unified_diff",
+    "with_code",
 ]

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import Artifact, Kind
 from jausml.generation.checks import path_problem
+from jausml.generation.contract.edits import Lines
 from jausml.generation.contract.finding import Finding, FindingKind
 from jausml.generation.contract.imports import Surroundings
 from jausml.generation.contract.interface import Interface, module_of
@@ -120,14 +121,16 @@ def _compared(
         around = Surroundings(types, known, derived, imported, uncalled)
         is_package = file.path.endswith("/__init__.py")
         module = Module(module_of(file.path), file.tree, is_package, is_generated=False)
-        for use in misfits(file.data, module, file.mentions, around):
+        uses = misfits(file.data, module, file.mentions, around)
+        text = Lines(file.data if uses else b"")
+        for use in uses:
             kind = FindingKind.IMPORT if use.is_import else FindingKind.USE
             yield Finding(
                 kind,
                 file.path,
                 use.line,
                 use.message,
-                column=use.column,
+                column=text.column(use.line, use.start),
                 is_fatal=use.is_run,
                 edits=use.edits,
             )

@@ -16,6 +16,7 @@ from jausml.generation.plan import Plan, make_plan
 from jausml.generation.rendering import render
 from jausml.generation.system import name_of, source_of, system_of
 from jausml.generation.writer import apply, locked
+from jausml.language.model.diagnostics import Severity
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
@@ -146,7 +147,8 @@ def broken_code(old: Model, new: Model, targets: Sequence[Target[Any]], out: Pat
     return [
         each
         for each in drift(after, out, manifest, deleted=gone, former=former)
-        if each.severity != "info" and (each.kind, each.path, each.line, each.column) not in known
+        if each.severity is not Severity.INFO
+        and (each.kind, each.path, each.line, each.column) not in known
     ]
 
 

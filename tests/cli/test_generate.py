@@ -181,8 +181,8 @@ def test_drift_is_reported_with_a_place_and_a_stub(jausml):
     Path("out/sensor.py").write_text(SKELETON.replace("on_velocity", "on_nothing_like_it"))
     result = jausml("generate", "good.xmi", "-o", "out")
     assert result.exit_code == 0
-    assert "out/sensor.py:5: warning: on_nothing_like_it" in result.stderr
-    assert "out/sensor.py:4: info: Sensor does not define" in result.stderr
+    assert "out/sensor.py:5:1: warning: JML908 on_nothing_like_it" in result.stderr
+    assert "out/sensor.py:4:1: info: JML910 Sensor does not define" in result.stderr
     assert "\nstub\n" in result.stderr
 
 
@@ -195,7 +195,7 @@ def test_code_that_fell_behind_fails_where_it_is_asked(jausml, option):
     assert jausml("generate", "good.xmi", "-o", "out").exit_code == 0
     result = jausml("generate", "good.xmi", "-o", "out", option)
     assert result.exit_code == 1
-    assert "warning: on_nothing_like_it" in result.stderr
+    assert "warning: JML908 on_nothing_like_it" in result.stderr
 
 
 def test_strict_generation_stops_at_warnings_about_the_model(jausml, model_text):
@@ -407,3 +407,57 @@ def test_a_folder_that_cannot_be_written_says_that_a_part_may_be(jausml, folder)
     assert result.exit_code == 2
     assert base.name in result.output
     assert "some files may be written already" in result.output
+
+
+REPORTED = {
+    "json": ('"rule": "JML908"', '"file": "out/sensor.py"'),
+    "junit": ('<testsuite name="out/sensor.py"', "JML908 on_nothing_like_it"),
+    "sarif": ('"ruleId": "JML908"', '"uri": "out/sensor.py"'),
+    "github": ("::warning file=out/sensor.py,line=5,col=1,title=JML908::on_nothing_like_it",),
+}
+
+
+@pytest.mark.parametrize("output_format", REPORTED)
+def test_a_check_reports_code_as_models_are_reported(jausml, output_format):
+    jausml("generate", "good.xmi", "-o", "out")
+    Path("out/sensor.py").write_text(SKELETON.replace("on_velocity", "on_nothing_like_it"))
+    check = ("generate", "good.xmi", "-o", "out", "--check", "--format", output_format)
+    result = jausml(*check)
+    assert result.exit_code == 1
+    assert all(each in result.stdout for each in REPORTED[output_format])
+    assert "sensor.py" not in result.stderr
+    assert jausml(*check, "--output", "report").exit_code == 1
+    assert Path("report").read_text() == result.stdout
+
+
+def test_a_report_of_a_check_has_models_and_stale_files_too(jausml):
+    def found(model):
+        result = jausml("generate", model, "-o", "out", "--check", "--format", "sarif")
+        assert result.exit_code == 1
+        (run,) = json.loads(result.stdout)["runs"]
+        rules = [each["id"] for each in run["tool"]["driver"]["rules"]]
+        assert all(rules[each["ruleIndex"]] == each["ruleId"] for each in run["results"])
+        return {
+            (each["ruleId"], each["locations"][0]["physicalLocation"]["artifactLocation"]["uri"])
+            for each in run["results"]
+        }
+
+    stale = {each for each in found("good.xmi") if each[0] == "JML901"}
+    assert ("JML901", "out/sensor.py") in stale
+    assert ("JML901", "out/sensor_base.py") in stale
+    bad = found("bad.xmi")
+    assert bad
+    assert {path for _, path in bad} == {"bad.xmi"}
+
+
+@pytest.mark.parametrize("options", [["--format", "json"], ["--output", "x"]])
+def test_a_report_is_of_a_check_alone(jausml, options):
+    result = jausml("generate", "good.xmi", "-o", "out", "--dry-run", *options)
+    assert result.exit_code == 2
+    assert "--format and --output are of --check" in result.stderr
+    assert not Path("x").exists()
+
+
+def test_each_kind_of_finding_in_code_is_a_rule_that_is_explained(jausml):
+    for kind in generation.FindingKind:
+        assert jausml("explain", kind.value).stdout.startswith(f"{kind.value}: code: ")

@@ -42,7 +42,7 @@ def test_a_fresh_skeleton_lacks_every_method(workspace, vehicle):
 
     found = workspace.drift([vehicle])
     assert [f.kind for f in found] == [F.MISSING, F.MISSING]
-    assert {f.severity for f in found} == {"info"}
+    assert {f.severity.value for f in found} == {"info"}
     assert found[0].path == SKELETON
 
 
@@ -67,7 +67,7 @@ def test_an_optional_method_is_not_missed(workspace, vehicle):
 def test_an_orphan_method_is_a_warning_with_its_line(findings):
     (found,) = findings(HEAD + SPEED + POSE + "    def translate_odometry(self, m): ...\n")
 
-    assert (found.kind, found.line, found.severity) == (F.ORPHAN, 7, "warning")
+    assert (found.kind, found.line, found.severity.value) == (F.ORPHAN, 7, "warning")
     assert "translate_odometry" in found.message
 
 
@@ -190,7 +190,7 @@ def test_a_missing_class_and_its_likely_new_name(findings):
 def test_a_file_that_is_not_python_is_a_finding(findings, text, line):
     (found,) = findings(text)
 
-    assert (found.kind, found.severity) == (F.SYNTAX, "error")
+    assert (found.kind, found.severity.value) == (F.SYNTAX, "error")
     assert found.line == line
 
 
@@ -277,7 +277,7 @@ def told_of_import(workspace, vehicle):
 def test_an_import_of_what_is_gone_says_where_it_went(told_of_import, line, message):
     (found,) = told_of_import(line)
 
-    assert (found.kind, found.line, found.severity) == (F.IMPORT, 1, "error")
+    assert (found.kind, found.line, found.severity.value) == (F.IMPORT, 1, "error")
     assert found.message == message
 
 

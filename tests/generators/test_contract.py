@@ -150,7 +150,9 @@ def told(found, code: str = CODE):
     """Returns what is told as pairs of a line of code and a message."""
     lines = code.splitlines()
     return [
-        (lines[f.line - 1].strip(), f.severity, f.message) for f in found if f.kind is not F.MISSING
+        (lines[f.line - 1].strip(), f.severity.value, f.message)
+        for f in found
+        if f.kind is not F.MISSING
     ]
 
 
@@ -337,12 +339,18 @@ def test_files_beside_the_skeleton_and_tests_of_the_user_are_read_too(yard):
     (yard.out / "mine" / "mine" / "tool.py").write_text(
         "import boom.messages\nboom.messages.Gone\n"
     )
-    places = [(f.path, f.line, f.column, f.severity) for f in yard.look()]
+    places = [(f.path, f.line, f.column, f.severity.value) for f in yard.look()]
     assert places == [
         ("boom/boom/helper.py", 1, 23, "error"),
         ("boom/test/test_own.py", 1, 27, "error"),
         ("mine/mine/tool.py", 2, 15, "error"),
     ]
+
+
+def test_columns_are_counted_in_characters(yard):
+    (yard.out / FOLDER / "helper.py").write_text("x = 'Größe'; from .messages import Gone\n")
+    (found,) = yard.look()
+    assert (found.line, found.column) == (1, 36)
 
 
 def test_what_type_checkers_alone_read_is_a_warning(yard):
@@ -351,13 +359,17 @@ def test_what_type_checkers_alone_read_is_a_warning(yard):
     )
     (yard.out / FOLDER / "helper.py").write_text(lines)
     (found,) = yard.look()
-    assert (found.line, found.severity) == (4, "warning")
+    assert (found.line, found.severity.value) == (4, "warning")
 
 
 def test_a_file_that_is_no_python_is_told_and_stays(yard):
     (yard.out / FOLDER / "helper.py").write_bytes(b"x = (\n")
     (found,) = yard(fix=True).drift
-    assert (found.kind, found.path, found.severity) == (F.SYNTAX, f"{FOLDER}/helper.py", "error")
+    assert (found.kind, found.path, found.severity.value) == (
+        F.SYNTAX,
+        f"{FOLDER}/helper.py",
+        "error",
+    )
 
 
 @pytest.mark.parametrize(
@@ -505,8 +517,8 @@ def test_a_component_whose_service_is_gone_fails_the_check(tmp_path):
     checked = jausml("generate", model, "-o", out, "--check", "--strict")
     assert checked.exit_code == 1
     line = written.splitlines().index("    QueryLocalPose,") + 1
-    said = "error: vehicle.messages has no QueryLocalPose any more; nothing uses it, take it out"
-    assert f"{path}:{line}:5: {said}" in checked.stderr
+    said = "vehicle.messages has no QueryLocalPose any more; nothing uses it, take it out"
+    assert f"{path}:{line}:5: error: JML905 {said}" in checked.stderr
     assert "--fix changes your files" in checked.stderr
     fixed = jausml("generate", model, "-o", out, "--fix")
     assert f"{path}:{line}: fixed: took out QueryLocalPose," in fixed.stderr
@@ -530,7 +542,7 @@ def test_a_difference_names_the_lines_that_break(tmp_path):
     assert done.exit_code == 1
     lines = CODE.splitlines()
     line = next(i for i, each in enumerate(lines, 1) if "State.UNFOLDED" in each)
-    lost = "error: ReportBoom.State has no UNFOLDED any more; it is SPREAD now"
+    lost = "error: JML906 ReportBoom.State has no UNFOLDED any more; it is SPREAD now"
     assert f"{path}:{line}:41: {lost}\n" in done.stdout
     assert "2 lines of your code to change\n" in done.stdout
     assert "GoneBefore" not in done.stdout

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from story import Step, Teller, read
 
 STORIES = Path(__file__).parent / "stories"
+INSTALLED = os.environ.get("JAUSML_STORIES", "")
+"""The programs of an environment with the wheel; without it, the stories are of this checkout."""
 SUFFIXES = {"text": "ros2jaus", "xmi": "xmi"}
 OFTEN = {"jaus_engineer": "text", "robot_developer": "text", "team_lead": "xmi"}
 """The notation in which each is told with all other tests; in the other one `make stories` does."""
@@ -19,16 +23,24 @@ pytestmark = [pytest.mark.live, pytest.mark.timeout(900)]
 @pytest.mark.parametrize("notation", SUFFIXES)
 @pytest.mark.parametrize("name", OFTEN)
 def test_a_story_goes_as_it_is_told(name, notation, tmp_path):
-    if OFTEN[name] != notation and "JAUSML_STORIES" not in os.environ:
+    if OFTEN[name] != notation and not INSTALLED:
         pytest.skip("takes long: make stories tells it in this notation too")
     folder = tmp_path / "empty"
     folder.mkdir()
     words = {"NOTATION": notation, "SUFFIX": SUFFIXES[notation], "STORIES": str(STORIES)}
     text = (STORIES / f"{name}.story").read_text(encoding="utf-8")
-    teller = Teller(folder, words)
+    programs = Path(INSTALLED or Path(sys.executable).parent)
+    teller = Teller(folder, words, programs)
     teller.tell(text)
     assert teller.commands == sum(isinstance(each, Step) for each in read(text)) > 10
 
 
 def test_each_story_is_told():
     assert sorted(OFTEN) == sorted(each.stem for each in STORIES.glob("*.story"))
+
+
+@pytest.mark.skipif(not INSTALLED, reason="make stories tells them with an installed wheel")
+def test_what_is_told_is_the_wheel(tmp_path):
+    program = [str(Path(INSTALLED, "python")), "-c", "import jausml; print(jausml.__file__)"]
+    place = subprocess.run(program, cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    assert Path(place).is_relative_to(Path(INSTALLED).parent)

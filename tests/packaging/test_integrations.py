@@ -172,9 +172,11 @@ def test_the_commands_of_the_examples_run(repository):
     for command in dict.fromkeys(each for commands in found.values() for each in commands):
         done = CliRunner().invoke(main, command.split())
         assert done.exit_code == 0, done.output
-    assert (repository / "jausml.xml").read_text().startswith("<?xml")
+    for report in ("jausml.xml", "generated.xml"):
+        assert (repository / report).read_text().startswith("<?xml")
     for each in EXAMPLES[1:]:
-        assert texts[each].count("jausml.xml") == 2, "what is written is what is shown"
+        for report in ("jausml.xml", "generated.xml"):
+            assert texts[each].count(report) == 2, "what is written is what is shown"
 
 
 def test_the_image_is_made_of_what_is_there():

@@ -11,15 +11,14 @@ import os
 import shutil
 import signal
 import subprocess
-import sys
 import time
 from contextlib import ExitStack
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
+    from pathlib import Path
 
 PATIENCE = 120
 """Seconds for one command, on a computer that is busy with others."""
@@ -72,11 +71,15 @@ def read(text: str) -> Iterator[Step | File]:
 class Teller:
     """Runs a story in a folder."""
 
-    def __init__(self, folder: Path, words: Mapping[str, str]) -> None:
-        """Begin; words in capitals between braces, as {NOTATION}, are replaced in the story."""
+    def __init__(self, folder: Path, words: Mapping[str, str], programs: Path) -> None:
+        """Begin.
+
+        Args:
+            words: What takes the place of words in capitals between braces, as {NOTATION}.
+            programs: The folder of the `jausml` and the `python` that the user has installed.
+        """
         self._folder = folder
         self._words = words
-        programs = Path(sys.executable).parent
         self._environment = {
             **os.environ,
             "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}",

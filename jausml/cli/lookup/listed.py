@@ -11,6 +11,7 @@ import click
 from jausml.authoring.merging.conflicts import MERGE_RULES
 from jausml.cli.shared.models import open_catalogue, readable_model
 from jausml.cli.shared.project_names import listed_fields, listed_service
+from jausml.generation.contract.finding import CODE_RULES
 from jausml.language.importers.jsidl.rules import JSIDL_RULES
 from jausml.language.importers.ros.rules import ROS_RULES
 from jausml.language.metamodel.classes import bridge
@@ -35,7 +36,7 @@ def rules() -> list[dict[str, Any]]:
             "title": entry.title,
             "documentation": entry.documentation,
         }
-        for entry in catalogue(JSIDL_RULES, ROS_RULES, TEXT_RULES, MERGE_RULES)
+        for entry in catalogue(JSIDL_RULES, ROS_RULES, TEXT_RULES, MERGE_RULES, CODE_RULES)
     ]
 
 

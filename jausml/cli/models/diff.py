@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from jausml.authoring.differences.changes import Change
     from jausml.authoring.differences.matching import Matching
-    from jausml.language.model.diagnostics import Location
+    from jausml.language.model.diagnostics import Diagnostic, Location
     from jausml.language.model.model import Model
     from jausml.language.model.reading.reader import ReadResult
     from jausml.language.project.reading import Reading
@@ -99,6 +99,7 @@ def command(
     """
     from jausml.authoring.differences.finding import changes
     from jausml.authoring.differences.matching import Matching, paired_roots
+    from jausml.language.validation.formats.text import lines_of
 
     if code is not None and (file is not None or output_format in _PICTURES):
         raise click.UsageError("--code goes with text and json, without --as")
@@ -119,7 +120,7 @@ def command(
             states = ((before.model, old_folder), (after.model, new_folder))
             text = _drawn(states, view, matching, found, output_format)
         elif output_format == "json":
-            told = _as_json(found) | ({"code": broken} if code is not None else {})
+            told = _as_json(found) | _code_as_json(broken, code)
             text = json.dumps(told, indent=2, ensure_ascii=False) + "\n"
         else:
             shown = [] if file is None else [_title(file, renamed)]
@@ -131,18 +132,15 @@ def command(
             if broken:
                 lines = f"{len(broken)} line{'' if len(broken) == 1 else 's'}"
                 end += f"; {lines} of your code to change"
-            text = "".join(
-                f"{line}\n" for line in (*shown, *map(_line, found), *map(_code_line, broken), end)
-            )
+            lost = [line for each in broken for line in lines_of(each)]
+            text = "".join(f"{line}\n" for line in (*shown, *map(_line, found), *lost, end))
         write_report(click.unstyle(text) if output is not None else text, output)
     is_breaking = bool(broken) or any(each.breaks for each in found)
     if (fail_on == "any" and found) or (fail_on == "breaking" and is_breaking):
         raise click.exceptions.Exit(PROBLEMS)
 
 
-def _broken(
-    old: str, new: str, code: str, reading: Reading, stack: ExitStack
-) -> list[dict[str, Any]]:
+def _broken(old: str, new: str, code: str, reading: Reading, stack: ExitStack) -> list[Diagnostic]:
     """Returns the lines of users that the change breaks."""
     from jausml.generation import GenerationError, broken_code, load_targets, select
 
@@ -155,21 +153,7 @@ def _broken(
         found = broken_code(states[0], states[1], targets, Path(code))
     except GenerationError as error:
         raise EnvironmentFault(f"cannot tell which code breaks: {error}") from error
-    return [
-        {
-            "file": str(Path(code, each.path)),
-            "line": each.line,
-            "column": each.column,
-            "severity": each.severity,
-            "text": each.message,
-        }
-        for each in found
-    ]
-
-
-def _code_line(broken: dict[str, Any]) -> str:
-    column = f":{broken['column']}" if broken["column"] else ""
-    return f"{broken['file']}:{broken['line']}{column}: {broken['severity']}: {broken['text']}"
+    return [each.diagnostic(Path(code)) for each in found]
 
 
 def _title(file: str, renamed: str | None) -> str:
@@ -309,6 +293,12 @@ def _as_json(found: Iterable[Change]) -> dict[str, Any]:
             for each in found
         ]
     }
+
+
+def _code_as_json(broken: Iterable[Diagnostic], code: str | None) -> dict[str, Any]:
+    from jausml.language.validation.formats.json import as_json
+
+    return {} if code is None else {"code": [as_json(each) for each in broken]}
 
 
 def _place(location: Location | None) -> dict[str, Any] | None:

@@ -7,10 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.shared.files import PROBLEMS, EnvironmentFault
-from jausml.cli.shared.models import bridge_options, model_argument, reading_options, valid_model
-from jausml.cli.shared.options import quiet_option
-from jausml.cli.shared.terminal import remark, step, verbosity
+from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, write_report
+from jausml.cli.shared.models import (
+    bridge_options,
+    checked,
+    fail,
+    model_argument,
+    reading_options,
+    show_findings,
+)
+from jausml.cli.shared.options import REPORT_FORMATS, format_option, quiet_option
+from jausml.cli.shared.terminal import painted_findings, remark, step, verbosity
 
 if TYPE_CHECKING:
     from jausml.generation import NoSystemError, Plan, Result, Selection, Target
@@ -66,6 +73,13 @@ class WholeLibraryOption(click.Option):
     is_flag=True,
     help="Also fail on warnings about the model, and if your own files no longer fit it.",
 )
+@format_option(
+    "Format of the report of --check on the model, your own files and the generated ones.",
+    REPORT_FORMATS,
+)
+@click.option(
+    "--output", metavar="FILE", help="Write the report of --check to a file instead of stdout."
+)
 @click.option("--diff", is_flag=True, help="Write nothing; show the changes as a patch.")
 @click.option("--dry-run", is_flag=True, help="Write nothing; list the changes.")
 @click.option(
@@ -96,6 +110,8 @@ def command(
     names: tuple[str, ...],
     whole_library: bool,
     strict: bool,
+    output_format: str,
+    output: str | None,
     fix: bool,
     adopt: str,
     force: bool,
@@ -117,36 +133,65 @@ def command(
     something would change; --check and --strict: or your own files no longer fit the model), 2
     usage or environment, 3 internal error.
     """
-    from jausml.language.validation.rules.jaus.components import MAXIMUM_RATE
+    from jausml.generation import with_code
+    from jausml.language.validation.formats import RENDERERS
 
+    is_report = output_format != "text" or output is not None
+    mode = _mode(modes, fix=fix, is_report=is_report)
+    _check_frequency(frequency)
+    folder = _out_folder(model, out)
+    selection = _selected(names, whole_library=whole_library)
+    report = checked([model], reading, is_one=True, frequency=frequency)
+    is_bad = report.has_errors or (strict and report.has_warnings)
+    if not is_report:
+        show_findings(report)
+    if is_bad:
+        if is_report:
+            write_report(RENDERERS[output_format](report), output)
+        fail(report, "nothing generated")
+    result = _generated(
+        report.model, selection, folder, adopt=adopt, force=force, write=mode == "write", fix=fix
+    )
+    if is_report:
+        write_report(RENDERERS[output_format](with_code(report, result, folder)), output)
+    else:
+        _report_fixes(result)
+        _report_drift(result, folder)
+        _show(result.plan, mode, quiet=quiet)
+    if fix and result.drift and not result.fixed:
+        remark("--fix changed nothing: how these fit again is for you to decide")
+    _conclude(result)
+    if result.plan.refused or _has_fallen_behind(result, mode, strict=strict):
+        raise click.exceptions.Exit(PROBLEMS)
+
+
+def _mode(modes: dict[str, bool], *, fix: bool, is_report: bool) -> str:
+    """Returns what is done with the plan, where the options go together."""
     chosen = [mode for mode in _MODES if modes[mode]]
     if len(chosen) > 1:
         raise click.UsageError("--check, --diff and --dry-run exclude each other")
     if fix and chosen:
         raise click.UsageError(f"--fix writes, --{chosen[0].replace('_', '-')} does not")
+    if is_report and chosen != ["check"]:
+        raise click.UsageError("--format and --output are of --check")
+    return chosen[0] if chosen else "write"
+
+
+def _check_frequency(frequency: float | None) -> None:
+    from jausml.language.validation.rules.jaus.components import MAXIMUM_RATE
+
     if frequency is not None and not 0 < frequency <= MAXIMUM_RATE:
         raise click.UsageError(f"--frequency is above 0 and at most {MAXIMUM_RATE:g} hertz")
-    folder = _out_folder(model, out)
-    selection = _selected(names, whole_library=whole_library)
-    valid = valid_model(
-        model,
-        reading,
-        frequency=frequency,
-        is_strict=strict,
-        shows_warnings=True,
-        outcome="nothing generated",
-    )
-    mode = chosen[0] if chosen else "write"
-    result = _generated(
-        valid, selection, folder, adopt=adopt, force=force, write=mode == "write", fix=fix
-    )
-    _report_fixes(result)
-    _report_drift(result)
-    if fix and result.drift and not result.fixed:
-        remark("--fix changed nothing: how these fit again is for you to decide")
-    _report(result, mode, quiet=quiet)
-    if (strict or mode == "check") and any(each.severity != "info" for each in result.drift):
-        raise click.exceptions.Exit(PROBLEMS)
+
+
+def _has_fallen_behind(result: Result, mode: str, *, strict: bool) -> bool:
+    """Tells whether files do not fit the model, where that is asked."""
+    from jausml.language.model.diagnostics import Severity
+
+    if mode == "check" and not result.plan.is_up_to_date:
+        return True
+    is_asked = strict or mode == "check"
+    return is_asked and any(each.severity is not Severity.INFO for each in result.drift)
 
 
 def _out_folder(model: str, out: str | None) -> Path:
@@ -231,34 +276,34 @@ def _report_fixes(result: Result) -> None:
         click.echo(f"{place}: fixed: {f'{old} -> {new}' if new else f'took out {old}'}", err=True)
 
 
-def _report_drift(result: Result) -> None:
-    from jausml.language.validation.formats.text import one_line
+def _report_drift(result: Result, folder: Path) -> None:
+    from jausml.language.validation.formats.text import lines_of
 
     for finding in result.drift:
-        column = f":{finding.column}" if finding.column else ""
-        place = f"{result.plan.out / finding.path}:{finding.line}{column}"
-        click.echo(one_line(f"{place}: {finding.severity}: {finding.message}"), err=True)
+        (line,) = lines_of(finding.diagnostic(folder))
+        click.echo(painted_findings(line), err=True)
         if finding.stub:
             click.echo(finding.stub, err=True, nl=not finding.stub.endswith("\n"))
 
 
-def _report(result: Result, mode: str, *, quiet: bool) -> None:
+def _show(plan: Plan, mode: str, *, quiet: bool) -> None:
+    """Tells what becomes of files."""
     from jausml.generation import unified_diff
 
-    plan = result.plan
     if mode == "diff":
         click.echo(unified_diff(plan), nl=False)
     elif verbosity().verbose:
         _list(plan)
     elif not quiet or mode == "check":
         _list_changes(plan)
-    for action in plan.refused:
-        click.echo(f"{plan.out / action.path}: error: {action.reason}", err=True)
+
+
+def _conclude(result: Result) -> None:
+    for action in result.plan.refused:
+        click.echo(f"{result.plan.out / action.path}: error: {action.reason}", err=True)
     remark(_summary(result))
     if result.drift and not result.fixed and any(each.edits for each in result.drift):
         remark("--fix changes your files where it is certain how")
-    if plan.refused or (mode == "check" and not plan.is_up_to_date):
-        raise click.exceptions.Exit(PROBLEMS)
 
 
 def _list(plan: Plan) -> None:

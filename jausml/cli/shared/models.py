@@ -249,27 +249,19 @@ def valid_model(
     path: str,
     reading: Reading | None = None,
     *,
-    frequency: float | None = None,
-    is_strict: bool = False,
-    shows_warnings: bool = False,
     outcome: str = "",
 ) -> Model:
     """Returns a model without errors; any other ends the verb, with its findings on stderr.
 
     Args:
-        frequency: Messages each second of every bridge; None for what the model says.
-        is_strict: Whether warnings end it too.
-        shows_warnings: Whether findings are shown that do not end it.
         outcome: What stands behind the summary, such as `nothing generated`.
 
     Raises:
         EnvironmentFault: The file cannot be read.
     """
-    report = checked([path], reading, is_one=True, frequency=frequency)
-    is_bad = report.has_errors or (is_strict and report.has_warnings)
-    if is_bad or shows_warnings:
+    report = checked([path], reading, is_one=True)
+    if report.has_errors:
         show_findings(report)
-    if is_bad:
         fail(report, outcome)
     return report.model
 

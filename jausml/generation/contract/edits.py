@@ -54,7 +54,7 @@ def removal(
     Args:
         is_alone: Whether its block would be empty without the statement.
     """
-    text = _Lines(data)
+    text = Lines(data)
     if not unused or not text.is_exact:
         return ()
     if len(unused) == len(statement.names):
@@ -76,7 +76,7 @@ def removal(
 
 def edited(data: bytes, edits: Iterable[Edit]) -> bytes | None:
     """Returns the bytes of a file after edits; None when one of them does not fit any more."""
-    text = _Lines(data)
+    text = Lines(data)
     if not text.is_exact:
         return None
     lines, former = text.lines, (len(text.lines) + 1, 0)
@@ -97,7 +97,7 @@ def edited(data: bytes, edits: Iterable[Edit]) -> bytes | None:
     return result
 
 
-class _Lines:
+class Lines:
     """The lines of a file, as Python counts them.
 
     Attributes:
@@ -116,6 +116,11 @@ class _Lines:
     def encoded(self, lines: Sequence[str]) -> bytes:
         """Returns the bytes of lines in the encoding of the file."""
         return "".join(lines).encode(self._encoding)
+
+    def column(self, line: int, offset: int) -> int:
+        """Returns a column in characters, from 1, of an offset in bytes of UTF-8."""
+        text = "".join(self.lines[line - 1 : line]).encode()
+        return len(text[:offset].decode(errors="replace")) + 1 if text else offset + 1
 
     def between(self, start: tuple[int, int], end: tuple[int, int]) -> str:
         """Returns what stands from one place to another."""

@@ -28,14 +28,14 @@ class Use:
 
     Attributes:
         line: Line in the file, from 1.
-        column: Column in it, from 1, in bytes of UTF-8.
+        start: Its offset in the line in bytes of UTF-8.
         is_import: Whether it is an import; else an attribute or a call.
         is_run: Whether the program comes to it, so that it ends in an error.
         edits: What makes it fit for certain; empty when that is for the user to decide.
     """
 
     line: int
-    column: int
+    start: int
     message: str
     is_import: bool = False
     is_run: bool = True
@@ -188,8 +188,8 @@ class _Reader:
     ) -> Use:
         message, successor = self._lost(label, node.attr, places, names)
         edits = (attribute_edit(node, successor),) if successor else ()
-        column = (node.end_col_offset or 0) - len(node.attr.encode())
-        return self._use(node.end_lineno or node.lineno, column, message, edits)
+        start = (node.end_col_offset or 0) - len(node.attr.encode())
+        return self._use(node.end_lineno or node.lineno, start, message, edits)
 
     def _lost(
         self, label: str, name: str, places: list[str], names: Iterable[str]
@@ -205,10 +205,10 @@ class _Reader:
     def _use(
         self,
         line: int,
-        column: int,
+        start: int,
         message: str,
         edits: tuple[Edit, ...] = (),
         *,
         is_import: bool = False,
     ) -> Use:
-        return Use(line, column + 1, message, is_import, self._place.is_run, edits)
+        return Use(line, start, message, is_import, self._place.is_run, edits)

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING
 
 from jausml.language.model.diagnostics import Diagnostic, Severity
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from jausml.language.model.diagnostics import Location
     from jausml.language.model.model import Model
+    from jausml.language.model.rules import RuleInfo
 
 
 class Ground(Enum):
@@ -42,12 +45,14 @@ class Report:
 
     Attributes:
         diagnostics: The findings by file, line, column, rule and message.
+        rules: Rules of findings about something else than models.
     """
 
     model: Model
     files: tuple[str, ...]
     diagnostics: tuple[Diagnostic, ...]
     set_aside: tuple[SetAside, ...] = ()
+    rules: Mapping[str, RuleInfo] = field(default_factory=dict)
 
     def count(self, severity: Severity) -> int:
         """Returns how many findings are of a severity."""

@@ -203,4 +203,4 @@ def _file(action: Action) -> PlannedFile:
 
 
 def _drifted(found: Finding) -> Drifted:
-    return Drifted(found.path, found.line, found.severity, found.message, found.stub)
+    return Drifted(found.path, found.line, found.severity.value, found.message, found.stub)

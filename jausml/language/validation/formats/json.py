@@ -18,13 +18,14 @@ def render(report: Report) -> str:
     content = {
         "schema": SCHEMA,
         "files": list(report.files),
-        "diagnostics": [_diagnostic(each) for each in report.diagnostics],
+        "diagnostics": [as_json(each) for each in report.diagnostics],
         "setAside": [_set_aside(each) for each in report.set_aside],
     }
     return json.dumps(content, indent=2) + "\n"
 
 
-def _diagnostic(each: Diagnostic) -> dict[str, Any]:
+def as_json(each: Diagnostic) -> dict[str, Any]:
+    """Returns every attribute of a finding."""
     return {
         "rule": each.rule,
         "severity": each.severity.value,
@@ -40,7 +41,7 @@ def _diagnostic(each: Diagnostic) -> dict[str, Any]:
 def _set_aside(each: SetAside) -> dict[str, Any]:
     said_at = _place(each.location) if each.location is not None else None
     why = {"ground": each.ground.value, "reason": each.reason, "saidAt": said_at}
-    return {**_diagnostic(each.diagnostic), **why}
+    return {**as_json(each.diagnostic), **why}
 
 
 def _place(location: Location) -> dict[str, Any]:

@@ -107,7 +107,7 @@ def render(report: Report) -> str:
     for each in report.diagnostics:
         by_file.setdefault(each.location.path, []).append(each)
     suites = (_suite(one_line(path), findings) for path, findings in by_file.items())
-    return junit_document("jausml validate", suites)
+    return junit_document("jausml", suites)
 
 
 def _suite(path: str, findings: Sequence[Diagnostic]) -> Suite:

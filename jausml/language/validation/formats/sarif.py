@@ -39,7 +39,7 @@ def render(report: Report, help_uri: str | None = None) -> str:
     Args:
         help_uri: Where the page of all rules is, for a link to the part of each; None for none.
     """
-    rules = [_rule(each, help_uri) for each in catalogue(TEXT_RULES)]
+    rules = [_rule(each, help_uri) for each in catalogue(TEXT_RULES, report.rules)]
     places = {str(rule["id"]): number for number, rule in enumerate(rules)}
     driver = {"name": "jausml", "semanticVersion": __version__, "rules": rules}
     run = {
