@@ -18,9 +18,8 @@ from jausml.generation.contract.imports import Surroundings
 from jausml.generation.contract.interface import Interface, module_of
 from jausml.generation.contract.mentions import Mentions
 from jausml.generation.contract.overrides import compare_class
-from jausml.generation.contract.source import SourceProblem, tree_of
 from jausml.generation.contract.symbols import Class, Module
-from jausml.generation.contract.syntax import absolute
+from jausml.generation.contract.syntax import SourceProblem, absolute, tree_of
 from jausml.generation.contract.types import Types
 from jausml.generation.contract.uses import misfits
 from jausml.generation.folder import find_python, inspect

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -13,18 +12,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
-
-
-class SourceProblem(Exception):  # noqa: N818 - a finding, not a failure of jausml
-    """The file is not Python.
-
-    Args:
-        line: Where, from 1.
-    """
-
-    def __init__(self, message: str, line: int) -> None:
-        super().__init__(message)
-        self.line = line
 
 
 @dataclass(frozen=True)
@@ -71,18 +58,6 @@ def read_classes(tree: ast.Module) -> dict[str, SourceClass]:
         if isinstance(statement, ast.ClassDef):
             classes[statement.name] = _read_class(statement, aliases, classes)
     return classes
-
-
-def tree_of(data: bytes) -> ast.Module:
-    """Returns the syntax tree of a file; raises SourceProblem where it is not Python."""
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # an invalid escape of the user is not our subject
-            return ast.parse(data)
-    except SyntaxError as error:
-        raise SourceProblem(f"syntax error: {error.msg}", error.lineno or 1) from error
-    except (ValueError, RecursionError, MemoryError) as error:
-        raise SourceProblem(f"cannot be parsed: {error}", 1) from error
 
 
 def _read_class(

@@ -8,7 +8,15 @@ import enum
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from jausml.generation.contract.syntax import absolute, flat, is_decorated_by, last_name, parsed
+from jausml.generation.contract.scopes import own_nodes
+from jausml.generation.contract.syntax import (
+    SourceProblem,
+    absolute,
+    flat,
+    is_decorated_by,
+    last_name,
+    tree_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -20,6 +28,7 @@ _KNOWN_BASES = {
     **{("enum", each): getattr(enum, each) for each in ("Enum", "Flag", "IntEnum", "IntFlag")},
 }
 """Classes of the standard library that generated classes derive from: their attributes count."""
+_SETTERS = ("setattr", "__setattr__", "vars")
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,9 +144,10 @@ class Modules:
             if isinstance(text, Unknown):
                 return UNKNOWN
             if text is not None:
-                tree = parsed(text)
-                generated = self._generated(path)
-                return Module(name, tree, is_package, generated) if tree else UNKNOWN
+                try:
+                    return Module(name, tree_of(text), is_package, self._generated(path))
+                except SourceProblem:
+                    return UNKNOWN
         return UNKNOWN if self._read(place) is UNKNOWN else None
 
     def member(self, module: Module, name: str) -> Symbol | None:
@@ -197,7 +207,7 @@ class Modules:
             names = self._scopes[module] = _Names()
             for statement in flat(module.tree.body):
                 _define(names, statement, module, None)
-            for name in _stored(module.tree):
+            for name in _stored(own_nodes(module.tree)):
                 names.symbols.setdefault(name, UNKNOWN)
             names.is_open = "__getattr__" in names.symbols
         return names
@@ -302,7 +312,9 @@ def _define(names: _Names, statement: ast.stmt, module: Module, owner: Class | N
         case ast.Assign(targets=[ast.Name(id=name)], value=value):
             _add(names, name, Value(None, value, module, owner))
         case ast.Assign(targets=targets):
-            names.symbols.update((name, UNKNOWN) for each in targets for name in _stored(each))
+            names.symbols.update(
+                (name, UNKNOWN) for each in targets for name in _stored(ast.walk(each))
+            )
         case ast.AnnAssign(target=ast.Name(id=name), annotation=annotation, value=value):
             _add(names, name, Value(annotation, value, module, owner))
         case ast.Import() | ast.ImportFrom():
@@ -329,12 +341,8 @@ def _add(names: _Names, name: str, symbol: Symbol | _Alias) -> None:
         names.symbols[name] = UNKNOWN
 
 
-def _stored(tree: ast.AST) -> set[str]:
-    return {
-        each.id
-        for each in ast.walk(tree)
-        if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)
-    }
+def _stored(nodes: Iterable[ast.AST]) -> set[str]:
+    return {n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
 
 
 def _set_by_methods(node: ast.ClassDef) -> Iterator[str]:
@@ -356,18 +364,16 @@ def _is_dynamic(node: ast.ClassDef) -> bool:
     known = ("dataclass", "final", "total_ordering", "unique")
     if node.keywords or not all(is_decorated_by(each, *known) for each in node.decorator_list):
         return True
-    named = {
-        each.value
-        for each in ast.walk(node)
-        if isinstance(each, ast.Subscript) and isinstance(each.slice, ast.Constant)
-    }
-    setters = ("setattr", "__setattr__", "vars")
-    return any(
-        last_name(each) in setters and each not in named
-        if isinstance(each, ast.Call)
-        else isinstance(each, ast.Attribute) and each.attr == "__dict__"
-        for each in ast.walk(node)
-    )
+    named: set[ast.AST] = set()
+    for each in ast.walk(node):
+        match each:
+            case ast.Subscript(slice=ast.Constant()):
+                named.add(each.value)
+            case ast.Call() if each not in named and last_name(each) in _SETTERS:
+                return True
+            case ast.Attribute(attr="__dict__"):
+                return True
+    return False
 
 
 def _has_slots(node: ast.ClassDef) -> bool:

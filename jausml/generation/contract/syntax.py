@@ -10,14 +10,28 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
 
-def parsed(text: str | bytes) -> ast.Module | None:
-    """Returns the syntax tree of a file; None for what is not Python."""
+class SourceProblem(Exception):  # noqa: N818 - a finding, not a failure of jausml
+    """The file is not Python.
+
+    Args:
+        line: Where, from 1.
+    """
+
+    def __init__(self, message: str, line: int) -> None:
+        super().__init__(message)
+        self.line = line
+
+
+def tree_of(text: str | bytes) -> ast.Module:
+    """Returns the syntax tree of a file; raises SourceProblem where it is not Python."""
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
+            warnings.simplefilter("ignore")  # an invalid escape of the user is not our subject
             return ast.parse(text)
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return None
+    except SyntaxError as error:
+        raise SourceProblem(f"syntax error: {error.msg}", error.lineno or 1) from error
+    except (ValueError, RecursionError, MemoryError) as error:
+        raise SourceProblem(f"cannot be parsed: {error}", 1) from error
 
 
 def flat(body: Iterable[ast.stmt]) -> Iterator[ast.stmt]:
