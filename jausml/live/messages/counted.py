@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Protocol
 
-from jausml.live.messages.errors import DecodeError, EncodeError
+from jausml.live.messages.errors import DecodeError, EncodeError, did_you_mean, similar
 from jausml.live.messages.items import Codec, Item, Named, item_of, single, too_short
 from jausml.live.messages.legal import (
     as_object,
@@ -12,6 +12,7 @@ from jausml.live.messages.legal import (
     formats_in_words,
     latin1,
     legal_integer,
+    listed,
     shown,
 )
 from jausml.live.messages.quantities import number_of, symbol
@@ -208,6 +209,11 @@ def _indexed(value: Any, by_unit: Mapping[str, int]) -> Any:
     """Returns a value with the index that its unit tells; any other as it is."""
     if isinstance(value, dict) and len(value) == 1:
         ((unit, number),) = value.items()
+        if unit not in (*by_unit, "index", "value"):
+            hint = (
+                did_you_mean(similar(str(unit), by_unit)) or f"; it may be {listed(list(by_unit))}"
+            )
+            raise EncodeError(f"unknown field{hint}", str(unit))
         return {"index": by_unit[unit], "value": number} if unit in by_unit else value
     unit = value.partition(" ")[2] if isinstance(value, str) else ""
     return {"index": by_unit[unit], "value": number_of(value, unit)} if unit in by_unit else value

@@ -251,7 +251,9 @@ class Reporter:
         new = {reason: n - before.get(reason, 0) for reason, n in failures.items()}
         if sum(new.values()) < FEWEST_FAILURES:
             return ""
-        return f"no message can be translated: {max(new, key=lambda each: new[each])}"
+        reason = max(new, key=lambda each: new[each])
+        text = f"{reason} ({counts.failures.get(reason, '')})"
+        return f"no message can be translated: {text}; change its map, or what is sent"
 
     def _complaint(self, former: _Totals, present: _Totals) -> str:
         """Returns what is not as it should be, though messages pass."""

@@ -54,6 +54,7 @@ class Statistics:
         thinned: Messages that gave way to others, as the model or parameters want it.
         safe_values: Safe values sent because the source was lost.
         out_of_range: Values that their target field could not carry, by policy and field.
+        failures: What was wrong with the first message of each reason that no message passes for.
         withheld: Messages that were passed on to other peers, but not to one that did not obey.
         last_arrival: Seconds, None before the first message.
         heard: When the source last said something usable, or silence was last looked for.
@@ -68,6 +69,7 @@ class Statistics:
     out_of_range: dict[tuple[str, str], int] = field(default_factory=dict)
     errors: int = 0
     drops: dict[str, int] = field(default_factory=dict)
+    failures: dict[str, str] = field(default_factory=dict)
     withheld: dict[JausAddress, int] = field(default_factory=dict)
     last_arrival: float | None = None
     heard: float = 0.0

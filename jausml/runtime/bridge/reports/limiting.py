@@ -157,8 +157,7 @@ class Limiting:
         if isinstance(error, StaleJoinError):
             self.drop(f"{STALE_JOIN}_{error.join}", str(error))
             return
-        for kind, reason in _REASONS:
-            if isinstance(error, kind):
-                self.drop(reason, str(error))
-                return
-        self.drop(FAILED, repr(error), error)
+        reason = next((reason for kind, reason in _REASONS if isinstance(error, kind)), FAILED)
+        text = repr(error) if reason == FAILED else str(error)
+        self.statistics.failures.setdefault(reason, text)
+        self.drop(reason, text, error if reason == FAILED else None)
