@@ -29,6 +29,7 @@ PACKAGE = """<package format="3"><name>abyss_msgs</name><version>1.0.0</version>
 """
 TANK = "float32 level # [%]\n"
 SPEED = """import `jaus.core-1.1`
+import jaus.mobility
 service_set farm { service Speeds {
     urn: "urn:example:Speeds"  inherits: Management
     inputs: new message_def QuerySpeed { code: 0xD102 }
@@ -36,9 +37,12 @@ service_set farm { service Speeds {
         fixed_field Fast { type: uint8 }  fixed_field Slow { type: uint8 }
     } }
 } }
+drive { JAUS SetVelocityCommand  ROS geometry_msgs/Twist  JAUS->ROS ( Velocity_X -> linear.x ) }
 speeds { JAUS ReportSpeed  ROS std_msgs/UInt8  ROS->JAUS ( data -> Fast ) }
 system s { bridge b {
-    address: 1.1.1  provides: Speeds  connection c { map: speeds  topic c  freshness: 1 }
+    address: 1.1.1  provides: Speeds, VelocityStateDriver
+    connection c { map: speeds  topic c }
+    connection d { map: drive  topic d }
 } }
 """
 UNIT = 'Fast { type: uint16  units: "hectare"  scale: { lower: 0  upper: 9 } }'
@@ -104,7 +108,10 @@ ROWS = {
     ),
     "a map is not whole": Row(
         "jausml validate c.ros2jaus --strict",
-        ("JML416", "assign it, or add an Ignore"),
+        (
+            *("JML416", "assign it, or add an Ignore", "JML455", "state a freshness"),
+            *("JML451", "give it a safeValue, or the map a stopRos"),
+        ),
         1,
         files={"c.ros2jaus": SPEED},
     ),
@@ -153,7 +160,7 @@ ROWS = {
     ),
     "a unit is unknown": Row(
         "jausml validate u.ros2jaus --strict",
-        ("u.ros2jaus:6:49: warning: JML432", "'hectare' is no known unit", "did you mean"),
+        ("u.ros2jaus:7:49: warning: JML432", "'hectare' is no known unit", "did you mean"),
         1,
         files={"u.ros2jaus": SPEED.replace("Fast { type: uint8 }", UNIT)},
     ),
