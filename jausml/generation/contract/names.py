@@ -42,8 +42,8 @@ class Names:
                 return self._class(node) or UNKNOWN
             case Bound.VALUE, ast.expr() as node:
                 return self.types.of(node, self.in_scope(scope))
-            case Bound.ANNOTATED, ast.expr() as node:
-                return self.types.of_annotation(node, self.in_scope(scope))
+            case Bound.ANNOTATED, ast.AnnAssign(annotation=annotation):
+                return self.types.of_annotation(annotation, self.in_scope(scope))
             case Bound.ITEM, ast.expr() as node:
                 items = self.types.of(node, self.in_scope(scope))
                 return items.item if isinstance(items, ListOf) else UNKNOWN

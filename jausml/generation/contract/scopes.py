@@ -43,8 +43,8 @@ class Binding:
     """One binding of a name.
 
     Attributes:
-        node: The import, class or function, or the expression that is assigned, iterated over, or
-            annotates it.
+        node: The import, class or function, the statement that annotates it, or the expression
+            that is assigned or iterated over.
         alias: What is imported.
         position: That of a parameter.
     """
@@ -115,6 +115,14 @@ def _open(node: Block, parent: Scope | None, scopes: dict[ast.AST, Scope]) -> No
             _open(each, scope, scopes)
 
 
+def names_of(node: Block) -> dict[str, list[Binding]]:
+    """Returns the names that a block binds itself."""
+    scope = Scope(node, None)
+    for each in own_nodes(node):
+        _bind(scope, each)
+    return scope.bindings
+
+
 def _share(scope: Scope, name: str, node: ast.AST) -> None:
     """A name that inner functions bind, too, is certain nowhere."""
     outer: Scope | None = scope
@@ -157,8 +165,8 @@ def _bind(scope: Scope, node: ast.AST) -> None:
             _add(scope, name, Binding(Bound.CLASS, node))
         case ast.Assign(targets=[ast.Name() as target], value=value):
             _count(scope, target, Binding(Bound.VALUE, value))
-        case ast.AnnAssign(target=ast.Name() as target, annotation=annotation):
-            _count(scope, target, Binding(Bound.ANNOTATED, annotation))
+        case ast.AnnAssign(target=ast.Name() as target):
+            _count(scope, target, Binding(Bound.ANNOTATED, node))
         case (
             ast.For(target=ast.Name() as target, iter=items)
             | ast.comprehension(target=ast.Name() as target, iter=items)

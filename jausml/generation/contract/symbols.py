@@ -8,7 +8,7 @@ import enum
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from jausml.generation.contract.scopes import own_nodes
+from jausml.generation.contract.scopes import Binding, Bound, names_of
 from jausml.generation.contract.syntax import (
     SourceProblem,
     absolute,
@@ -204,11 +204,7 @@ class Modules:
     def _scope(self, module: Module) -> _Names:
         names = self._scopes.get(module)
         if names is None:
-            names = self._scopes[module] = _Names()
-            for statement in flat(module.tree.body):
-                _define(names, statement, module, None)
-            for name in _stored(own_nodes(module.tree)):
-                names.symbols.setdefault(name, UNKNOWN)
+            names = self._scopes[module] = _names(module.tree, module)
             names.is_open = "__getattr__" in names.symbols
         return names
 
@@ -222,9 +218,7 @@ class Modules:
     def _body(self, cls: Class) -> _Names:
         names = self._members.get(cls)
         if names is None:
-            names = self._members[cls] = _Names()
-            for statement in flat(cls.node.body):
-                _define(names, statement, cls.module, cls)
+            names = self._members[cls] = _names(cls.node, cls.module, cls)
             for name in _set_by_methods(cls.node):
                 known = names.symbols.get(name)
                 if known is None or (isinstance(known, Value) and known.annotation is None):
@@ -302,47 +296,36 @@ def is_slotted(modules: Modules, cls: Class) -> bool:
     )
 
 
-def _define(names: _Names, statement: ast.stmt, module: Module, owner: Class | None) -> None:
-    match statement:
-        case ast.ClassDef(name=name):
-            whole = f"{owner.name}.{name}" if owner else name
-            _add(names, name, Class(whole, statement, module))
-        case ast.FunctionDef(name=name) | ast.AsyncFunctionDef(name=name):
-            _add(names, name, Function(statement, module, owner))
-        case ast.Assign(targets=[ast.Name(id=name)], value=value):
-            _add(names, name, Value(None, value, module, owner))
-        case ast.Assign(targets=targets):
-            names.symbols.update(
-                (name, UNKNOWN) for each in targets for name in _stored(ast.walk(each))
-            )
-        case ast.AnnAssign(target=ast.Name(id=name), annotation=annotation, value=value):
-            _add(names, name, Value(annotation, value, module, owner))
-        case ast.Import() | ast.ImportFrom():
-            _import(names, statement, module)
-
-
-def _import(names: _Names, statement: ast.Import | ast.ImportFrom, module: Module) -> None:
-    for alias in statement.names:
-        if isinstance(statement, ast.Import):
-            name = alias.asname or alias.name.partition(".")[0]
-            _add(names, name, _Alias(alias.name if alias.asname else name, ""))
-            continue
-        source = absolute(statement, module.name, is_package=module.is_package)
-        if alias.name == "*":
-            names.stars.append(source)
+def _names(node: ast.Module | ast.ClassDef, module: Module, owner: Class | None = None) -> _Names:
+    """Returns the names of a body; of one that is defined twice no more is known."""
+    names = _Names()
+    for name, bindings in names_of(node).items():
+        first, *others = (_symbol(name, each, module, owner) for each in bindings)
+        if name == "*":
+            found = (first, *others)
+            names.stars += [each.module for each in found if isinstance(each, _Alias)]
         else:
-            _add(names, alias.asname or alias.name, _Alias(source, alias.name))
+            names.symbols[name] = first if all(each == first for each in others) else UNKNOWN
+    return names
 
 
-def _add(names: _Names, name: str, symbol: Symbol | _Alias) -> None:
-    """Adds a name; of one that is defined twice nothing is known but that it is there."""
-    known = names.symbols.setdefault(name, symbol)
-    if known != symbol:
-        names.symbols[name] = UNKNOWN
-
-
-def _stored(nodes: Iterable[ast.AST]) -> set[str]:
-    return {n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+def _symbol(name: str, binding: Binding, module: Module, owner: Class | None) -> Symbol | _Alias:
+    """Returns what a binding makes of a name."""
+    match binding.node:
+        case ast.ClassDef() as node:
+            return Class(f"{owner.name}.{name}" if owner else name, node, module)
+        case ast.FunctionDef() | ast.AsyncFunctionDef() as node:
+            return Function(node, module, owner)
+        case ast.AnnAssign(annotation=annotation, value=value):
+            return Value(annotation, value, module, owner)
+        case ast.expr() as value if binding.how is Bound.VALUE:
+            return Value(None, value, module, owner)
+        case ast.Import() if binding.alias:
+            return _Alias(binding.alias.name if binding.alias.asname else name, "")
+        case ast.ImportFrom() as node if binding.alias:
+            source = absolute(node, module.name, is_package=module.is_package)
+            return _Alias(source, binding.alias.name)
+    return UNKNOWN
 
 
 def _set_by_methods(node: ast.ClassDef) -> Iterator[str]:
