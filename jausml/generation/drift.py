@@ -7,16 +7,14 @@ run are, and those that stay on the disk beside them.
 from __future__ import annotations
 
 import ast
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import Artifact, Kind
 from jausml.generation.checks import path_problem
-from jausml.generation.contract.edits import Lines
+from jausml.generation.contract.files import File
 from jausml.generation.contract.finding import Finding, FindingKind
 from jausml.generation.contract.imports import Surroundings
-from jausml.generation.contract.interface import Interface, module_of
-from jausml.generation.contract.mentions import Mentions
+from jausml.generation.contract.interface import Interface
 from jausml.generation.contract.overrides import compare_class
 from jausml.generation.contract.symbols import Class, Module
 from jausml.generation.contract.syntax import SourceProblem, absolute, tree_of
@@ -30,16 +28,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from jausml.generation.manifest import Manifest
-
-
-@dataclass(frozen=True)
-class _File:
-    """A file of the user."""
-
-    path: str
-    data: bytes
-    tree: ast.Module
-    mentions: Mentions
 
 
 def drift(
@@ -63,13 +51,12 @@ def drift(
     interface = Interface(artifacts, out, manifest, deleted)
     skeletons = {a.path: a for a in artifacts if a.kind is Kind.SKELETON}
     findings: list[Finding] = []
-    files: list[_File] = []
+    files: list[File] = []
     for path in _paths(out, interface, skeletons):
         try:
             data = read_input(out / path)
             if path in skeletons or interface.concerns(path, data):
-                tree = tree_of(data)
-                files.append(_File(path, data, tree, Mentions(tree)))
+                files.append(File(path, data, tree_of(data)))
         except SourceProblem as problem:
             if path in skeletons or interface.is_inside(path):
                 findings.append(_unreadable(path, problem.line, str(problem)))
@@ -96,14 +83,14 @@ def _paths(out: Path, interface: Interface, skeletons: Mapping[str, Artifact]) -
 
 
 def _compared(
-    files: Sequence[_File],
+    files: Sequence[File],
     interface: Interface,
     skeletons: Mapping[str, Artifact],
     manifest: Manifest,
     former: Mapping[str, str],
 ) -> Iterator[Finding]:
     imported = frozenset(pair for file in files for pair in _imported(file))
-    derived = frozenset(name for file in files for name in file.mentions.derived)
+    derived = frozenset(name for file in files for name in file.derived)
     types = Types(interface.modules)
     for file in files:
         contract = skeletons[file.path].contract if file.path in skeletons else None
@@ -112,41 +99,28 @@ def _compared(
         if contract is not None:
             entry = manifest.files.get(file.path)
             methods = entry.methods if entry else {}
-            comparison = compare_class(file.path, contract, file.tree, methods)
+            comparison = compare_class(file, contract, methods)
             yield from comparison.findings
             uncalled = frozenset(comparison.uncalled)
             base = _base(interface, file, contract.class_name, contract.base_name)
             known |= {f"{base}.{old}": new for old, new in comparison.renamed.items()}
         around = Surroundings(types, known, derived, imported, uncalled)
-        is_package = file.path.endswith("/__init__.py")
-        module = Module(module_of(file.path), file.tree, is_package, is_generated=False)
-        uses = misfits(file.data, module, file.mentions, around)
-        text = Lines(file.data if uses else b"")
-        for use in uses:
-            kind = FindingKind.IMPORT if use.is_import else FindingKind.USE
-            yield Finding(
-                kind,
-                file.path,
-                use.line,
-                use.message,
-                column=text.column(use.line, use.start),
-                is_fatal=use.is_run,
-                edits=use.edits,
-            )
+        yield from misfits(file, around)
 
 
-def _imported(file: _File) -> Iterator[tuple[str, str]]:
+def _imported(file: File) -> Iterator[tuple[str, str]]:
     """Yields what a file imports from other modules, by module and name."""
-    is_package = file.path.endswith("/__init__.py")
+    module = file.module
     for node in ast.walk(file.tree):
         if isinstance(node, ast.ImportFrom):
-            source = absolute(node, module_of(file.path), is_package=is_package)
+            source = absolute(node, module.name, is_package=module.is_package)
             yield from ((source, alias.name) for alias in node.names)
 
 
-def _base(interface: Interface, file: _File, class_name: str, base_name: str) -> str:
+def _base(interface: Interface, file: File, class_name: str, base_name: str) -> str:
     """Returns the dotted name of the generated base of a class."""
-    module = interface.modules.find(module_of(file.path)) if module_of(file.path) else None
+    name = file.module.name
+    module = interface.modules.find(name) if name else None
     user = interface.modules.member(module, class_name) if isinstance(module, Module) else None
     if isinstance(user, Class):
         for each in interface.modules.ancestors(user):

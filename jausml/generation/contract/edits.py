@@ -47,14 +47,13 @@ def attribute_edit(node: ast.Attribute, new: str) -> Edit:
 
 
 def removal(
-    data: bytes, statement: ast.ImportFrom, unused: Sequence[ast.alias], *, is_alone: bool
+    text: Lines, statement: ast.ImportFrom, unused: Sequence[ast.alias], *, is_alone: bool
 ) -> tuple[Edit, ...]:
     """Returns edits that take names out of an import; none where a comment would go with them.
 
     Args:
         is_alone: Whether its block would be empty without the statement.
     """
-    text = Lines(data)
     if not unused or not text.is_exact:
         return ()
     if len(unused) == len(statement.names):

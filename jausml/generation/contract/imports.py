@@ -15,7 +15,7 @@ from jausml.language.model.values import nearest
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from jausml.generation.contract.mentions import Mentions
+    from jausml.generation.contract.files import File
     from jausml.generation.contract.names import Names
     from jausml.generation.contract.types import Types
 
@@ -55,12 +55,11 @@ class Surroundings:
 class Imports:
     """The imports of a file of the user."""
 
-    def __init__(self, data: bytes, names: Names, mentions: Mentions, around: Surroundings) -> None:
-        self._data = data
+    def __init__(self, file: File, names: Names, around: Surroundings) -> None:
+        self._file = file
         self._names = names
-        self._mentions = mentions
         self._around = around
-        self._module = names.module
+        self._module = file.module
         self._modules = around.types.modules
 
     def of_modules(self, node: ast.Import) -> Iterator[Lost]:
@@ -123,11 +122,11 @@ class Imports:
     def _is_unused(self, alias: ast.alias) -> bool:
         name = alias.asname or alias.name
         is_given = self._module.is_package or (self._module.name, name) in self._around.imported
-        return not is_given and name not in self._mentions.names | self._mentions.words
+        return not is_given and name not in self._file.names | self._file.words
 
     def _without(self, node: ast.ImportFrom, unused: Sequence[ast.alias]) -> tuple[Edit, ...]:
-        is_alone = self._mentions.is_alone(node)
-        return removal(self._data, node, unused, is_alone=is_alone)
+        is_alone = self._file.is_alone(node)
+        return removal(self._file.lines, node, unused, is_alone=is_alone)
 
     def _renamed(self, alias: ast.alias, scope: Scope, successor: str) -> tuple[Edit, ...]:
         """Returns the edits for a name that is imported: there, and where it is used."""
@@ -138,7 +137,7 @@ class Imports:
         is_taken = any(successor in each.bindings for each in self._names.scopes.values())
         is_given = self._module.is_package or (self._module.name, name) in self._around.imported
         is_single = len(scope.bindings.get(name, ())) == 1
-        if is_taken or is_given or not is_single or name in self._mentions.words:
+        if is_taken or is_given or not is_single or name in self._file.words:
             kept = f"{successor} as {name}"
             return (name_edit(alias.lineno, alias.col_offset, name, kept),)
         return (edit, *self._uses(name, scope, successor))

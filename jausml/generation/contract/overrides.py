@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.contract.edits import Edit, attribute_edit, name_edit
 from jausml.generation.contract.finding import Finding, FindingKind
-from jausml.generation.contract.mentions import Mentions
 from jausml.generation.contract.source import Function, read_classes
 from jausml.generation.contract.syntax import last_name
 
@@ -17,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from jausml.generation.artifact import MethodContract, SkeletonContract
+    from jausml.generation.contract.files import File
     from jausml.generation.contract.source import Definition, SourceClass
 
 _SIMILAR = 0.6  # ratio of difflib above which two method names may be one renamed
@@ -36,24 +36,22 @@ class Comparison:
     renamed: dict[str, str] = field(default_factory=dict)
 
 
-def compare_class(
-    path: str, contract: SkeletonContract, tree: ast.Module, known: Mapping[str, str]
-) -> Comparison:
+def compare_class(file: File, contract: SkeletonContract, known: Mapping[str, str]) -> Comparison:
     """Compares the class of a skeleton with the contract.
 
     Args:
         known: The identities of all methods that the base ever called, by name.
     """
     found = Comparison()
-    classes = read_classes(tree)
+    classes = read_classes(file.tree)
     user = classes.get(contract.class_name)
     if user is None:
-        found.findings.append(_no_class(path, contract, classes))
+        found.findings.append(_no_class(file.path, contract, classes))
         return found
-    found.findings += _compare_methods(path, contract, user, known, found, tree)
+    found.findings += _compare_methods(file, contract, user, known, found)
     if contract.base_name not in user.ancestors:
         message = f"class {user.name} does not derive from {contract.base_name}"
-        found.findings.append(Finding(FindingKind.NO_BASE, path, user.line, message))
+        found.findings.append(Finding(FindingKind.NO_BASE, file.path, user.line, message))
     return found
 
 
@@ -68,14 +66,13 @@ def _no_class(path: str, contract: SkeletonContract, classes: Mapping[str, Sourc
 
 
 def _compare_methods(
-    path: str,
+    file: File,
     contract: SkeletonContract,
     user: SourceClass,
     known: Mapping[str, str],
     found: Comparison,
-    tree: ast.Module,
 ) -> Iterator[Finding]:
-    expected = {method.name: method for method in contract.methods}
+    path, expected = file.path, {method.name: method for method in contract.methods}
     missing = {n: m for n, m in expected.items() if n not in user.methods}
     orphans = {
         name: definition
@@ -95,7 +92,7 @@ def _compare_methods(
             if known.get(name):
                 message = f"{name}: renamed to {successor.name}"
                 found.renamed[name] = successor.name
-                edits = _renaming(tree, user, definition, name, successor)
+                edits = _renaming(file, user, definition, name, successor)
             yield Finding(
                 FindingKind.RENAMED, path, definition.line, message, successor.stub, edits=edits
             )
@@ -136,7 +133,7 @@ def _successor(
 
 
 def _renaming(
-    tree: ast.Module,
+    file: File,
     user: SourceClass,
     definition: Definition,
     name: str,
@@ -144,15 +141,15 @@ def _renaming(
 ) -> tuple[Edit, ...]:
     """Returns the edits that rename a method, where all that has its name in the file is it."""
     function = definition.function
-    used = [n for n in ast.walk(tree) if isinstance(n, ast.Attribute) and n.attr == name]
-    defined = [n for n in ast.walk(tree) if isinstance(n, Function) and n.name == name]
+    used = [n for n in file.nodes if isinstance(n, ast.Attribute) and n.attr == name]
+    defined = [n for n in file.nodes if isinstance(n, Function) and n.name == name]
     is_certain = (
         function is not None
         and defined == [function]
         and successor.name not in user.methods
         and not _signature_problem(function, successor)
         and all(last_name(each.value) in ("self", "super") for each in used)
-        and not Mentions(tree).words & {name}
+        and name not in file.words
     )
     if function is None or not is_certain:
         return ()

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import ast
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.contract.edits import Edit, attribute_edit, name_edit
+from jausml.generation.contract.finding import Finding, FindingKind
 from jausml.generation.contract.imports import Imports, Lost, Surroundings, alike
 from jausml.generation.contract.names import Names
 from jausml.generation.contract.signatures import signature
@@ -17,43 +17,19 @@ from jausml.generation.contract.walk import Place, Walk
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from jausml.generation.contract.mentions import Mentions
+    from jausml.generation.contract.files import File
 
 _IMPORT_CAUGHT = {"ImportError", "ModuleNotFoundError", "Exception", "BaseException", ""}
 
 
-@dataclass(frozen=True)
-class Use:
-    """A use that does not fit.
-
-    Attributes:
-        line: Line in the file, from 1.
-        start: Its offset in the line in bytes of UTF-8.
-        is_import: Whether it is an import; else an attribute or a call.
-        is_run: Whether the program comes to it, so that it ends in an error.
-        edits: What makes it fit for certain; empty when that is for the user to decide.
-    """
-
-    line: int
-    start: int
-    message: str
-    is_import: bool = False
-    is_run: bool = True
-    edits: tuple[Edit, ...] = ()
-
-
-def misfits(data: bytes, module: Module, mentions: Mentions, around: Surroundings) -> list[Use]:
-    """Returns the uses in a file that do not fit.
-
-    Args:
-        module: The file; its name is empty when it is outside of packages.
-    """
-    names = Names(module, around.types)
-    imports = Imports(data, names, mentions, around)
+def misfits(file: File, around: Surroundings) -> list[Finding]:
+    """Returns the uses in a file that do not fit."""
+    names = Names(file.module, around.types)
+    imports = Imports(file, names, around)
     found = (
         use
-        for node, place in Walk(module.tree, names.scopes)
-        for use in _Reader(names, mentions, around, imports, place).read(node)
+        for node, place in Walk(file.tree, names.scopes)
+        for use in _Reader(file, names, around, imports, place).read(node)
     )
     return list(dict.fromkeys(found))
 
@@ -63,20 +39,20 @@ class _Reader:
 
     def __init__(
         self,
+        file: File,
         names: Names,
-        mentions: Mentions,
         around: Surroundings,
         imports: Imports,
         place: Place,
     ) -> None:
+        self._file = file
         self._look_up = names.in_scope(place.scope)
-        self._mentions = mentions
         self._around = around
         self._imports = imports
         self._modules = around.types.modules
         self._place = place
 
-    def read(self, node: ast.AST) -> Iterator[Use]:
+    def read(self, node: ast.AST) -> Iterator[Finding]:
         """Yields what does not fit of a node itself."""
         match node:
             case ast.Import():
@@ -93,15 +69,15 @@ class _Reader:
     def _type_of(self, node: ast.expr) -> Type:
         return self._around.types.of(node, self._look_up)
 
-    def _tell_imports(self, found: Iterable[Lost]) -> Iterator[Use]:
+    def _tell_imports(self, found: Iterable[Lost]) -> Iterator[Finding]:
         if self._place.caught.isdisjoint(_IMPORT_CAUGHT):
             for each in found:
                 place = each.node.lineno, each.node.col_offset
-                yield self._use(*place, each.message, each.edits, is_import=True)
+                yield self._use(*place, each.message, each.edits, FindingKind.IMPORT)
 
-    def _attribute(self, node: ast.Attribute) -> Iterator[Use]:
+    def _attribute(self, node: ast.Attribute) -> Iterator[Finding]:
         owner = self._type_of(node.value)
-        if node.attr in self._mentions.asked or "AttributeError" in self._place.caught:
+        if node.attr in self._file.asked or "AttributeError" in self._place.caught:
             return
         if isinstance(owner, Module):
             is_lost = owner.is_generated and self._modules.member(owner, node.attr) is None
@@ -112,7 +88,7 @@ class _Reader:
         elif isinstance(owner, (Class, Object)):
             yield from self._look_at(node, owner)
 
-    def _look_at(self, node: ast.Attribute, owner: Class | Object) -> Iterator[Use]:
+    def _look_at(self, node: ast.Attribute, owner: Class | Object) -> Iterator[Finding]:
         """Looks at an attribute of a class or of an object."""
         cls = owner.of if isinstance(owner, Object) else owner
         generated = [each for each in self._classes(cls) if each.module.is_generated]
@@ -133,7 +109,7 @@ class _Reader:
         name, is_super = node.attr, isinstance(owner, Object) and owner.is_super
         if name.startswith("_") or (is_super and self._is_uncalled(name)):
             return False
-        if not is_slotted(self._modules, cls) and name in self._mentions.stored:
+        if not is_slotted(self._modules, cls) and name in self._file.stored:
             return False
         if isinstance(owner, Class) and hasattr(type, name):
             return False
@@ -151,7 +127,7 @@ class _Reader:
         method = self._place.scope.function
         return name in self._around.uncalled and name == getattr(method and method.node, "name", "")
 
-    def _member(self, owner: Type, key: ast.Constant, name: str) -> Iterator[Use]:
+    def _member(self, owner: Type, key: ast.Constant, name: str) -> Iterator[Finding]:
         """Looks at `State["MOVING"]`."""
         if not isinstance(owner, Class) or not owner.module.is_generated:
             return
@@ -160,7 +136,7 @@ class _Reader:
             message, _ = self._lost(owner.name, name, places, names)
             yield self._use(key.lineno, key.col_offset, message)
 
-    def _call(self, node: ast.Call) -> Iterator[Use]:
+    def _call(self, node: ast.Call) -> Iterator[Finding]:
         called = self._type_of(node.func)
         match called:
             case Method(function=function) | (Function() as function):
@@ -185,7 +161,7 @@ class _Reader:
 
     def _lost_attribute(
         self, node: ast.Attribute, label: str, places: list[str], names: Iterable[str]
-    ) -> Use:
+    ) -> Finding:
         message, successor = self._lost(label, node.attr, places, names)
         edits = (attribute_edit(node, successor),) if successor else ()
         start = (node.end_col_offset or 0) - len(node.attr.encode())
@@ -208,7 +184,9 @@ class _Reader:
         start: int,
         message: str,
         edits: tuple[Edit, ...] = (),
-        *,
-        is_import: bool = False,
-    ) -> Use:
-        return Use(line, start, message, is_import, self._place.is_run, edits)
+        kind: FindingKind = FindingKind.USE,
+    ) -> Finding:
+        path, column = self._file.path, self._file.lines.column(line, start)
+        return Finding(
+            kind, path, line, message, column=column, is_fatal=self._place.is_run, edits=edits
+        )
