@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 import json
-import os
-import random
 import re
 import shutil
-import subprocess
-import sys
 from typing import TYPE_CHECKING
 
 import pytest
@@ -19,7 +15,6 @@ from jausml.cli import main
 from jausml.generation import FindingKind as F
 from jausml.language.model.reading.reader import read_models
 from jausml.language.text.notation import NOTATIONS
-from tests.support.workspaces import python_path
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -455,41 +450,6 @@ def test_a_damaged_memory_is_no_obstacle(yard, former):
     path.write_text(re.sub(r", \s*\}", "}", text))
     assert gen.read_manifest(yard.out).problem == ""
     assert told(yard.look()) == []
-
-
-# --------------------------------------------------------------- against Python itself
-
-
-def imported(out: Path) -> str:
-    """Returns what importing the component ends with, in a process of its own."""
-    done = subprocess.run(
-        [sys.executable, "-c", "import boom.boom"],
-        env={**os.environ, "PYTHONPATH": python_path(out)},
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )
-    lines = done.stderr.strip().splitlines()
-    return lines[-1] if lines else ""
-
-
-NAMES = ("FoldBoom", "QueryBoom", "ReportBoom", "RejectBoom")
-
-
-@pytest.mark.parametrize("seed", [0, 6])  # one that imports what is renamed, one that does not
-def test_an_import_is_found_where_python_finds_it(yard, seed):
-    """A message is renamed at random; the component imports at random what was there."""
-    chosen = random.Random(seed)
-    renamed = chosen.choice(NAMES[:3])
-    used = sorted(chosen.sample(NAMES[:3], 2))
-    imports = f"from .boom_base import BoomBase\nfrom .messages import {', '.join(used)}\n"
-    code = f"{imports}\n\nclass Boom(BoomBase):\n    pass\n"
-    result = yard((f"{renamed} {{", f"Other{renamed} {{"), code=code)
-    errors = [each for each in result.drift if each.kind is F.IMPORT]
-    assert bool(errors) is (renamed in used) is ("ImportError" in imported(yard.out))
-    yard((f"{renamed} {{", f"Other{renamed} {{"), code=code, fix=True)
-    assert imported(yard.out) == ""
 
 
 # --------------------------------------------------------------- by the command line

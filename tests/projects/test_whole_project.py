@@ -72,13 +72,6 @@ def test_what_is_not_found_names_what_is_near_and_what_helps(abyss, jausml, word
     assert abyss.read_bytes() == before
 
 
-@pytest.mark.usefixtures("abyss")
-def test_a_topic_without_a_map_says_what_begins_one(jausml):
-    done = jausml("new", "connection", "tank:abyss_msgs/Tank")
-    assert done.exit_code == 2
-    assert "jausml new map tank MESSAGE abyss_msgs/Tank begins one" in done.output
-
-
 @pytest.mark.parametrize("origin", ["new", "jsidl"])
 def test_services_of_other_files_are_found(rover, jausml, origin):
     model = rover("text")
