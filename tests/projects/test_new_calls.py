@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from jausml.authoring.editing.commands import Remove
+from jausml.authoring.editing.project import Project
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model import read_models
 from jausml.language.model.names import name_of
+from jausml.language.model.refs import ref_of
 from jausml.language.text.notation import NOTATIONS
 
 NOTATION = pytest.mark.parametrize("notation", ["xmi", "text"])
@@ -47,6 +50,14 @@ def sound(jausml, model):
     assert done.exit_code == 0, done.output
 
 
+def decide(model):
+    """Removes what is open from a model, as a person does who has decided it."""
+    project = Project(model.parent)
+    read = project.model(model.name).model
+    for each in reversed(read.instances(bridge.OpenDecision, library=False)):
+        project.do([Remove(ref_of(each, read, project.root))], "decided")
+
+
 @NOTATION
 def test_services_of_a_vehicle_are_asked_by_jaus(robot, jausml, notation):
     model = robot(notation)
@@ -69,7 +80,8 @@ def test_services_of_a_vehicle_are_asked_by_jaus(robot, jausml, notation):
     )
     assert (drop.successMember, drop.reasonMember) == ("success", "message")
     assert (lamp.message, name_of(lamp.request)) == (None, "lamp_request")
-    assert lamp.documentation.startswith("Open: SetLamp has no confirmation")
+    # The service is so; nobody has to decide it.
+    assert not [*lamp.openDecisions, *drop.openDecisions]
     assert "Dropper" in map(name_of, made.provides)
     sound(jausml, model)
 
@@ -150,7 +162,9 @@ def test_own_types_of_the_project_are_carried(robot, jausml, notation):
     assert (name_of(pull.request), name_of(pull.response)) == ("pull_request", "pull_response")
     assert (pull.successMember, survey.progressMember) == (None, None)
     assert survey.goalMember == "path.poses"
-    assert "Open: name the bool of winch_msgs/Pull.response" in pull.documentation
+    defaults = [(each.text.split(":")[0], each.blocking) for each in survey.openDecisions]
+    assert defaults[0] == ("nothing tells which element is active", False)
+    assert defaults[1][0].startswith("defaults are sent in depth of the goal")
     done = jausml("validate", "models", "--strict")
     assert "JML473 a call of 'pull' that fails counts as done" in done.output
     text = model.read_text("utf-8")
@@ -163,6 +177,7 @@ def test_own_types_of_the_project_are_carried(robot, jausml, notation):
     ):
         text = text.replace(old, new)
     model.write_text(text, "utf-8")
+    decide(model)
     sound(jausml, model)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import sys
 
@@ -17,6 +18,7 @@ from jausml.language.text.notation import NOTATIONS
 
 NOTATION = pytest.mark.parametrize("notation", ["xmi", "text"])
 STATE = ("ReportVelocityState", "nav_msgs/Odometry")
+HINT = "decide it, then remove the open decision"
 COMMAND = ("SetVelocityCommand", "geometry_msgs/Twist")
 
 
@@ -74,27 +76,35 @@ def map_in(model, name):
 
 
 def rules_in(output):
-    return {*re.findall(r"JML\d+", output)} - {"JML451", "JML455"}
+    """The rules, without those about connections by the map."""
+    return {*re.findall(r"JML\d+", output)} - {"JML421", "JML451", "JML455"}
+
+
+def opens_in(model, name):
+    """What is open in a map, by whether it is an error."""
+    found = map_in(model, name).openDecisions
+    return {way: [each.text for each in found if each.blocking is way] for way in (True, False)}
 
 
 @pytest.mark.parametrize(
-    ("notation", "message", "kind", "rules"),
+    ("notation", "message", "kind", "rules", "status"),
     [
-        ("text", *COMMAND, {"JML416"}),
-        ("xmi", "ReportLocalPose", "std_msgs/String", set()),
+        ("text", *COMMAND, {"JML416", "JML498"}, 0),
+        ("text", "ReportLocalPose", "geometry_msgs/QuaternionStamped", {"JML498"}, 0),
+        ("xmi", "ReportLocalPose", "std_msgs/Header", {"JML498"}, 1),
+        ("xmi", "ReportLocalPose", "std_msgs/String", set(), 0),
     ],
 )
 def test_it_validates_or_says_which_rule_needs_the_user(
-    ears, jausml, notation, message, kind, rules
+    ears, jausml, notation, message, kind, rules, status
 ):
-    model = ears(notation)
+    ears(notation)
     done = jausml("new", "map", "own", message, kind, "--fill")
     assert done.exit_code == 0, done.output
     assert rules_in(done.output) == rules, done.output
     checked = jausml("validate", "models")
-    assert checked.exit_code == 0, checked.output
+    assert checked.exit_code == status, checked.output
     assert rules_in(checked.output) == rules, checked.output
-    assert "Open: " in map_in(model, "own").documentation
 
 
 def test_what_it_says_stands_in_the_file(ears, jausml):
@@ -102,8 +112,11 @@ def test_what_it_says_stands_in_the_file(ears, jausml):
     done = jausml("new", "map", "own", *STATE, "--fill", "--direction", "to-ros")
     assert done.exit_code == 0, done.output
     text = " ".join(model.read_text("utf-8").replace("*", "").split())
-    for line in done.stdout.splitlines():
-        assert line.startswith(("JAUS", "open")) or " ".join(line.split()) in text, line
+    listed = done.stdout.partition("remarks\n")[0].replace('"base_link"', '\\"base_link\\"')
+    for line in listed.replace('"odom" and', '\\"odom\\" and').splitlines():
+        said = " ".join(line.removesuffix(" (JML498)").split())
+        assert line.startswith(("JAUS", "open")) or said in text, line
+    assert not map_in(model, "own").documentation
     for statement in (
         "Velocity_Y -> twist.twist.linear.y : negate",
         "Velocity_RMS -> twist.covariance[7] : square",
@@ -194,9 +207,65 @@ def test_yes_takes_the_first_and_says_so(ears, jausml):
     done = jausml("new", "map", "own", *COMMAND, "--fill", "--yes")
     assert done.exit_code == 0, done.output
     told = 'CommandType takes "Set current command", the first of 4 that fit'
-    assert told in done.output
-    assert told in map_in(model, "own").documentation
-    assert jausml("validate", "models", "--strict").exit_code == 0
+    assert f"{told} (JML498, blocking)" in done.output
+    assert opens_in(model, "own")[True] == [told]
+    found = jausml("validate", "models")
+    assert found.exit_code == 1
+    assert f"error: JML498 open in 'own': {told}" in found.output
+
+
+def test_a_decision_is_open_until_a_person_removes_it(ears, jausml):
+    model = ears("text")
+    ends = ("SetVelocityCommand", "geometry_msgs/Twist", "--direction", "to-jaus")
+    assert jausml("new", "map", "own", *ends, "--fill", "--yes").exit_code == 0
+    done = jausml("generate", model, "-o", "src")
+    assert (done.exit_code, "nothing generated" in done.output) == (1, True), done.output
+    lines = model.read_text("utf-8").splitlines(keepends=True)
+    [line] = [each for each in lines if "openDecisions" in each]
+    lines.remove(line)
+    model.write_text("".join(lines), "utf-8")
+    assert jausml("generate", model, "-o", "src").exit_code == 0
+    assert "nothing is open" not in jausml("new", "--open").output  # JML455 of the connection
+
+
+@pytest.mark.parametrize("output_format", ["text", "json"])
+def test_what_is_open_is_listed_with_its_place(ears, jausml, monkeypatch, output_format):
+    model = ears("text")
+    (model.parents[1] / ".project").write_text("<projectDescription/>")
+    assert jausml("new", "map", "own", *COMMAND, "--fill", "--yes", "--zeros-stop").exit_code == 0
+    monkeypatch.chdir(model.parent)
+    done = jausml("new", "--open", "--format", output_format)
+    assert done.exit_code == 0, done.output
+    lines = model.read_text("utf-8").splitlines()
+    at = 1 + next(n for n, each in enumerate(lines) if "the first of 4" in each)
+    text = 'CommandType takes "Set current command", the first of 4 that fit'
+    if output_format == "json":
+        told = json.loads(done.stdout)["diagnostics"]
+        assert {each["rule"] for each in told} == {"JML455", "JML498"}
+        [found] = [each for each in told if each["severity"] == "error"]
+        assert (found["file"], found["line"]) == ("rover.ros2jaus", at)
+        assert (found["message"], found["hint"]) == (f"open in 'own': {text}", HINT)
+    else:
+        assert f"rover.ros2jaus:{at}:" in done.stdout
+        assert f"error: JML498 open in 'own': {text} ({HINT})" in done.stdout
+        assert "JML367" not in done.output
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--open", "map", "own", *COMMAND), "--open adds no map"),
+        (("--format", "json"), "--format is for --open"),
+        (("--open",), "no project is here"),
+    ],
+)
+def test_a_list_of_what_is_open_adds_nothing(ears, jausml, monkeypatch, tmp_path, words, told):
+    before = ears("text").read_bytes()
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    done = jausml("new", *words)
+    assert (done.exit_code, told in done.output) == (2, True), done.output
+    assert (tmp_path / "models/rover.ros2jaus").read_bytes() == before
 
 
 @pytest.mark.parametrize(
@@ -276,8 +345,9 @@ def test_only_a_word_of_its_own_lets_zeros_stop_a_command(ears, jausml, notation
     model = ears(notation)
     done = jausml("new", "map", "undecided", *COMMAND, "--fill", "--yes")
     assert done.exit_code == 0, done.output
-    assert "state what stops the command: stopRos and stopJaus (JML451)" in done.output
+    assert "state what stops the command: stopRos and stopJaus; all of" in done.output
     undecided = map_in(model, "undecided")
+    assert not any("stops" in each.text for each in undecided.openDecisions)
     assert (undecided.stopRos, undecided.stopJaus) == (None, None)
     done = jausml("new", "map", "decided", *COMMAND, "--fill", "--yes", "--zeros-stop")
     assert done.exit_code == 0, done.output

@@ -9,7 +9,7 @@ from jausml.authoring.editing.commands import NEW, Add, Child
 from jausml.authoring.proposals.bridging import copied, fitting, offer_of, shifted, with_service
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.fresh import name_among
-from jausml.authoring.proposals.mapping.opens import documented
+from jausml.authoring.proposals.open_points import OpenPoint, open_decisions
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.names import name_of
 from jausml.language.project.library import library
@@ -194,11 +194,11 @@ def connection_commands(
         values["answer"] = (scope.ref(call.answer),)
     if call.rejections:
         values["rejections"] = tuple(map(scope.ref, call.rejections))
-    peers, inner = ({}, ()) if call.to_ros else peers_of(scope, call.message)
-    values |= documented(opens_of(call))
+    peers, search = ({}, ()) if call.to_ros else peers_of(scope, call.message)
     members = {"successMember": call.success, "reasonMember": call.reason}
     values |= peers | {feature: (path,) for feature, path in members.items() if path}
     place = scope.ref(owner)
+    inner = (*open_decisions(opens_of(call)), *search)
     return [
         *found,
         Add(place, "serviceConnections", "bridge.RosServiceConnection", values, inner),
@@ -249,27 +249,29 @@ def _count(commands: Iterable[Command]) -> int:
     return sum(isinstance(each, Add) for each in commands)
 
 
-def opens_of(call: Call) -> list[str]:
+def opens_of(call: Call) -> list[OpenPoint]:
     """Returns what a person has to decide about calls, besides what is open in their maps."""
     found = []
-    response = call.type.response
-    bools = members_of(response, ("bool",))
+    response = ros_name(call.type.response)
+    bools = members_of(call.type.response, ("bool",))
     if not call.success and bools:
-        found.append(
-            f"name the bool of {ros_name(response)} that tells whether a call succeeded: "
-            f"successMember ({', '.join(bools)})"
-        )
+        text = f"name the bool of {response} that tells whether a call succeeded: "
+        text += f"successMember ({', '.join(bools)})"
+        found.append(OpenPoint(text, "JML473"))
     elif not call.success and not call.to_ros:
-        found.append(f"{ros_name(response)} tells of no failure: a call that fails has no response")
+        text = f"{response} tells of no failure: a call that fails has no response"
+        found.append(OpenPoint(text, "JML473"))
     elif not call.success:
-        found.append(f"{ros_name(response)} tells of no failure: each response counts as done")
+        text = f"{response} tells of no failure: each response counts as done"
+        found.append(OpenPoint(text))
     if call.answer is None and is_command(call.message):
-        found.append(
-            f"{name_of(call.message)} has no confirmation: "
-            + ("who asks learns of no failure" if call.to_ros else "a call is done when it is sent")
-        )
+        consequence = "who asks learns of no failure"
+        if not call.to_ros:
+            consequence = "a call is done when it is sent"
+        found.append(OpenPoint(f"{name_of(call.message)} has no confirmation: {consequence}"))
     elif (
         call.to_ros and call.answer is not None and not call.rejections and is_command(call.message)
     ):
-        found.append(f"{name_of(call.message)} has no rejection: a call that fails has no answer")
+        text = f"{name_of(call.message)} has no rejection: a call that fails has no answer"
+        found.append(OpenPoint(text))
     return found

@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.authoring.editing.commands import NEW, Add, Child, Set
+from jausml.authoring.editing.commands import NEW, Add, Set
 from jausml.authoring.proposals.calls import (
     member_named,
     members_of,
     own_copy,
     peers_of,
 )
-from jausml.authoring.proposals.mapping.opens import documented
 from jausml.authoring.proposals.named_elements import are_examples
+from jausml.authoring.proposals.open_points import OpenPoint, open_decisions, pending
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.names import name_of
 from jausml.language.model.words import words
@@ -165,10 +165,10 @@ def action_commands(
         values |= {} if says == "index" else {"progress": (says,)}
     if reason := member_named(kind.result, _REASON, "string"):
         values["reasonMember"] = (reason,)
-    values |= documented(opens_of(kind, way, name, to_ros=to_ros, speed=speed))
-    inner: tuple[Child, ...] = ()
+    inner = open_decisions(opens_of(kind, way, name, to_ros=to_ros, speed=speed))
     if not to_ros:
-        peers, inner = peers_of(scope, driver_messages(way.driver).execute, way.driver)  # type: ignore[union-attr]
+        peers, search = peers_of(scope, driver_messages(way.driver).execute, way.driver)  # type: ignore[union-attr]
+        inner += search
         values |= peers | ({"speed": (f"{speed:g}",)} if speed else {})
     return [*found, Add(place, "actionConnections", "bridge.RosActionConnection", values, inner)]
 
@@ -188,22 +188,24 @@ def why_none(kind: ros.ActionType, *, to_ros: bool) -> str:
 
 def opens_of(
     kind: ros.ActionType, way: ListWay, name: str, *, to_ros: bool, speed: float
-) -> list[str]:
+) -> list[OpenPoint]:
     """Returns what a person has to decide about a connection of an action."""
     found = []
     messages = driver_messages(way.driver)
     if not to_ros and not speed and messages is not None and knows_speed(messages):
-        found.append("state the speed at which peers execute lists: speed, or --speed (JML486)")
+        text = "state the speed at which peers execute lists: speed, or --speed"
+        found.append(OpenPoint(text, "JML486"))
     if not progress_of(kind)[0]:
         numbers = members_of(kind.feedback, ("int", "uint"))
-        hint = f"progressMember ({', '.join(numbers)})" if numbers else "its feedback has no number"
-        found.append(f"nothing tells which element is active: {hint}")
+        text = "nothing tells which element is active: "
+        if numbers:
+            found.append(pending(f"{text}progressMember ({', '.join(numbers)})"))
+        else:
+            found.append(OpenPoint(f"{text}its feedback has no number"))
     others = [
         str(each.name) for each in kind.goal.fields if each.name != way.member.partition(".")[0]
     ]
     if to_ros and others:
-        found.append(
-            f"defaults are sent in {', '.join(others)} of the goal, unless goal_{name} of the "
-            "skeleton sets them"
-        )
+        text = f"defaults are sent in {', '.join(others)} of the goal, unless goal_{name} of the "
+        found.append(pending(f"{text}skeleton sets them"))
     return found

@@ -6,6 +6,8 @@ from importlib import import_module
 
 import click
 
+from jausml.cli.shared.options import format_option
+
 _KINDS = {
     "bridge": ("new_bridges:bridge", "A bridge of topics, or of what runs in ROS."),
     "connection": ("new_bridges:connection", "Further topics for a bridge."),
@@ -40,10 +42,44 @@ class Kinds(click.Group):
             formatter.write_dl([(kind, text) for kind, (_, text) in _KINDS.items()])
 
 
-@click.group("new", cls=Kinds)
-def command() -> None:
+@click.group("new", cls=Kinds, invoke_without_command=True, no_args_is_help=True)
+@click.option(
+    "--open", "is_open", is_flag=True, help="List what is open in the project, and add nothing."
+)
+@format_option("Format of what --open lists.")
+@click.pass_context
+def command(context: click.Context, is_open: bool, output_format: str) -> None:
     """Add an element to a model, and keep its layout, comments and order.
 
     The model is the one in the project that has a system, or the file of --model, which is created
     if it does not exist.
+
+    What no tool can decide stays open until a person decides it: `jausml new --open` lists it, as
+    far as `jausml validate` reports it, with its place and what comes next.
     """
+    if is_open and context.invoked_subcommand is not None:
+        raise click.UsageError(f"--open adds no {context.invoked_subcommand}")
+    if is_open:
+        _list_open(output_format)
+    elif context.invoked_subcommand is None:
+        raise click.UsageError("--format is for --open")
+
+
+def _list_open(output_format: str) -> None:
+    """Lists the findings of rules that ask for a decision of a person."""
+    from dataclasses import replace
+
+    from jausml.cli.shared.models import checked, project
+    from jausml.cli.shared.terminal import painted_findings
+    from jausml.language.validation.formats import RENDERERS, text
+    from jausml.language.validation.rules import all_rules
+
+    report = checked([project()])
+    asking = {each.id for each in all_rules() if each.is_decision}
+    found = tuple(each for each in report.diagnostics if each.rule in asking)
+    listed = replace(report, diagnostics=found, set_aside=())
+    rendered = RENDERERS[output_format](listed)
+    is_text = output_format == "text"
+    click.echo(painted_findings(rendered) if is_text else rendered, nl=False)
+    if is_text:
+        click.echo(text.summary(listed) if found else "nothing is open", err=True)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.authoring.places import model_option, pairs, place_for, report, stopping
+from jausml.cli.authoring.places import model_option, pairs, place_for, report, show_open, stopping
 from jausml.cli.authoring.topics import side_option
 from jausml.cli.shared.options import FiniteRange
 from jausml.cli.shared.terminal import can_ask, choose, remark
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from jausml.authoring.proposals.calls import Half
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.proposals.goals import ListWay
+    from jausml.authoring.proposals.open_points import OpenPoint
     from jausml.language.metamodel.classes import bridge as bridges
     from jausml.language.metamodel.classes import ros
     from jausml.language.metamodel.classes.ecore import EObject
@@ -91,7 +92,7 @@ def service_connection(
 
     name, kind = _name_and_type(word, _TRIGGER)
     stated = {"request": pairs(requests, "=", "data=Lit"), "response": pairs(replies, "=", "Lit=x")}
-    told: list[str] = []
+    told: list[OpenPoint] = []
 
     def commands(at: Opened) -> Sequence[Command]:
         owner, scope = bridge_in(at, bridge or ""), at.scope
@@ -114,7 +115,7 @@ def service_connection(
     with stopping():
         place = place_for(model)
         files = add(place, f"Add calls of {name}", commands)
-    _show_opens(told)
+    show_open(told)
     report(place, files)
 
 
@@ -208,7 +209,7 @@ def action_connection(
     to_ros = side == _VEHICLE
     if speed is not None and to_ros:
         raise click.UsageError("--speed is for --side operator: JAUS states the speed of a vehicle")
-    told: list[str] = []
+    told: list[OpenPoint] = []
 
     def commands(at: Opened) -> Sequence[Command]:
         owner, scope = bridge_in(at, bridge or ""), at.scope
@@ -225,7 +226,7 @@ def action_connection(
     with stopping():
         place = place_for(model)
         files = add(place, f"Add goals of {name}", commands)
-    _show_opens(told)
+    show_open(told)
     report(place, files)
 
 
@@ -290,10 +291,3 @@ def _name_and_type(word: str, example: str) -> tuple[str, str]:
     if fault := topic_fault(name):
         raise click.UsageError(f"{word!a}: the name {fault}")
     return name, plain_type(kind)
-
-
-def _show_opens(opens: Sequence[str]) -> None:
-    if opens:
-        click.echo("open")
-    for each in opens:
-        click.echo(f"  {each}")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.authoring.places import model_option, pairs, place_for, report, stopping
+from jausml.cli.authoring.places import model_option, pairs, place_for, report, show_open, stopping
 from jausml.cli.shared.terminal import can_ask, choose, remark
 
 if TYPE_CHECKING:
@@ -236,9 +236,6 @@ def _show_begun(begun: Begun) -> None:
             click.echo(f"  {each}")
     if not begun.statements:
         click.echo("nothing corresponds by name, time, or unit and axis")
-    if begun.opens:
-        click.echo("open")
-    for each in begun.opens:
-        click.echo(f"  {each}")
+    show_open(begun.opens)
     for each in begun.findings:
         click.echo(f"  {each}")

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from jausml.authoring.projects.places import Place
+    from jausml.authoring.proposals.open_points import OpenPoint
 
 
 def model_option(command: Callable[..., None]) -> Callable[..., None]:
@@ -63,6 +64,14 @@ def report(place: Place, files: Sequence[str]) -> None:
     for each in files:
         click.echo(f"{_shown(place.root / each)} written", err=True)
     click.echo(f"next: jausml validate {_shown(place.path)}", err=True)
+
+
+def show_open(points: Sequence[OpenPoint]) -> None:
+    """Says what a person has to decide, and what else to know of a new element."""
+    decisions = [each for each in points if each.rule]
+    for title, found in ("open", decisions), ("remarks", [e for e in points if not e.rule]):
+        for line in [title, *(f"  {each}" for each in found)] if found else ():
+            click.echo(line)
 
 
 def _shown(path: Path) -> str:

@@ -84,7 +84,12 @@ def models_argument(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def _or_project(_: click.Context, __: click.Parameter, values: tuple[str, ...]) -> tuple[str, ...]:
-    return values or (from_here(_project("PATH")),)
+    return values or (project(),)
+
+
+def project() -> str:
+    """Returns the folder of the project of the current folder, for a verb without a PATH."""
+    return from_here(_project("PATH"))
 
 
 def _project(argument: str) -> Path:

@@ -52,12 +52,14 @@ class Rule:
 
     Attributes:
         id: `JML` and three digits; an id is never used again for something else.
+        is_decision: Whether it asks for a decision of a person, since no tool knows the vehicle.
     """
 
     id: str
     severity: Severity
     title: str
     check: RuleFunction
+    is_decision: bool = False
 
     @property
     def documentation(self) -> str:
@@ -65,10 +67,12 @@ class Rule:
         return inspect.getdoc(self.check) or ""
 
 
-def rule(rule_id: str, severity: Severity, title: str) -> Callable[[RuleFunction], Rule]:
+def rule(
+    rule_id: str, severity: Severity, title: str, *, is_decision: bool = False
+) -> Callable[[RuleFunction], Rule]:
     """Makes a rule of a function, whose docstring is the documentation page of the rule."""
 
     def make(check: RuleFunction) -> Rule:
-        return Rule(rule_id, severity, title, check)
+        return Rule(rule_id, severity, title, check, is_decision)
 
     return make

@@ -58,15 +58,16 @@ def test_between_the_ends_of_each_ready_map_it_is_without_error_or_says_what_is_
         assert rules <= {"JML416", "JML460"}, (name_of(message), name_of(kind), made.findings)
         for each in made.findings:
             member = each.split("'")[1] if "JML416" in each else "header.frame_id"
-            assert any(member in one for one in made.opens) or "JML460" in each, made.opens
+            assert any(member in one.text for one in made.opens) or "JML460" in each, made.opens
 
 
 def test_it_tells_of_each_member_of_the_target_or_fills_it(begun):
     for made in begun.values():
         for child in made.add.children:
             if child.kind == "bridge.Ignore":
-                assert any(child.values["target"][0] in each for each in made.opens) or any(
-                    "more" in each for each in made.opens
+                assert any(
+                    child.values["target"][0] in each.text or "more" in each.text
+                    for each in made.opens
                 )
 
 
@@ -131,3 +132,18 @@ def _is_plain(assignment):
     kinds = {each.kind.name for each in assignment.conversions}
     of_authors = {"expression", "look_up", "value_to_percent", "percent_to_value", "with_units"}
     return not (kinds & of_authors or "List[" in paths or any(each in paths for each in joined))
+
+
+def test_what_it_guesses_of_a_meaning_is_open_in_the_model_and_an_error(begun):
+    """Numbers of the vehicle, and sources of which more than one fits."""
+    for made in begun.values():
+        opens = {
+            each.values["text"][0]: "blocking" not in each.values
+            for each in made.add.children
+            if each.kind == "bridge.OpenDecision"
+        }
+        for each in made.opens:
+            assert (each.text in opens) is (each.rule == "JML498"), each
+            assert opens.get(each.text, False) is each.is_blocking, each
+        for doubt in made.doubts:
+            assert any(each.text.startswith(f"{doubt.target} may") for each in made.opens)

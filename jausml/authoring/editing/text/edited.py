@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
 
 _MAP_ORDER = (
-    *("tables", "quantities", "joins", "reportJoins", "stopRos", "stopJaus"),
+    *("openDecisions", "tables", "quantities", "joins", "reportJoins", "stopRos", "stopJaus"),
     *("toRos", "toJaus", "vectors"),
 )
 """The features of maps that own elements, in the order in which they are written."""

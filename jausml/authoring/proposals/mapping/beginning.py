@@ -18,7 +18,6 @@ from jausml.authoring.proposals.mapping.filling import FEATURES, found
 from jausml.authoring.proposals.mapping.members import member
 from jausml.authoring.proposals.mapping.opens import (
     completed,
-    documented,
     opens,
     stops_by_zeros,
     unfilled,
@@ -26,6 +25,7 @@ from jausml.authoring.proposals.mapping.opens import (
 )
 from jausml.authoring.proposals.mapping.tabling import additions, table_of, tabled
 from jausml.authoring.proposals.mapping.trial import findings, fresh_map, judge, with_assignments
+from jausml.authoring.proposals.open_points import OpenPoint, blocking, open_decisions
 from jausml.language.model.values import suggest
 from jausml.language.semantics.conversions import CONVERSIONS
 
@@ -114,7 +114,7 @@ class Begun:
     add: Add
     tables: tuple[Add, ...]
     statements: Mapping[bool, tuple[str, ...]]
-    opens: tuple[str, ...]
+    opens: tuple[OpenPoint, ...]
     doubts: tuple[Doubt, ...]
     findings: tuple[str, ...]
     stops_by_zeros: tuple[bool, ...]
@@ -151,17 +151,18 @@ def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
     by_zeros = stops_by_zeros(made, found_of)
     for way in by_zeros if wish.zeros_stop else ():
         take([zeros([each for each in children if each.feature == FEATURES[way]], to_ros=way)])
-    left = (*opens(made, children, begun), *wish.taken, *map(_as_open, doubts))
+    left = (*opens(made, children, begun), *map(blocking, wish.taken), *_as_opens(made, doubts))
     by_tables = [each for each in children if any(map(table_of, each.children))]
     plain = [each for each in children if each not in by_tables]
     values = {
         "name": (wish.name,),
         "message": (scope.ref(wish.message),),
         "type": (scope.ref(wish.type),),
-        **documented(left),
     }
     return Begun(
-        Add(scope.ref(owner), "maps", "bridge.AttributeMap", values, tuple(plain)),
+        Add(
+            scope.ref(owner), "maps", "bridge.AttributeMap", values, (*open_decisions(left), *plain)
+        ),
         tuple(additions(f"{NEW}0", tables, by_tables, (), 1)),
         {
             way: tuple(statement(each) for each in children if each.feature == FEATURES[way])
@@ -175,8 +176,14 @@ def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
     )
 
 
-def _as_open(doubt: Doubt) -> str:
-    return f"{doubt.target} may come from {' or '.join(map(shown, doubt.choices[:_MOST]))}"
+def _as_opens(used: bridge.AttributeMap, doubts: Collection[Doubt]) -> Iterator[OpenPoint]:
+    """Yields what doubts leave open, which of required fields a rule reports by itself."""
+    left = unfilled(used, to_ros=False) if doubts else ()
+    required = {each.path for each in left if each.is_required}
+    for each in doubts:
+        text = f"{each.target} may come from {' or '.join(map(shown, each.choices[:_MOST]))}"
+        is_reported = not each.to_ros and each.target in required
+        yield OpenPoint(text, "JML416") if is_reported else blocking(text)
 
 
 def _said(

@@ -10,6 +10,7 @@ from jausml.authoring.proposals.mapping.assignments import UNKNOWN, innermost
 from jausml.authoring.proposals.mapping.filling import FEATURES, filled_paths, is_filled
 from jausml.authoring.proposals.mapping.members import leaves
 from jausml.authoring.proposals.mapping.trial import judge
+from jausml.authoring.proposals.open_points import OpenPoint, blocking, pending
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.model.names import name_of
 from jausml.language.semantics.assignments.units import fills_rates_alone
@@ -45,7 +46,7 @@ STOPS = {True: "stopRos", False: "stopJaus"}
 
 def opens(
     used: bridge.AttributeMap, assignments: Sequence[Child], ways: Collection[bool]
-) -> Iterator[str]:
+) -> Iterator[OpenPoint]:
     """Yields what is left to the author of a new map."""
     for to_ros in ways:
         own = [each for each in assignments if each.feature == FEATURES[to_ros]]
@@ -61,19 +62,27 @@ def opens(
 
 def _unfilled(
     used: bridge.AttributeMap, own: Sequence[Child], source: str, target: str, *, to_ros: bool
-) -> Iterator[str]:
+) -> Iterator[OpenPoint]:
     if ignored := [each.values["target"][0] for each in own if each.kind == "bridge.Ignore"]:
-        yield f"ignored: {_listed(ignored)} of {target}, since no member of {source} corresponds"
+        text = f"ignored: {_listed(ignored)} of {target}, since no member of {source} corresponds"
+        yield OpenPoint(text)
     left = unfilled(used, to_ros=to_ros)
     if optional := [each.path for each in left if not each.is_required]:
-        yield f"nothing is assigned to {_listed(optional)} of {target}"
+        text = f"nothing is assigned to {_listed(optional)} of {target}"
+        yield blocking(text) if own else OpenPoint(text, _empty(used))
     if missing := [each.path for each in left if each.is_required]:
-        yield f"assign or ignore {_listed(missing)}: {target} always contains it (JML416)"
+        text = f"assign or ignore {_listed(missing)}: {target} always contains it"
+        yield OpenPoint(text, "JML416" if own else _empty(used))
+
+
+def _empty(used: bridge.AttributeMap) -> str:
+    """Returns the rule that reports a connection by a map without assignments."""
+    return "JML421" if _is_of_topics(used) else "JML467"
 
 
 def _untaken(
     used: bridge.AttributeMap, own: Sequence[Child], source: str, target: str, *, to_ros: bool
-) -> Iterator[str]:
+) -> Iterator[OpenPoint]:
     read = [
         parse_path(path)
         for each in own
@@ -87,10 +96,10 @@ def _untaken(
         if path not in left and not is_part and not is_filled(path, read):
             left.append(path)
     if left:
-        yield f"no member of {target} takes {_listed(left)} of {source}"
+        yield OpenPoint(f"no member of {target} takes {_listed(left)} of {source}")
 
 
-def _decisions(own: Iterable[Child]) -> Iterator[str]:
+def _decisions(own: Iterable[Child]) -> Iterator[OpenPoint]:
     """Yields what was decided for the author, who may know better."""
     inner = [innermost(each) for each in own]
     frames = [
@@ -100,25 +109,23 @@ def _decisions(own: Iterable[Child]) -> Iterator[str]:
         and each.values["target"][0].rpartition(".")[2] in _FRAME_IDS
     ]
     if frames:
-        yield f"state the frames of your vehicle instead of {' and '.join(frames)}"
-    for policy, value, says in (
-        ("whenAbsent", "dropMessage", "if {source} is absent, the message is dropped"),
-        ("outOfRange", "clamp", "values that {target} cannot carry become the nearest one"),
-    ):
-        found = [each for each in inner if each.values.get(policy) == (value,)]
-        if found:
-            words = says.format(
-                source=_listed([each.values["source"][0] for each in found]),
-                target=_listed([each.values["target"][0] for each in found]),
-            )
-            yield f"{words} ({policy}: {value})"
+        yield pending(f"state the frames of your vehicle instead of {' and '.join(frames)}")
+    if dropped := _stating(inner, "whenAbsent", "dropMessage", "source"):
+        yield OpenPoint(f"if {dropped} is absent, the message is dropped (whenAbsent: dropMessage)")
+    if clamped := _stating(inner, "outOfRange", "clamp", "target"):
+        yield pending(f"values that {clamped} cannot carry become the nearest one")
     for each in inner:
         if any(step.values.get("arguments") == (UNKNOWN,) for step in each.children):
             target = each.values["target"][0]
-            yield f"state the number of your vehicle instead of {UNKNOWN} for {target}"
+            yield blocking(f"state the number of your vehicle instead of {UNKNOWN} for {target}")
 
 
-def _absent(used: bridge.AttributeMap, own: Iterable[Child]) -> Iterator[str]:
+def _stating(own: Iterable[Child], policy: str, value: str, end: str) -> str:
+    """Lists one end of the assignments that state a policy."""
+    return _listed([each.values[end][0] for each in own if each.values.get(policy) == (value,)])
+
+
+def _absent(used: bridge.AttributeMap, own: Iterable[Child]) -> Iterator[OpenPoint]:
     """Yields which optional fields leave a target as it is, which in ROS is 0."""
     source = outer_scope(used, to_ros=True)
     found: list[str] = []
@@ -130,24 +137,24 @@ def _absent(used: bridge.AttributeMap, own: Iterable[Child]) -> Iterator[str]:
             if getattr(place, "optional", False) and path not in found:
                 found.append(path)
     if found:
-        yield f"0 is published for what is absent of {_listed(found)}, unless you state whenAbsent"
+        text = f"0 is published for what is absent of {_listed(found)}, unless you state whenAbsent"
+        yield pending(text)
 
 
-def _of_connections(used: bridge.AttributeMap, ways: Iterable[bool]) -> Iterator[str]:
+def _of_connections(used: bridge.AttributeMap, ways: Iterable[bool]) -> Iterator[OpenPoint]:
     """Yields what a connection of a topic by the map will ask for."""
     if not _is_of_topics(used):
         return
     if is_command(used.message) and used.message.moves:
-        stops = [way for way in ways if getattr(used, STOPS[way]) is None]
-        if stops:
-            yield f"state what stops the command: {_named(stops)} (JML451)"
-        if zeros := [way for way in stops if fills_rates_alone(used, to_ros=way)]:
-            yield (
-                f"all of its numbers are rates, so that {_named(zeros)} of zeros may be what "
-                "stops it; write it if that is so for what you drive"
-            )
+        if stops := [way for way in ways if getattr(used, STOPS[way]) is None]:
+            text = f"state what stops the command: {_named(stops)}"
+            if zeros := [way for way in stops if fills_rates_alone(used, to_ros=way)]:
+                text += f"; all of its numbers are rates, so that {_named(zeros)} of zeros may be "
+                text += "what stops it: write it if that is so for what you drive"
+            yield OpenPoint(text, "JML451")
     elif False in ways:
-        yield "state freshness, or whenStale: keep, for a topic that falls silent (JML455)"
+        text = "state freshness, or whenStale: keep, for a topic that falls silent"
+        yield OpenPoint(text, "JML455")
 
 
 def _is_of_topics(used: bridge.AttributeMap) -> bool:
@@ -264,8 +271,3 @@ def _zeros(assignments: Sequence[Child]) -> Iterator[Child]:
             for target in each.values["target"][0].split(", "):
                 values = {"target": (target,), "value": ("0",)}
                 yield Child("values", "bridge.ConstantAssignment", values)
-
-
-def documented(opens: Sequence[str]) -> dict[str, tuple[str, ...]]:
-    """Returns the documentation of an element about which something is open."""
-    return {"documentation": ("\n\n".join(f"Open: {each}." for each in opens),)} if opens else {}

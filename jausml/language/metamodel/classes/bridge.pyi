@@ -173,7 +173,35 @@ class NamedElement(EObject):
     model.
     """
 
-class AttributeMap(NamedElement):
+class DecisionOwner(NamedElement):
+    """A map or a connection, of which decisions may be open."""
+
+    openDecisions: abc.Sequence[OpenDecision]
+    """What a person has yet to decide.
+
+    Whoever decides removes it.
+    """
+
+class OpenDecision(EObject):
+    """A decision that no tool can make, since it depends on the vehicle.
+
+    It is open, and validate reports it, until a person has made it and removes it.
+    """
+
+    text: str
+    """What is to be decided."""
+
+    blocking: bool
+    """Whether it is an error, so that nothing is generated, since a safety or the meaning of a
+    value hangs on it.
+
+    Otherwise it is a warning.
+    """
+
+    def eContainer(self) -> DecisionOwner | None:
+        """Returns the element that owns this one, None for a root."""
+
+class AttributeMap(DecisionOwner):
     """Relates one JAUS message and one ROS type, attribute by attribute, for each direction in
     which it is used."""
 
@@ -543,7 +571,7 @@ class ReportSource(EObject):
     def eContainer(self) -> Connection | None:
         """Returns the element that owns this one, None for a root."""
 
-class Connection(NamedElement):
+class Connection(DecisionOwner):
     """Carries one kind of message across the bridge, by one attribute map."""
 
     map: AttributeMap
@@ -658,7 +686,7 @@ class Connection(NamedElement):
     def eContainer(self) -> Bridge | None:
         """Returns the element that owns this one, None for a root."""
 
-class RosServiceConnection(NamedElement):
+class RosServiceConnection(DecisionOwner):
     """Carries the calls of one ROS service across the bridge: a request and its response on the
     ROS side, a query and its report or a command and its confirmation on the JAUS side."""
 
@@ -742,7 +770,7 @@ class RosServiceConnection(NamedElement):
     def eContainer(self) -> Bridge | None:
         """Returns the element that owns this one, None for a root."""
 
-class RosActionConnection(NamedElement):
+class RosActionConnection(DecisionOwner):
     """Carries lists of elements, such as waypoints, across the bridge: the goal of a ROS action
     on one side, a list and its driver on the JAUS side."""
 

@@ -71,6 +71,7 @@ class MapWriter:
         said = {name for name, end in ends.items() if end is not None}
         yield from (end for end in ends.values() if end is not None)
         yield from self._elements.values(obj, without=IN_THE_HEAD | said)
+        yield from self._elements.children(obj, ("openDecisions",))
         yield from (self.table(each) for each in obj.tables)
         yield from map(self._elements.element, obj.quantities)
         yield from map(self._elements.element, obj.joins)

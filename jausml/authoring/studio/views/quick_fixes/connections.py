@@ -159,6 +159,11 @@ def published_twice(found: Found) -> Iterator[QuickFix]:
     yield QuickFix(f"take this {noun} away", (Remove(found.ref),))
 
 
+def decided(found: Found) -> Iterator[QuickFix]:
+    """Takes away a decision that is made."""
+    yield QuickFix("decided: take the open decision away", (Remove(found.ref),))
+
+
 def stated_twice(found: Found) -> Iterator[QuickFix]:
     """Leaves out what a map says already."""
     if found.hint == "leave it out":
@@ -233,5 +238,6 @@ QUICK_FIXES: Mapping[str, Fixer] = {
     "JML491": timed_out,
     "JML492": unset,
     "JML493": timed_out,
+    "JML498": decided,
 }
 """The quick fixes by rule."""

@@ -90,7 +90,12 @@ def members_fit(subject: Subject) -> Iterator[Finding]:
                 yield Finding(each, f"'{path}' is no {noun}", feature)
 
 
-@rule("JML484", Severity.ERROR, "map of elements without assignments for the direction")
+@rule(
+    "JML484",
+    Severity.ERROR,
+    "map of elements without assignments for the direction",
+    is_decision=True,
+)
 def elements_translated(subject: Subject) -> Iterator[Finding]:
     """The map of an action connection has assignments for the direction of the connection.
 
@@ -136,7 +141,7 @@ def driver_provided(subject: Subject) -> Iterator[Finding]:
                 yield Finding(each, message, "driver")
 
 
-@rule("JML486", Severity.ERROR, "figure of an action connection out of range")
+@rule("JML486", Severity.ERROR, "figure of an action connection out of range", is_decision=True)
 def action_figures(subject: Subject) -> Iterator[Finding]:
     """The speed of lists is above 0 and what ExecuteList can say, and the timeout is above 0.
 

@@ -43,7 +43,7 @@ _ENDS = (
 _CORE_CODES = frozenset(CORE_MESSAGES.values())
 
 
-@rule("JML467", Severity.ERROR, "map that does not fit the service")
+@rule("JML467", Severity.ERROR, "map that does not fit the service", is_decision=True)
 def maps_fit(subject: Subject) -> Iterator[Finding]:
     """The maps of a service connection are those of the request and the response of its type.
 
@@ -172,7 +172,7 @@ def members_tell(subject: Subject) -> Iterator[Finding]:
                 yield Finding(connection, fault.message, feature, fault.hint)
 
 
-@rule("JML473", Severity.WARNING, "failures that cannot be told")
+@rule("JML473", Severity.WARNING, "failures that cannot be told", is_decision=True)
 def failures_told(subject: Subject) -> Iterator[Finding]:
     """The connection of a service says which member of the response tells whether a call succeeded.
 

@@ -36,7 +36,7 @@ _ENDS = ("name", "map", "direction", "exchange", "peers", "search", "query", "co
 _TIMES = ("name", "direction", "exchange", "rate")
 
 
-@rule("JML421", Severity.ERROR, "map without assignments for the direction")
+@rule("JML421", Severity.ERROR, "map without assignments for the direction", is_decision=True)
 def direction_assigned(subject: Subject) -> Iterator[Finding]:
     """The map of a connection has assignments for the direction of the connection.
 

@@ -47,7 +47,7 @@ def targets_unique(subject: Subject) -> Iterator[Finding]:
                 yield from _chosen_twice(siblings)
 
 
-@rule("JML416", Severity.WARNING, "required JAUS field not assigned")
+@rule("JML416", Severity.WARNING, "required JAUS field not assigned", is_decision=True)
 def required_fields(subject: Subject) -> Iterator[Finding]:
     """Each member of a JAUS message that is not optional is assigned, or ignored on purpose.
 

@@ -124,7 +124,7 @@ def _paths(assignments: Iterable[bridge.Assignment]) -> Iterator[str]:
             yield from _paths(each.assignments)
 
 
-@rule("JML455", Severity.WARNING, "report that outlives its sensor")
+@rule("JML455", Severity.WARNING, "report that outlives its sensor", is_decision=True)
 def outlived_sensors(subject: Subject) -> Iterator[Finding]:
     """A report that is made from a ROS topic states the time after which the topic counts as dead.
 

@@ -40,7 +40,7 @@ def safe_value_used(subject: Subject) -> Iterator[Finding]:
             yield Finding(connection, message, "safeValue")
 
 
-@rule("JML451", Severity.ERROR, "command that nothing stops")
+@rule("JML451", Severity.ERROR, "command that nothing stops", is_decision=True)
 def commands_stop(subject: Subject) -> Iterator[Finding]:
     """A connection with commands says what happens when their source is lost.
 
@@ -68,7 +68,7 @@ def commands_stop(subject: Subject) -> Iterator[Finding]:
         yield Finding(connection, message, "map", hint, (note,))
 
 
-@rule("JML452", Severity.ERROR, "hold that is not explained")
+@rule("JML452", Severity.ERROR, "hold that is not explained", is_decision=True)
 def holds_explained(subject: Subject) -> Iterator[Finding]:
     """A command that outlasts its source does so for a stated reason, and sends no stop.
 
