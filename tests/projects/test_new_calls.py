@@ -133,6 +133,10 @@ def test_a_list_driver_gives_its_goals(robot, jausml, notation):
         "index",
         "error_msg",
     )
+    assert [each.text.partition(" of")[0] for each in made.openDecisions] == [
+        "defaults are sent in number_of_loops, goal_index"
+    ]
+    decide(model)
     sound(jausml, model)
 
 

@@ -91,7 +91,7 @@ def opens_in(model, name):
     [
         ("text", *COMMAND, {"JML416", "JML498"}, 0),
         ("text", "ReportLocalPose", "geometry_msgs/QuaternionStamped", {"JML498"}, 0),
-        ("xmi", "ReportLocalPose", "std_msgs/Header", {"JML498"}, 1),
+        ("xmi", "ReportStatus", "geometry_msgs/PolygonStamped", {"JML460", "JML498"}, 1),
         ("xmi", "ReportLocalPose", "std_msgs/String", set(), 0),
     ],
 )
@@ -112,10 +112,15 @@ def test_what_it_says_stands_in_the_file(ears, jausml):
     done = jausml("new", "map", "own", *STATE, "--fill", "--direction", "to-ros")
     assert done.exit_code == 0, done.output
     text = " ".join(model.read_text("utf-8").replace("*", "").split())
-    listed = done.stdout.partition("remarks\n")[0].replace('"base_link"', '\\"base_link\\"')
-    for line in listed.replace('"odom" and', '\\"odom\\" and').splitlines():
-        said = " ".join(line.removesuffix(" (JML498)").split())
-        assert line.startswith(("JAUS", "open")) or said in text, line
+    listed, _, remarks = done.stdout.partition("remarks\n")
+    assignments, _, decisions = listed.partition("open\n")
+    for line in assignments.splitlines():
+        assert line.startswith("JAUS") or " ".join(line.split()) in text, line
+    for line in decisions.splitlines():
+        assert line.endswith(" (JML498)"), line
+        said = line.strip().removesuffix(" (JML498)").replace('"', '\\"')
+        assert f'openDecisions: {{ text: "{said}" blocking: false }}' in text, line
+    assert "  ignored: " in remarks
     assert not map_in(model, "own").documentation
     for statement in (
         "Velocity_Y -> twist.twist.linear.y : negate",
@@ -225,15 +230,14 @@ def test_a_decision_is_open_until_a_person_removes_it(ears, jausml):
     lines.remove(line)
     model.write_text("".join(lines), "utf-8")
     assert jausml("generate", model, "-o", "src").exit_code == 0
-    assert "nothing is open" not in jausml("new", "--open").output  # JML455 of the connection
+    assert "nothing is open" in jausml("new", "--open").output
 
 
 @pytest.mark.parametrize("output_format", ["text", "json"])
-def test_what_is_open_is_listed_with_its_place(ears, jausml, monkeypatch, output_format):
+def test_what_is_open_is_listed_with_its_place(ears, jausml, output_format):
     model = ears("text")
-    (model.parents[1] / ".project").write_text("<projectDescription/>")
-    assert jausml("new", "map", "own", *COMMAND, "--fill", "--yes", "--zeros-stop").exit_code == 0
-    monkeypatch.chdir(model.parent)
+    assert jausml("new", "map", "own", *COMMAND, "--fill", "--yes").exit_code == 0
+    assert jausml("new", "connection", "cmd_vel:geometry_msgs/Twist:own").exit_code == 0
     done = jausml("new", "--open", "--format", output_format)
     assert done.exit_code == 0, done.output
     lines = model.read_text("utf-8").splitlines()
@@ -241,12 +245,12 @@ def test_what_is_open_is_listed_with_its_place(ears, jausml, monkeypatch, output
     text = 'CommandType takes "Set current command", the first of 4 that fit'
     if output_format == "json":
         told = json.loads(done.stdout)["diagnostics"]
-        assert {each["rule"] for each in told} == {"JML455", "JML498"}
-        [found] = [each for each in told if each["severity"] == "error"]
-        assert (found["file"], found["line"]) == ("rover.ros2jaus", at)
+        assert {each["rule"] for each in told} == {"JML451", "JML498"}
+        [found] = [e for e in told if (e["rule"], e["severity"]) == ("JML498", "error")]
+        assert (found["file"], found["line"]) == ("models/rover.ros2jaus", at)
         assert (found["message"], found["hint"]) == (f"open in 'own': {text}", HINT)
     else:
-        assert f"rover.ros2jaus:{at}:" in done.stdout
+        assert f"models/rover.ros2jaus:{at}:" in done.stdout
         assert f"error: JML498 open in 'own': {text} ({HINT})" in done.stdout
         assert "JML367" not in done.output
 
@@ -259,13 +263,11 @@ def test_what_is_open_is_listed_with_its_place(ears, jausml, monkeypatch, output
         (("--open",), "no project is here"),
     ],
 )
-def test_a_list_of_what_is_open_adds_nothing(ears, jausml, monkeypatch, tmp_path, words, told):
-    before = ears("text").read_bytes()
-    (tmp_path / "elsewhere").mkdir()
-    monkeypatch.chdir(tmp_path / "elsewhere")
+def test_a_list_of_what_is_open_adds_nothing(jausml, monkeypatch, tmp_path, words, told):
+    monkeypatch.chdir(tmp_path)
     done = jausml("new", *words)
     assert (done.exit_code, told in done.output) == (2, True), done.output
-    assert (tmp_path / "models/rover.ros2jaus").read_bytes() == before
+    assert not [*tmp_path.iterdir()]
 
 
 @pytest.mark.parametrize(

@@ -83,8 +83,8 @@ def map_(
     """Add a map named NAME to a bridge, between MESSAGE and TYPE.
 
     It assigns what corresponds by name, time, unit and axis, with the conversions that the rules
-    require, and ignores the rest on purpose. It prints what is open and writes it into the
-    documentation of the map. If several things fit, it asks. If a ready map has the same message
+    require, and ignores the rest on purpose. It prints what is open, and writes it into the map:
+    decisions that stay findings of validate until you have made and removed them. If several things fit, it asks. If a ready map has the same message
     and type, it offers a copy.
 
     A SOURCE is a member, with conversions behind a colon (Velocity_Y : negate), a constant
@@ -236,6 +236,4 @@ def _show_begun(begun: Begun) -> None:
             click.echo(f"  {each}")
     if not begun.statements:
         click.echo("nothing corresponds by name, time, or unit and axis")
-    show_open(begun.opens)
-    for each in begun.findings:
-        click.echo(f"  {each}")
+    show_open(begun.opens, begun.findings)

@@ -66,11 +66,16 @@ def report(place: Place, files: Sequence[str]) -> None:
     click.echo(f"next: jausml validate {_shown(place.path)}", err=True)
 
 
-def show_open(points: Sequence[OpenPoint]) -> None:
-    """Says what a person has to decide, and what else to know of a new element."""
-    decisions = [each for each in points if each.rule]
-    for title, found in ("open", decisions), ("remarks", [e for e in points if not e.rule]):
-        for line in [title, *(f"  {each}" for each in found)] if found else ():
+def show_open(points: Sequence[OpenPoint], findings: Sequence[str] = ()) -> None:
+    """Says what a person has to decide, and what else to know of a new element.
+
+    Args:
+        findings: What rules report of the element as it is.
+    """
+    decisions = [*(str(each) for each in points if each.rule), *findings]
+    remarks = [each.text for each in points if not each.rule]
+    for title, lines in (("open", decisions), ("remarks", remarks)):
+        for line in [title, *(f"  {each}" for each in lines)] if lines else ():
             click.echo(line)
 
 

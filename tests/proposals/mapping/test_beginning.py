@@ -79,6 +79,7 @@ def compared(begun):
         made = {
             (each.feature, each.values["target"][0]): each
             for each in begun[used.message, used.type].add.children
+            if "target" in each.values
         }
         for feature in ("toRos", "toJaus"):
             for each in getattr(used, feature):

@@ -67,8 +67,10 @@ def _unfilled(
         text = f"ignored: {_listed(ignored)} of {target}, since no member of {source} corresponds"
         yield OpenPoint(text)
     left = unfilled(used, to_ros=to_ros)
-    if optional := [each.path for each in left if not each.is_required]:
-        text = f"nothing is assigned to {_listed(optional)} of {target}"
+    # Of a header without a frame a rule tells.
+    paths = [each.path for each in left if not each.is_required and each.path != _FRAME_ID]
+    if paths:
+        text = f"nothing is assigned to {_listed(paths)} of {target}"
         yield blocking(text) if own else OpenPoint(text, _empty(used))
     if missing := [each.path for each in left if each.is_required]:
         text = f"assign or ignore {_listed(missing)}: {target} always contains it"
