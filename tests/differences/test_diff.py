@@ -311,3 +311,14 @@ def test_outside_of_a_repository(tmp_path, monkeypatch):
     done = CliRunner().invoke(main, ["diff", "HEAD:a.xmi", "b.xmi"])
     assert done.exit_code == 2
     assert "git: fatal: not a git repository" in done.output
+
+
+def test_open_decisions_are_told_by_their_texts(diff):
+    one = '    openDecisions: { text: "whose axes are these?" }\n'
+    two = '    openDecisions: { text: "is it latched?" }\n'
+    old = replaced(MAP, "    JAUS mob", f"{one}{two}    JAUS mob")
+    new = replaced(old.replace(one, ""), 'latched?"', 'latched?" blocking: false')
+    assert sorted(each["text"] for each in diff(old, new, ".ros2jaus")) == [
+        "blocking true -> false",
+        "removed: whose axes are these?",
+    ]

@@ -167,6 +167,14 @@ def test_what_theirs_removed_goes(merge):
     assert (text, findings) == (replaced(theirs, RATE), ())
 
 
+def test_decisions_that_each_side_made_are_no_longer_open(merge):
+    one, two, three = (f'      <openDecisions text="{each}"/>\n' for each in ("a", "b", "c"))
+    message = "      <message href"
+    base = replaced(MINIMAL, (message, one + two + three + message))
+    text, findings = merge(base, replaced(base, (one, "")), replaced(base, (three, "")))
+    assert (text, findings) == (replaced(MINIMAL, (message, two + message)), ())
+
+
 def test_what_theirs_removed_and_ours_changed_stays_and_is_told(merge):
     base = replaced(MINIMAL, (END, HOSTS.format("left", 1) + END))
     ours = replaced(base, ("10.0.0.1", "10.0.0.7"))

@@ -203,7 +203,7 @@ class _Finding:
 
     def _whole(self, kind: Kind, obj: EObject) -> Change:
         is_new = kind is Kind.ADDED
-        shown = statement(obj) if isinstance(obj, bridge.Assignment) else ""
+        shown = statement(obj) if isinstance(obj, bridge.Assignment | bridge.OpenDecision) else ""
         text = f"{kind.value}: {shown}" if shown else kind.value
         old, new = (None, obj) if is_new else (obj, None)
         texts = ("", shown) if is_new else (shown, "")

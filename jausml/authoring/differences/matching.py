@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from jausml.language.model.model import Model
 
 
-_KEYS = ("target", "path", "jaus", "value", "index")
+_KEYS = ("target", "path", "jaus", "value", "index", "text")
 """Attributes that tell elements without a name apart, the first that a class has."""
 _MOST = 60
 """Elements of one list that are compared with each other to find renamed ones."""

@@ -81,9 +81,14 @@ def with_unit(feature: str, old: str, new: str) -> str:
 
 
 def statement(obj: EObject) -> str:
-    """Returns an assignment of a map in one line; it is told as a whole when a part changes."""
+    """Returns an assignment of a map in one line, which is told as a whole when a part changes.
+
+    An open decision is told by its text.
+    """
     target = str(getattr(obj, "target", "") or "?")
     match obj:
+        case bridge.OpenDecision():
+            return str(obj.text)
         case bridge.Ignore():
             return f"{target} ignored"
         case bridge.ClockAssignment():

@@ -126,6 +126,8 @@ def _by_what_it_says(element: EObject) -> str:
         message = element.message
         trigger = name_of(message) if message is not None else element.event or "anything else"
         return f"{trigger} to {element.target}" if element.target else trigger
+    if isinstance(element, bridge.OpenDecision) and element.text:
+        return element.text
     target, source = getattr(element, "target", None), getattr(element, "source", None)
     if isinstance(target, str):
         return f"{source} -> {target}" if isinstance(source, str) else target

@@ -83,9 +83,9 @@ def map_(
     """Add a map named NAME to a bridge, between MESSAGE and TYPE.
 
     It assigns what corresponds by name, time, unit and axis, with the conversions that the rules
-    require, and ignores the rest on purpose. It prints what is open, and writes it into the map:
-    decisions that stay findings of validate until you have made and removed them. If several things fit, it asks. If a ready map has the same message
-    and type, it offers a copy.
+    require, and ignores the rest on purpose. It prints what is open. Decisions stay in the map, and
+    validate reports them, until you remove them. If several things fit, it asks. If a ready map
+    has the same message and type, it offers a copy.
 
     A SOURCE is a member, with conversions behind a colon (Velocity_Y : negate), a constant
     ("odom" in quotes, or a number), clock, or ignore.

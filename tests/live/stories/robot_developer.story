@@ -43,6 +43,20 @@ $ cd abyss && jausml ocu request 100.1.1 DropWieght
 ! 2
 > did you mean DropWeight?
 
+What no tool can know is open, and an error where a meaning hangs on it, until a person has decided it.
+
+$ cd abyss && jausml new map teleop SetVelocityCommand geometry_msgs/Twist --direction to-jaus --fill --yes
+> CommandType takes "Set current command", the first of 4 that fit (JML498, blocking)
+$ cd abyss && jausml generate -o ws
+! 1
+> error: JML498 open in 'teleop': CommandType takes
+> nothing generated
+$ cd abyss && jausml new --open
+> (decide it, then remove the open decision)
+> 1 error
+$ cd abyss && sed -i.orig /openDecisions/d models/abyss.{SUFFIX} && jausml new --open
+> nothing is open
+
 The robot has a message type of its own, too.
 
 << abyss_msgs/msg/Tank.msg

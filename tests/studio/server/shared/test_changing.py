@@ -122,3 +122,24 @@ def test_a_problem_is_cured_by_its_cure(page: Page) -> None:
     cure = next(each for problem in found for each in problem["cures"])
     page.ask("edit", commands=cure["commands"], label=cure["label"])
     assert page.ask("problems", file=FILE)["problems"] == []
+
+
+def test_an_open_decision_is_a_problem_until_somebody_takes_it_away(page: Page) -> None:
+    form = page.ask("form", element=node_of(page, "bridge"))
+    maps = next(each for each in form["children"] if each["feature"] == "maps")
+    owner = maps["elements"][0]["element"]
+    add = {"kind": "add", "owner": owner, "feature": "openDecisions"}
+    add |= {"type": "bridge.OpenDecision", "values": {"text": ["whose axes are these?"]}}
+    page.ask("edit", commands=[add], label="ask")
+    [open_] = page.ask("problems", file=FILE)["problems"]
+    assert (open_["rule"], open_["severity"]) == ("JML498", "error")
+    children = page.ask("form", element=owner)["children"]
+    listed = next(each["elements"] for each in children if each["feature"] == "openDecisions")
+    assert [(each["label"], each["element"]) for each in listed] == [
+        ("whose axes are these?", open_["element"])
+    ]
+    values = page.ask("form", element=open_["element"])["fields"]
+    assert {each["feature"] for each in values} == {"text", "blocking"}
+    [cure] = open_["cures"]
+    page.ask("edit", commands=cure["commands"], label=cure["label"])
+    assert page.ask("problems", file=FILE)["problems"] == []
