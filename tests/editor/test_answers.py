@@ -7,12 +7,17 @@ from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
+from jausml.authoring.editing.commands import Remove
 from jausml.authoring.editor.completion import UNITS, complete
 from jausml.authoring.editor.definition import define, outline
+from jausml.authoring.editor.fixing import fixes
 from jausml.authoring.editor.hover import hover
 from jausml.authoring.editor.positions import Columns, Place
 from jausml.authoring.editor.renaming import RenameError, rename
+from jausml.authoring.editor.unsaved import unsaved
 from jausml.language.attributes.units import parse_unit
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model.refs import ref_of
 from jausml.language.text.reading.parsing import parse
 
 MAP = """\
@@ -372,3 +377,50 @@ def test_hover_shows_the_ends_of_a_map(bench, at):
     said = said_at(bench, at, text)
     assert "JAUS `SetWrenchEffort`, ROS `geometry_msgs/Twist`" in said
     assert "JAUS->ROS, ROS->JAUS" in said
+
+
+TWO_OPEN = """\
+/** 🚜 */
+one { JAUS ReportVelocityState  ROS geometry_msgs/Twist  openDecisions: { text: "🚜?" } }
+two { JAUS ReportLocalPose  ROS geometry_msgs/Pose  openDecisions: { text: "b" blocking: false } }
+// the end
+¦"""
+
+
+def text_after(bench, path, edits):
+    """What a text is after edits, the last of it first."""
+    text, lines = bench.text(path), bench.text(path).splitlines(keepends=True)
+    for each in sorted(edits, key=lambda each: (each.span.line, each.span.column), reverse=True):
+        start, end = (
+            sum(map(len, lines[: line - 1])) + column - 1
+            for line, column in (
+                (each.span.line, each.span.column),
+                (each.span.end_line, each.span.end_column),
+            )
+        )
+        text = text[:start] + each.text + text[end:]
+    return text
+
+
+def test_what_is_found_in_a_line_has_its_fixes(bench, at):
+    path, _ = at(TWO_OPEN)
+    assert [*fixes(bench, path, range(1, 2))] == []
+    [fix] = fixes(bench, path, range(3, 4))
+    assert (fix.finding.rule, fix.finding.location.line) == ("JML498", 3)
+    after = text_after(bench, path, fix.edits)
+    assert (after.count("openDecisions"), '"b"' in after) == (1, False)
+    bench.texts[path] += "three {"
+    assert [*fixes(bench, path, range(3, 4))] == []
+
+
+def test_commands_that_follow_each_other_are_one_change_of_a_text(bench, at):
+    path, _ = at(TWO_OPEN)
+    held = unsaved(bench, path)
+    model = held.read(path).model
+    refs = [ref_of(each, model, held.root) for each in model.instances(bridge.OpenDecision)]
+    edits = held.edits(path, [Remove(each) for each in refs])
+    after = text_after(bench, path, edits)
+    assert "openDecisions" not in after
+    assert after.startswith("/** 🚜 */\none {")
+    assert after.endswith("// the end\n")
+    assert bench.text(path) == TWO_OPEN.replace("¦", "")

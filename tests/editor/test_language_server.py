@@ -78,7 +78,7 @@ def ask(client, uri, method, word, behind=0, text=TEXT, **more):
 def test_it_says_what_it_can(client):
     known = client.capabilities["capabilities"]
     assert known["positionEncoding"] == "utf-16"
-    for each in ("completion", "hover", "definition", "rename", "documentFormatting"):
+    for each in ("completion", "hover", "definition", "rename", "codeAction", "documentFormatting"):
         assert f"{each}Provider" in known
 
 
@@ -120,6 +120,35 @@ def test_rename(opened, uri):
     (edit,) = answer["changes"][uri]
     assert edit["newText"] == "`the gear`"
     assert edit["range"] == where
+
+
+OPEN = """\
+/** \U0001f69c */
+velocity {
+    JAUS ReportVelocityState
+    ROS geometry_msgs/Twist
+    openDecisions: { text: "whose axes are these?" }
+    JAUS->ROS ( Velocity_X -> linear.x )
+}
+"""
+
+
+def test_an_open_decision_is_taken_away_by_who_has_decided_it(client, folder):
+    uri = (folder / "open.ros2jaus").as_uri()
+    document = {"uri": uri, "languageId": "ros2jaus", "version": 1, "text": OPEN}
+    client.tell("textDocument/didOpen", textDocument=document)
+    [problem] = client.problems(uri, 1, some=True)
+    assert (problem["code"], problem["severity"]) == ("JML498", 1)
+    where = {"textDocument": {"uri": uri}, "range": problem["range"]}
+    [action] = client.ask("textDocument/codeAction", **where, context={"diagnostics": [problem]})
+    assert (action["kind"], action["diagnostics"]) == ("quickfix", [problem])
+    [edit] = action["edit"]["changes"][uri]
+    start, end = (edit["range"][each]["line"] for each in ("start", "end"))
+    lines = OPEN.splitlines(keepends=True)
+    assert "openDecisions" in "".join(lines[start : end + 1])
+    assert edit["newText"].strip() == ""
+    assert client.ask("textDocument/codeAction", **where, context={"diagnostics": []}) == []
+    client.tell("textDocument/didClose", textDocument={"uri": uri})
 
 
 def test_a_rename_that_cannot_be_is_refused_with_the_reason(opened, uri):

@@ -2,47 +2,30 @@
 
 from __future__ import annotations
 
-import os
-from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from jausml.authoring.editing.commands import EditError, Rename
-from jausml.authoring.editing.drafts import Draft
-from jausml.authoring.editing.executing import execute
-from jausml.authoring.editing.reading import Reader, can_be_parsed, stored
 from jausml.authoring.editor.definition import declaration_at
 from jausml.authoring.editor.positions import is_within, start_of
+from jausml.authoring.editor.unsaved import is_shipped, unsaved
 from jausml.authoring.editor.workbench import names_in
-from jausml.language.model import refs
-from jausml.language.model.library import library_root
 from jausml.language.text.reading.document import TextDocument
-from jausml.language.text.tree import Span
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from pathlib import Path
 
-    from jausml.authoring.editing.splices import Splice
     from jausml.authoring.editor.names import Declaration
     from jausml.authoring.editor.positions import Place
+    from jausml.authoring.editor.unsaved import Edit
     from jausml.authoring.editor.workbench import Workbench
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.model import Model
-    from jausml.language.model.refs import Ref
+    from jausml.language.text.tree import Span
 
 
 class RenameError(ValueError):
     """A name cannot be given."""
-
-
-@dataclass(frozen=True, slots=True)
-class Edit:
-    """A change of a text."""
-
-    path: Path
-    span: Span
-    text: str
 
 
 def renamed_span(bench: Workbench, path: Path, place: Place) -> Span | None:
@@ -69,23 +52,17 @@ def rename(bench: Workbench, path: Path, place: Place, name: str) -> list[Edit]:
     if found is None:
         raise RenameError("only what a text declares can be renamed here")
     home, declaration = found
-    if home not in bench.texts and _is_shipped(home):
+    if home not in bench.texts and is_shipped(home):
         raise RenameError(f"'{declaration.name.text}' belongs to the shipped library")
     if not name.strip() or any(not each.isprintable() for each in name):
         raise RenameError("a name has printable characters")
     _check_free(bench, home, declaration, name)
-    texts = {each: bench.text(each) for each in bench.related(home) if not _is_shipped(each)}
-    held = Unsaved({each: text.encode() for each, text in texts.items()})
+    held = unsaved(bench, home)
     try:
         element = held.ref(home, partial(_declared, declaration=declaration))
-        changes = held.rename(element, name)
+        return held.edits(home, [Rename(element, name)])
     except EditError as error:
         raise RenameError(str(error)) from error
-    return [_edit(file, texts[file], each) for file, made in changes.items() for each in made]
-
-
-def _is_shipped(path: Path) -> bool:
-    return path.is_relative_to(library_root().resolve())
 
 
 def _declared(model: Model, declaration: Declaration) -> EObject | None:
@@ -103,15 +80,6 @@ def _declared(model: Model, declaration: Declaration) -> EObject | None:
     return None
 
 
-def _edit(path: Path, text: str, splice: Splice) -> Edit:
-    data = text.encode()
-    before = data[: splice.start].decode(), data[: splice.end].decode()
-    (line, column), (end_line, end_column) = (
-        (each.count("\n") + 1, len(each) - each.rfind("\n")) for each in before
-    )
-    return Edit(path, Span(line, column, end_line, end_column), splice.new.decode())
-
-
 def _check_free(bench: Workbench, home: Path, declaration: Declaration, name: str) -> None:
     for other in names_in(bench.text(home)).declarations:
         is_beside = list(map(id, other.owners)) == list(map(id, declaration.owners))
@@ -119,36 +87,3 @@ def _check_free(bench: Workbench, home: Path, declaration: Declaration, name: st
         if is_beside and other.name.text == name and other is not declaration:
             line = other.name.span.line
             raise RenameError(f"line {line} declares another element of the name '{name}'")
-
-
-class Unsaved:
-    """Some model files as somebody holds them.
-
-    Args:
-        contents: The files by real path. What they refer to besides is read where it is stored.
-    """
-
-    def __init__(self, contents: Mapping[Path, bytes]) -> None:
-        self._root = Path(os.path.commonpath([each.parent for each in contents]))
-        names = {path: path.relative_to(self._root).as_posix() for path in contents}
-        self._names = names
-        files = {name: stored(name, contents[path], 0) for path, name in names.items()}
-        self._draft = Draft(self._root, files, Reader(self._root), 1)
-
-    def ref(self, path: Path, find: Callable[[Model], EObject | None]) -> Ref:
-        """Returns the ref of an element of a file, empty where there is none."""
-        model = self._draft.read(self._names[path]).model
-        return refs.ref_of(find(model), model, self._root)
-
-    def rename(self, element: Ref, name: str) -> Mapping[Path, Sequence[Splice]]:
-        """Returns what another name of an element changes in each file."""
-        home, _ = refs.split(element)
-        if not can_be_parsed(home, self._draft.files[home].data):
-            raise EditError(f"{home} cannot be parsed as it is: fix it first")
-        execute([Rename(element, name)], self._draft)
-        changed = {each.file: each.steps for each in self._draft.changes()}
-        return {
-            path: [splice for step in changed[name] for splice in step]
-            for path, name in self._names.items()
-            if name in changed
-        }

@@ -18,6 +18,7 @@ from pygls.uris import from_fs_path, to_fs_path
 from jausml import __version__
 from jausml.authoring.editor.completion import Completion, CompletionKind, CompletionList, complete
 from jausml.authoring.editor.definition import Symbol, define, outline
+from jausml.authoring.editor.fixing import Fix, fixes
 from jausml.authoring.editor.hover import hover
 from jausml.authoring.editor.positions import Columns, Place
 from jausml.authoring.editor.renaming import RenameError, rename, renamed_span
@@ -39,8 +40,13 @@ from jausml.language.text.writing.spelling import word
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
+    from jausml.authoring.editor.unsaved import Edit
+
 PAUSE = 0.3
 """Seconds without a change after which an open text is read as a model."""
+
+_SOURCE = "jausml"
+"""Who has found what is shown."""
 
 _SEVERITIES = {
     Severity.ERROR: types.DiagnosticSeverity.Error,
@@ -85,6 +91,7 @@ def make_server(root: Path | None = None) -> LanguageServer:
     )
     handlers = _Handlers(server, Workbench(root=root))
     triggers = types.CompletionOptions(trigger_characters=[".", "/", ":", ">", "("])
+    kinds = types.CodeActionOptions(code_action_kinds=[types.CodeActionKind.QuickFix])
     answers: list[tuple[str, Callable[[Any], Any], Any]] = [
         (types.TEXT_DOCUMENT_DID_OPEN, handlers.did_open, None),
         (types.TEXT_DOCUMENT_DID_CHANGE, handlers.did_change, None),
@@ -94,6 +101,7 @@ def make_server(root: Path | None = None) -> LanguageServer:
         (types.TEXT_DOCUMENT_DEFINITION, handlers.definition, None),
         (types.TEXT_DOCUMENT_PREPARE_RENAME, handlers.prepare_rename, None),
         (types.TEXT_DOCUMENT_RENAME, handlers.rename, types.RenameOptions(prepare_provider=True)),
+        (types.TEXT_DOCUMENT_CODE_ACTION, handlers.code_actions, kinds),
         (types.TEXT_DOCUMENT_FORMATTING, handlers.formatting, None),
         (types.TEXT_DOCUMENT_DOCUMENT_SYMBOL, handlers.symbols, None),
     ]
@@ -186,7 +194,7 @@ class _Handlers:
                 message=each.message,
                 severity=_SEVERITIES[each.severity],
                 code=each.rule,
-                source="jausml",
+                source=_SOURCE,
             )
             for each in problems
         ]
@@ -256,11 +264,33 @@ class _Handlers:
             edits = rename(self._bench, path, place, params.new_name.strip("`"))
         except RenameError as error:
             raise JsonRpcInvalidParams(str(error)) from error
+        return self._workspace_edit(edits)
+
+    def _workspace_edit(self, edits: Iterable[Edit]) -> types.WorkspaceEdit:
         changes: dict[str, list[types.TextEdit]] = {}
         for each in edits:
             where = _range(self._columns(each.path), each.span)
             changes.setdefault(self._uri(each.path), []).append(types.TextEdit(where, each.text))
         return types.WorkspaceEdit(changes)
+
+    async def code_actions(self, params: types.CodeActionParams) -> list[types.CodeAction]:
+        """Returns the quick fixes of what is shown at a place; a place without is not looked at."""
+        shown = [each for each in params.context.diagnostics if each.source == _SOURCE]
+        if not shown:
+            return []
+        lines = range(params.range.start.line + 1, params.range.end.line + 2)
+        path = _path(params.text_document.uri)
+        found = await asyncio.to_thread(lambda: list(fixes(self._bench, path, lines)))
+        return [self._code_action(each, shown) for each in found]
+
+    def _code_action(self, fix: Fix, shown: Iterable[types.Diagnostic]) -> types.CodeAction:
+        rule, line = fix.finding.rule, fix.finding.location.line - 1
+        return types.CodeAction(
+            fix.label,
+            types.CodeActionKind.QuickFix,
+            [each for each in shown if (each.code, each.range.start.line) == (rule, line)],
+            edit=self._workspace_edit(fix.edits),
+        )
 
     def formatting(self, params: types.DocumentFormattingParams) -> list[types.TextEdit] | None:
         path = _path(params.text_document.uri)

@@ -24,3 +24,8 @@ def words(name: str) -> list[str]:
 def snake_case(name: str) -> str:
     """Returns the words in small letters, joined by underscores; empty without any word."""
     return "_".join(words(name)).lower()[:LONGEST].rstrip("_")
+
+
+def in_words(name: str) -> str:
+    """Returns a name of the metamodels as words: `silenceTimeout` becomes `silence timeout`."""
+    return " ".join(word if word.isupper() else word.lower() for word in words(name))

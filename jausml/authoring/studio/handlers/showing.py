@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 from jausml import __version__
 from jausml.authoring.editing.records import Freshness
 from jausml.authoring.proposals.elements import AnswerError, Scope
+from jausml.authoring.proposals.quick_fixes.fixes import quick_fixes
 from jausml.authoring.studio.json_values import files_as_json, freshness_as_json
 from jausml.authoring.studio.rpc import REFUSED, Method, Nothing, RpcError
-from jausml.authoring.studio.views.quick_fixes.fixes import quick_fixes
 from jausml.language.model.refs import file_of
 from jausml.views.diagrams.layout.sheet import LayoutError
 from jausml.views.diagrams.views import UnknownViewError, graph_of, view_names

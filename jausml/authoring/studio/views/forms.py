@@ -8,13 +8,13 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from jausml.authoring.proposals.elements import label_of, literal, values_of
+from jausml.authoring.proposals.targets import Choice, legal_targets
 from jausml.authoring.studio.views.beginnings import usual_values
 from jausml.authoring.studio.views.moving import usual_texts
-from jausml.authoring.studio.views.shapes import Child, Children, Choice, Field, Form, Kind
-from jausml.authoring.studio.views.targets import legal_targets
+from jausml.authoring.studio.views.shapes import Child, Children, Field, Form, Kind
 from jausml.language.metamodel import FeatureKind, ValueKind, documentation
 from jausml.language.model.refs import LIBRARY
-from jausml.language.model.words import words
+from jausml.language.model.words import in_words
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -85,11 +85,6 @@ def kinds_of(target: ClassTable) -> tuple[Kind, ...]:
 
 
 @cache
-def in_words(name: str) -> str:
-    """Returns a name of the metamodels as words: `silenceTimeout` becomes `silence timeout`."""
-    return " ".join(word if word.isupper() else word.lower() for word in words(name))
-
-
 def _name(table: ClassTable) -> str:
     return table.qualified_name
 

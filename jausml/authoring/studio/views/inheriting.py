@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Set
 from jausml.authoring.proposals.elements import AnswerError, Option, Options
+from jausml.authoring.proposals.targets import everywhere
 from jausml.authoring.studio.views.beginnings import free_code
 from jausml.authoring.studio.views.spots import element_of
-from jausml.authoring.studio.views.targets import everywhere
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.names import name_of
 from jausml.language.model.refs import LIBRARY
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.authoring.proposals.elements import Scope
-    from jausml.authoring.studio.views.shapes import Choice
+    from jausml.authoring.proposals.targets import Choice
     from jausml.language.metamodel.classes.ecore import EObject
 
 _MARK = "!"

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child
 from jausml.authoring.proposals.elements import AnswerError, Option, Options
-from jausml.authoring.studio.views.shapes import Choice
+from jausml.authoring.proposals.targets import Choice
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.names import name_of
 from jausml.language.model.refs import LIBRARY

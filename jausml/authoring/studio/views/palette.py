@@ -12,14 +12,14 @@ from jausml.authoring.proposals.bridging import bridges_of, map_commands, system
 from jausml.authoring.proposals.elements import AnswerError, label_of
 from jausml.authoring.proposals.fresh import free_address, name_among, participant_name
 from jausml.authoring.studio.views.beginnings import PACKAGES, usual_values
-from jausml.authoring.studio.views.forms import in_words, kinds_of
+from jausml.authoring.studio.views.forms import kinds_of
 from jausml.authoring.studio.views.inheriting import inherit
 from jausml.authoring.studio.views.shapes import Drop, PaletteItem
 from jausml.language.metamodel import documentation
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.model.names import name_of
 from jausml.language.model.refs import LIBRARY
-from jausml.language.model.words import snake_case, words
+from jausml.language.model.words import in_words, snake_case, words
 from jausml.language.project.library import library
 from jausml.language.semantics.jaus.core_services import CORE
 from jausml.language.semantics.paths.ros_paths import ros_name

@@ -9,15 +9,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from jausml.authoring.editing.commands import Command
-
-
-@dataclass(frozen=True, slots=True)
-class Choice:
-    """One of the values that a field may have."""
-
-    value: str
-    label: str
-    documentation: str = ""
+    from jausml.authoring.proposals.targets import Choice
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,11 +116,3 @@ class PaletteItem:
     drop: Drop
     label_of_edit: str
     onto: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class QuickFix:
-    """What makes a finding go away."""
-
-    label: str
-    commands: Sequence[Command]

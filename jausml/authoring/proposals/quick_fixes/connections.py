@@ -7,8 +7,7 @@ import re
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child, Remove, Set
-from jausml.authoring.studio.views.quick_fixes.found import unset
-from jausml.authoring.studio.views.shapes import QuickFix
+from jausml.authoring.proposals.quick_fixes.found import QuickFix, unset
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.names import name_of
 from jausml.language.semantics.assignments.units import fills_rates_alone
@@ -21,7 +20,7 @@ from jausml.language.semantics.paths.scopes import outer_scope, target_paths
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from jausml.authoring.studio.views.quick_fixes.found import Fixer, Found
+    from jausml.authoring.proposals.quick_fixes.found import Fixer, Found
 
 _PERIODS = 3
 """How many messages may be lost before a source counts as silent."""

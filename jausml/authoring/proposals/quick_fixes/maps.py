@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Remove, Set
 from jausml.authoring.proposals.elements import map_around
-from jausml.authoring.studio.views.quick_fixes.found import renamed_as_meant, unset
-from jausml.authoring.studio.views.shapes import QuickFix
+from jausml.authoring.proposals.quick_fixes.found import QuickFix, renamed_as_meant, unset
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
 from jausml.language.model.words import snake_case
@@ -20,7 +19,7 @@ from jausml.language.semantics.paths.scopes import place
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from jausml.authoring.studio.views.quick_fixes.found import Fixer, Found
+    from jausml.authoring.proposals.quick_fixes.found import Fixer, Found
     from jausml.language.metamodel.classes.ecore import EObject
 
 _MISSING = re.compile(r"has no (?:attribute|field) '([^']*)'")

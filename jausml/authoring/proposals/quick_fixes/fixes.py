@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 from jausml.authoring.editing.commands import Remove, Rename, Set
 from jausml.authoring.proposals.elements import AnswerError, literal, values_of
 from jausml.authoring.proposals.fresh import free_address, free_name, name_among, participant_name
-from jausml.authoring.studio.views.quick_fixes import connections, maps
-from jausml.authoring.studio.views.quick_fixes.found import Found, renamed_as_meant, unset
-from jausml.authoring.studio.views.shapes import QuickFix
-from jausml.authoring.studio.views.targets import everywhere
+from jausml.authoring.proposals.quick_fixes import connections, maps
+from jausml.authoring.proposals.quick_fixes.found import Found, QuickFix, renamed_as_meant, unset
+from jausml.authoring.proposals.targets import everywhere
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.names import name_of
 from jausml.language.semantics.connections.topics import topic_fault
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from jausml.authoring.proposals.elements import Scope
-    from jausml.authoring.studio.views.quick_fixes.found import Fixer
+    from jausml.authoring.proposals.quick_fixes.found import Fixer
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model import Diagnostic
 

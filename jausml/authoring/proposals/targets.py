@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jausml.authoring.proposals.elements import Scope, label_of
-from jausml.authoring.studio.views.shapes import Choice
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.model.names import name_of
 from jausml.language.project.library import library
@@ -21,6 +21,15 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes.ecore import EObject
 
 _OF_THE_SYSTEM = (jaus.Component, ros.Node, system.Host)
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """One of the values that a field may have."""
+
+    value: str
+    label: str
+    documentation: str = ""
 
 
 def legal_targets(scope: Scope, element: EObject, feature: FeatureTable) -> tuple[Choice, ...]:

@@ -10,10 +10,10 @@ import pytest
 
 from jausml.authoring.editing.project import Project
 from jausml.authoring.proposals.elements import Scope
-from jausml.authoring.studio.views.quick_fixes.fixes import QUICK_FIXES, quick_fixes
+from jausml.authoring.proposals.quick_fixes.fixes import QUICK_FIXES, quick_fixes
 from jausml.language.validation.engine import check
 
-RULES = Path(__file__).resolve().parents[2] / "cases" / "rules"
+RULES = Path(__file__).resolve().parents[1] / "cases" / "rules"
 CASES = sorted(each for each in RULES.iterdir() if each.name[:6] in QUICK_FIXES)
 UNCOVERED = {
     # What the error of a path or of a conversion hides is found when that is fixed.

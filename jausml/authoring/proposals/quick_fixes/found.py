@@ -10,13 +10,24 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from jausml.authoring.editing.commands import Set
 from jausml.authoring.proposals.elements import literal, values_of
-from jausml.authoring.studio.views.forms import in_words
-from jausml.authoring.studio.views.shapes import QuickFix
+from jausml.language.model.words import in_words
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.authoring.editing.commands import Command
     from jausml.authoring.proposals.elements import Scope
     from jausml.language.metamodel import ClassTable
     from jausml.language.model import Diagnostic
+
+
+@dataclass(frozen=True, slots=True)
+class QuickFix:
+    """What makes a finding go away."""
+
+    label: str
+    commands: Sequence[Command]
+
 
 _QUOTED = re.compile(r"'([^']*)'")
 
