@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import sys
+from pathlib import Path
 
 import emf_check
 import pytest
@@ -15,7 +16,9 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.model import read_models
 from jausml.language.model.names import name_of
 from jausml.language.text.notation import NOTATIONS
+from jausml.language.validation.rules import all_rules
 
+ROOT = Path(__file__).resolve().parents[2]
 NOTATION = pytest.mark.parametrize("notation", ["xmi", "text"])
 STATE = ("ReportVelocityState", "nav_msgs/Odometry")
 HINT = "decide it, then remove the open decision"
@@ -120,7 +123,8 @@ def test_what_it_says_stands_in_the_file(ears, jausml):
         assert line.endswith(" (JML498)"), line
         said = line.strip().removesuffix(" (JML498)").replace('"', '\\"')
         assert f'openDecisions: {{ text: "{said}" blocking: false }}' in text, line
-    assert "  ignored: " in remarks
+    assert "  ignored: pose of " in decisions
+    assert "  no member of nav_msgs/Odometry takes " in remarks
     assert not map_in(model, "own").documentation
     for statement in (
         "Velocity_Y -> twist.twist.linear.y : negate",
@@ -253,6 +257,21 @@ def test_what_is_open_is_listed_with_its_place(ears, jausml, output_format):
         assert f"models/rover.ros2jaus:{at}:" in done.stdout
         assert f"error: JML498 open in 'own': {text} ({HINT})" in done.stdout
         assert "JML367" not in done.output
+
+
+def test_a_model_that_cannot_be_read_is_not_taken_for_one_without_decisions(ears, jausml):
+    model = ears("text")
+    model.write_text(model.read_text("utf-8") + "}", "utf-8")
+    done = jausml("new", "--open")
+    assert done.exit_code == 0
+    assert "1 error besides, which may hide what is open: jausml validate" in done.output
+
+
+def test_the_page_has_the_rules_of_what_is_listed():
+    text = (ROOT / "docs/how-to/map-a-message.md").read_text("utf-8")
+    section = text.partition("## What stays open\n")[2].partition("\n## ")[0]
+    asking = {each.id for each in all_rules() if each.is_decision}
+    assert {*re.findall(r"JML\d+", section)} == asking
 
 
 @pytest.mark.parametrize(

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editor.unsaved import unsaved
+from jausml.authoring.editor.workbench import checked
 from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.proposals.quick_fixes.fixes import quick_fixes
-from jausml.language.validation.engine import check
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -34,7 +34,7 @@ def fixes(bench: Workbench, path: Path, lines: range) -> Iterator[Fix]:
     held = unsaved(bench, path)
     result = held.read(path)
     scope, shown = Scope(result.model, held.root), result.model.documents[0].display
-    for finding in check(result).diagnostics:
+    for finding in checked(result):
         if finding.location.path != shown or finding.location.line not in lines:
             continue
         for fix in quick_fixes(scope, finding):

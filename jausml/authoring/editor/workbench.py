@@ -133,7 +133,7 @@ class Workbench:
         self._models[path] = result.model
         self._read_beside(path, contents)
         shown = result.model.documents[0].display
-        return [each for each in _checked(result) if each.location.path == shown]
+        return [each for each in checked(result) if each.location.path == shown]
 
     def _read_beside(self, path: Path, held: Mapping[Path, bytes]) -> None:
         """Reads the other files of the project of a text, which a text can name by an import."""
@@ -224,7 +224,8 @@ def imported_file(item: Import, path: Path) -> Path | None:
     return (library_root() / uri.removeprefix(LIBRARY_URI)).resolve()
 
 
-def _checked(result: ReadResult) -> Sequence[Diagnostic]:
+def checked(result: ReadResult) -> Sequence[Diagnostic]:
+    """Returns what is found in a model that was read of texts."""
     try:
         return check(result).diagnostics
     except RuleError:

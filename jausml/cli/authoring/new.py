@@ -70,7 +70,8 @@ def _list_open(output_format: str) -> None:
     from dataclasses import replace
 
     from jausml.cli.shared.models import checked, project
-    from jausml.cli.shared.terminal import painted_findings
+    from jausml.cli.shared.terminal import painted_findings, warn
+    from jausml.language.model.diagnostics import Severity
     from jausml.language.validation.formats import RENDERERS, text
     from jausml.language.validation.rules import all_rules
 
@@ -83,3 +84,6 @@ def _list_open(output_format: str) -> None:
     click.echo(painted_findings(rendered) if is_text else rendered, nl=False)
     if is_text:
         click.echo(text.summary(listed) if found else "nothing is open", err=True)
+    if others := report.count(Severity.ERROR) - listed.count(Severity.ERROR):
+        said = "1 error" if others == 1 else f"{others} errors"
+        warn(f"{said} besides, which may hide what is open: jausml validate")

@@ -65,7 +65,8 @@ def _unfilled(
 ) -> Iterator[OpenPoint]:
     if ignored := [each.values["target"][0] for each in own if each.kind == "bridge.Ignore"]:
         text = f"ignored: {_listed(ignored)} of {target}, since no member of {source} corresponds"
-        yield OpenPoint(text)
+        # A field of JAUS is absent then, a member of ROS is 0.
+        yield pending(text) if to_ros else OpenPoint(text)
     left = unfilled(used, to_ros=to_ros)
     # Of a header without a frame a rule tells.
     paths = [each.path for each in left if not each.is_required and each.path != _FRAME_ID]
