@@ -20,7 +20,7 @@ def test_parts_of_a_system(rover, jausml, notation):
         "node driver --publishes cmd_vel:geometry_msgs/Twist"
         " --subscribes odom:nav_msgs/msg/Odometry --subscribes /odom/valid:std_msgs/Bool",
         "bridge ears odom:nav_msgs/Odometry --side operator --yes",
-        "map speed ReportVelocityState std_msgs/Float64 --to-ros data=Velocity_X",
+        "map speed ReportVelocityState std_msgs/Float64 --to-ros data=Velocity_X:",
     ):
         done = jausml("new", *words.split())
         assert done.exit_code == 0, done.output
@@ -96,7 +96,7 @@ def test_eclipse_knows_where_each_metamodel_is_that_is_needed(rover, jausml):
     again = "new map again ReportVelocityState std_msgs/Float64 --to-ros data=Velocity_Y"
     assert jausml(*again.split()).exit_code == 0
     assert _places(model) == ["bridge", "system"]
-    assert model.read_bytes().count(b"\n") == before.count(b"\n") + 5
+    assert model.read_bytes().count(b"\n") == before.count(b"\n") + 7
 
 
 def _places(model):
