@@ -26,6 +26,7 @@ from .bridge.calls.calls import CallTranslation
 from .bridge.calls.jaus_to_service import JausToRosService
 from .bridge.calls.service_to_jaus import RosServiceToJaus
 from .bridge.connections.command_answers import CommandAnswer
+from .bridge.connections.compiled import Core
 from .bridge.connections.connection import AnyConnection
 from .bridge.connections.joins import Join
 from .bridge.connections.report_joins import ReportJoin
@@ -95,6 +96,7 @@ __all__ = [
     "Condition",
     "ControlSession",
     "ControlState",
+    "Core",
     "ConversionError",
     "DecodeError",
     "ElementList",

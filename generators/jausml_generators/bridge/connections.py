@@ -67,6 +67,19 @@ class ConnectionView:
         return self.translated.alike
 
     @property
+    def compiled_mark(self) -> str:
+        """The decorator that names its compiled form, as Python text; empty without one."""
+        found = self.translated.compiled
+        if found is None:
+            return ""
+        given = [python_string(found.function)]
+        for name in ("quantities", "texts", "joins"):
+            values = getattr(found, name)
+            given += [f"{name}={tuple_of(*map(python_string, values))}"] if values else []
+        given += ["needs_clock=True"] if found.needs_clock else []
+        return call("CORE.function", *given)
+
+    @property
     def ros_name(self) -> str:
         """Name of its ROS message class in the generated modules."""
         return self.translated.ros_name

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.system import source_of, system_of
 from jausml.generation.target import Target
-from jausml.generation.tasks import FileTask, Task, templates_beside
+from jausml.generation.tasks import FileTask, Task, TextFile, TextTask, templates_beside
 from jausml_generators.bridge.checks.module import TestModule
 from jausml_generators.bridge.views import bridge_views
+from jausml_generators.cpp.core import SUPPORT, support
 from jausml_generators.messages.views import SystemMessages
 from jausml_generators.python.package import (
     PACKAGE_TEMPLATES,
@@ -28,6 +29,7 @@ def tasks(model: Model) -> list[Task]:
     bridges = model.made(bridge_views)
     messages = SystemMessages(system, source)
     tests = [TestModule(bridge) for bridge in bridges]
+    with_core = [each for each in bridges if each.has_core]
     packages = [
         package_view(
             system,
@@ -60,6 +62,13 @@ def tasks(model: Model) -> list[Task]:
             base="base.py.j2",
             skeleton="skeleton.py.j2",
             words=lambda view: view.connection_names,
+        ),
+        FileTask("core.cpp.j2", with_core, lambda bridge: f"{bridge.package}/core/core.cpp"),
+        TextTask(
+            [
+                TextFile(f"{e.package}/core/{SUPPORT}", support(), e.element_id, "jausml")
+                for e in with_core
+            ]
         ),
         FileTask(
             "test_translations.py.j2",

@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes.bridge import Bridge, Connection
     from jausml.language.metamodel.classes.system import System
     from jausml.language.model.model import Model
+    from jausml_generators.cpp.core import Core
     from jausml_generators.python.codec.messages import MessageView
 
 
@@ -107,7 +108,24 @@ class BridgeView:
         """
         classes = {view.class_name for view in self.messages}
         taken = {*classes, *runtime.names(), self.class_name, self.base_name}
-        return translate(self.bridge, self._carried, self.message_of, taken)
+        return translate(self.bridge, self._carried, self.message_of, taken, self.light)
+
+    @property
+    def core(self) -> Core:
+        """The compiled form of the translations.
+
+        Raises:
+            AssignmentError: A value does not fit its target.
+            PathError: A path leads nowhere.
+        """
+        return self.translations.core
+
+    @property
+    def has_core(self) -> bool:
+        """Whether any translation has a compiled form."""
+        with suppress(AssignmentError, PathError):
+            return bool(self.core.functions)
+        return False
 
     @functools.cached_property
     def light(self) -> LightModule:

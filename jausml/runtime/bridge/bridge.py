@@ -22,6 +22,7 @@ from ..component.component import JausComponent
 from ..conversions import Time
 from ..services.definitions import Guard, Status
 from ..services.management import PASSIVE
+from .connections.compiled import NoCoreError
 from .connections.sharing import SharedMessages, SharedTopics
 from .connections.transcoding import Form
 from .diagnosing import Diagnosing
@@ -32,6 +33,7 @@ from .reports.states import Standing, StopReason
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
+    from ctypes import CDLL
 
     from ..base.clocks import Timing
     from ..base.loop import Loop
@@ -40,6 +42,7 @@ if TYPE_CHECKING:
     from ..services.element_list import ListElement
     from ..transports.transport import Transport
     from ..wire.message import Message
+    from .connections.compiled import Compiled, Core, Function
     from .diagnosing import Carried
     from .ends.by_sender import Taker
     from .ends.ends import Feed, ReportHolder, RosPublisher, RosSide
@@ -55,6 +58,7 @@ class Bridge:
     Attributes:
         clock: The time by which messages are late, while the bridge is open: that of the loop, or
             of a simulation.
+        core: What was generated to be compiled; None where nothing was.
     """
 
     ros: RosSide
@@ -63,6 +67,7 @@ class Bridge:
     clock: Timing
     simulation: Simulation | None = None
     ward: Ward | None = None
+    core: Core | None = None
 
     def __init__(self, settings: BridgeSettings) -> None:
         """Prepares a bridge; nothing is opened.
@@ -79,6 +84,7 @@ class Bridge:
         self._side: _BridgeComponent
         self._diagnosing: Diagnosing | None = None
         self._list_drivers: dict[ListMessages, ListDriver] = {}
+        self._library: tuple[Core, CDLL] | None = None
         self._topics: SharedTopics
         self._messages: SharedMessages
 
@@ -102,6 +108,7 @@ class Bridge:
         self._messages = SharedMessages(self.component)
         self._list_drivers.clear()
         self.exchanges = Exchanges(self.component)
+        self._load_core(ros.parameter(parameters.compiled()))
         frequency = parameters.diagnostics_frequency(min(self.settings.frequency, 1.0))
         period = 1 / ros.parameter(frequency)
         for each in self.parameters:
@@ -135,6 +142,16 @@ class Bridge:
 
     def _stop_watched(self, reason: StopReason) -> None:
         self._log_stops([each for each in self.connections if each.lose(reason)], reason)
+
+    def _load_core(self, wanted: bool) -> None:  # noqa: FBT001
+        """Loads what was compiled of the translations, if it is there."""
+        self._library = None
+        if self.core is None or not wanted:
+            return
+        try:
+            self._library = self.core, self.core.load()
+        except NoCoreError as error:
+            LOGGER.info("no compiled core: %s; Python translates, see `jausml build`", error)
 
     def _open_connections(self) -> None:
         for connection in self.connections:
@@ -211,6 +228,13 @@ class Bridge:
     def now(self) -> Time:
         """Time of the ROS clock, or of the system while the bridge is not open."""
         return self.ros.now() if self._is_open else Time(*divmod(time.time_ns(), 10**9))
+
+    def compiled(self, compiled: Compiled) -> Function | None:
+        """Returns the function of a translation; None where its library is not there."""
+        if self._library is None:
+            return None
+        core, library = self._library
+        return compiled.of(self, library) if compiled.core == core else None
 
     @contextmanager
     def at(self, moment: Time) -> Iterator[None]:

@@ -6,7 +6,7 @@ Connections of one map share theirs: it is made once without a name, and given e
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from jausml.language.metamodel.classes import bridge, ecore
 from jausml.language.semantics.connections import calls
@@ -16,6 +16,7 @@ from jausml_generators.bridge.ros_classes import RosClasses
 from jausml_generators.bridge.translation.maps import stop, to_jaus, to_ros
 from jausml_generators.bridge.translation.printing import OWN_NAMES, printed
 from jausml_generators.bridge.translation.surroundings import Surroundings
+from jausml_generators.cpp.core import Core, Ends
 from jausml_generators.python.names import Scope, names_in, snake_case
 
 if TYPE_CHECKING:
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes import jaus
     from jausml.language.metamodel.classes.ecore import EClass, EObject
+    from jausml_generators.bridge.light.module import LightModule
+    from jausml_generators.cpp.core import Compiled
     from jausml_generators.python.codec.messages import MessageView
 
 
@@ -55,18 +58,23 @@ class _Unnamed(Surroundings):
         return _mark(len(self.claims) - 1)
 
 
+class _Made(NamedTuple):
+    """A translation as the body of a method, and as a function of the compiled core."""
+
+    lines: tuple[str, ...]
+    compiled: Compiled | None
+
+
 class SharedTranslations:
     """The translations of one bridge by what makes them the same but for the name."""
 
     def __init__(self, uses: Surroundings) -> None:
         self._uses = uses
         self._once: set[object] = set()
-        self._shared: dict[object, tuple[str, _Unnamed]] = {}
+        self._shared: dict[object, tuple[_Made, _Unnamed]] = {}
 
-    def lines(
-        self, key: object, name: str, make: Callable[[str, Surroundings], tuple[str, ...]]
-    ) -> tuple[str, ...]:
-        """Returns the lines of a translation."""
+    def made(self, key: object, name: str, make: Callable[[str, Surroundings], _Made]) -> _Made:
+        """Returns a translation."""
         if key not in self._once:
             # Most maps have one connection; all that is not named after it is claimed here.
             self._once.add(key)
@@ -74,11 +82,17 @@ class SharedTranslations:
         if key not in self._shared:
             known = {each.name: getattr(self._uses, each.name) for each in fields(self._uses)}
             around = _Unnamed(**known)
-            self._shared[key] = "\n".join(make(_NAME, around)), around
-        text, around = self._shared[key]
-        for number, claim in enumerate(around.claims):
-            text = text.replace(_mark(number), claim(self._uses, name))
-        return tuple(text.replace(_NAME, name).split("\n"))
+            self._shared[key] = make(_NAME, around), around
+        shared, around = self._shared[key]
+        claimed = [claim(self._uses, name) for claim in around.claims]
+
+        def named(text: str) -> str:
+            for number, each in enumerate(claimed):
+                text = text.replace(_mark(number), each)
+            return text.replace(_NAME, name)
+
+        lines = tuple(named("\n".join(shared.lines)).split("\n"))
+        return _Made(lines, None if shared.compiled is None else shared.compiled.renamed(named))
 
 
 def _mark(number: int) -> str:
@@ -152,6 +166,7 @@ class Translated:
         lines: The statements that make `target` from `source`.
         safe_lines: The statements that return what is sent when the source is lost; none without a
             safe value.
+        compiled: Its function in the compiled core; None where Python alone has it.
     """
 
     name: str
@@ -160,6 +175,7 @@ class Translated:
     lines: tuple[str, ...]
     safe_lines: tuple[str, ...]
     alike: Hashable
+    compiled: Compiled | None
 
 
 @dataclass(frozen=True)
@@ -189,6 +205,17 @@ class Translations:
     calls: tuple[TranslatedCall, ...]
     uses: Surroundings
     ros_classes: RosClasses
+    core: Core
+
+
+@dataclass(frozen=True)
+class _Around:
+    """What all translations of a bridge have in common."""
+
+    uses: Surroundings
+    shared: SharedTranslations
+    maps: AlikeMaps
+    core: Core
 
 
 def translate(
@@ -196,6 +223,7 @@ def translate(
     connections: Iterable[bridge.Connection],
     view_of: Callable[[jaus.MessageDef], MessageView],
     taken: Iterable[str],
+    light: LightModule,
 ) -> Translations:
     """Translates the connections of a bridge.
 
@@ -211,31 +239,30 @@ def translate(
         (each, attributes.claim(snake_case(each.name)), ros_classes.name_of(each.map.type))
         for each in connections
     ]
-    shared, maps = SharedTranslations(uses), AlikeMaps()
-    translated = tuple(_translated(*each, uses, shared, maps) for each in named)
+    core = Core(light, ros_classes, uses)
+    around = _Around(uses, SharedTranslations(uses), AlikeMaps(), core)
+    translated = tuple(_translated(*each, around) for each in named)
     calling = [
         (each, attributes.claim(snake_case(each.name)), ros_classes)
         for each in element.serviceConnections
     ]
-    of_calls = tuple(_translated_call(*each, uses, shared, maps) for each in calling)
-    return Translations(translated, of_calls, uses, ros_classes)
+    of_calls = tuple(_translated_call(*each, around) for each in calling)
+    return Translations(translated, of_calls, uses, ros_classes, core)
 
 
 def _translated_call(
     connection: bridge.RosServiceConnection,
     name: str,
     ros_classes: RosClasses,
-    uses: Surroundings,
-    shared: SharedTranslations,
-    maps: AlikeMaps,
+    around: _Around,
 ) -> TranslatedCall:
     request, response = map(ros_classes.name_of, calls.types(connection))
     halves = {}
     for half in calls.halves(connection):
         made = calls.as_connection(connection, half)
-        own = uses.attributes.claim(f"{name}_{half.kind}")
+        own = around.uses.attributes.claim(f"{name}_{half.kind}")
         ros_name = ros_classes.name_of(half.map.type)
-        translated = _translated(made, own, ros_name, uses, shared, maps)
+        translated = _translated(made, own, ros_name, around)
         halves[half.kind] = (made, translated)
     return TranslatedCall(name, request, response, halves)
 
@@ -257,46 +284,46 @@ def _joins(connection: bridge.Connection, uses: Surroundings) -> tuple[Translate
 
 
 def _translated(
-    connection: bridge.Connection,
-    name: str,
-    ros_name: str,
-    uses: Surroundings,
-    shared: SharedTranslations,
-    maps: AlikeMaps,
+    connection: bridge.Connection, name: str, ros_name: str, around: _Around
 ) -> Translated:
+    uses, maps = around.uses, around.maps
     used, message = connection.map, uses.view_of(connection.map.message)
     is_to_ros = connection.direction.name == "jausToRos"
     joins = _joins(connection, uses)
 
-    def make(name: str, around: Surroundings) -> tuple[str, ...]:
+    def make(name: str, surroundings: Surroundings) -> _Made:
         parameters = [each.name for each in joins]
+        function = f"{snake_case(used.name)}_to_{'ros' if is_to_ros else 'jaus'}"
         if is_to_ros:
             reports = {
                 str(join.name): (each.name, uses.view_of(join.message))
                 for each in joins
                 if isinstance(join := each.join, bridge.ReportJoin)
             }
-            steps = to_ros(connection, message, name, ros_name, reports, around).steps
-            return printed(steps, parameters)
+            steps = to_ros(connection, message, name, ros_name, reports, surroundings).steps
+            ends = Ends(message, used.type, dict(reports.values()), to_ros=True)
+            return _Made(printed(steps, parameters), around.core.add(function, steps, ends))
         types = {
             str(join.name): (each.name, join.type)
             for each in joins
             if isinstance(join := each.join, bridge.Join)
         }
-        return printed(to_jaus(connection, message, name, types, around).steps, parameters)
+        steps = to_jaus(connection, message, name, types, surroundings).steps
+        ends = Ends(message, used.type, dict(types.values()), to_ros=False)
+        return _Made(printed(steps, parameters), around.core.add(function, steps, ends))
 
     alike = (maps.first(used), is_to_ros, connection.outOfRange.name)
     if any(each is not used for each in used_maps(used, to_ros=is_to_ros)):
         # Each connection has its own methods for the messages inside its message.
-        lines = make(name, uses)
+        made = make(name, uses)
     else:
-        lines = shared.lines(alike, name, make)
+        made = around.shared.made(alike, name, make)
     safe_lines: tuple[str, ...] = ()
     # Lists and calls, which are in no model as connections, end in ways of their own.
     if connection.eContainer() is not None and has_stop(connection):
-        made = stop(connection, message, name, ros_name, uses)
-        safe_lines = _returned(printed(made.steps))
-    return Translated(name, ros_name, joins, lines, safe_lines, alike)
+        stopped = stop(connection, message, name, ros_name, uses)
+        safe_lines = _returned(printed(stopped.steps))
+    return Translated(name, ros_name, joins, made.lines, safe_lines, alike, made.compiled)
 
 
 def _returned(lines: Sequence[str]) -> tuple[str, ...]:

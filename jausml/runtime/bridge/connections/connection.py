@@ -19,6 +19,7 @@ from ..reports.latency import Latency
 from ..reports.limiting import Limiting
 from ..reports.states import StopReason
 from .backlog import Backlog
+from .compiled import before, compiled_of
 from .joins import with_joins
 from .reporting import Reporter
 from .shaping import Shape, Shaping
@@ -160,7 +161,8 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         """Has the translation given the latest messages of joins, which are open."""
         self._joined = tuple(joined)
         if joined:
-            self._transcode = with_joins(self._transcode, joined)
+            is_compiled = self.form is Form.COMPILED
+            self._transcode = with_joins(self._transcode, joined, is_compiled=is_compiled)
 
     def describe_joins(self) -> list[tuple[str, str]]:
         """What is joined and the age of its latest message, for diagnostics."""
@@ -276,13 +278,19 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
 
     def _made_transcode(self) -> Transcode:
         self.form = self.classes()
-        return transcoder(
+        transcode = transcoder(
             self._translate,
             self.decoder(),
             self.encode,
             self.note_blocking,
             self._ends.loop.stopwatch,
         )
+        compiled = compiled_of(self._translate)
+        function = None if compiled is None else self._ends.compiled(compiled)
+        if compiled is None or function is None:
+            return transcode
+        self.form = Form.COMPILED
+        return before(function, compiled.joins, transcode)
 
     def halt(self, reason: StopReason | None) -> bool:
         """Passes nothing on from now on, after the stop; or again, for None.

@@ -65,7 +65,7 @@ class Joined:
         """
         self._ends = ends
         self._decode = decode
-        self._arrival = self._data = None
+        self._arrival = self._data = self._latest = None
         stale = parameters.freshness(owner, self.freshness)
         self.freshness = ends.ros.parameter(stale, self._set_freshness)
 
@@ -77,14 +77,22 @@ class Joined:
             DecodeError: The latest message cannot be read.
         """
         if not self.is_stale:
-            if self._data is not None:
-                self._latest, self._data = self._decode(self._data), None
+            if self._latest is None and self._data is not None:
+                self._latest = self._decode(self._data)
             return self._latest
         if self._drop:
             age = self.age
             reason = "no message yet" if age is None else f"the latest message is {age:.3f} s old"
             raise StaleJoinError(self.name, reason)
         return None
+
+    def fresh_data(self) -> bytes | None:
+        """Returns the latest message as it came, or None when it is stale or there is none.
+
+        Raises:
+            StaleJoinError: There is nothing fresh, and the main message is dropped.
+        """
+        return self._data if not self.is_stale else self.fresh()
 
     @property
     def age(self) -> float | None:
@@ -100,7 +108,7 @@ class Joined:
 
     def keep(self, data: bytes, _origin: Any = None) -> None:
         """Takes a message, which is the latest one from now on."""
-        self._arrival, self._data = self._ends.clock.now(), data
+        self._arrival, self._data, self._latest = self._ends.clock.now(), data, None
 
     def _set_freshness(self, seconds: float) -> None:
         self.freshness = seconds
@@ -123,8 +131,17 @@ class JoinedTopic(Joined):
             ends.subscribe(self.join.type, topic, self.keep)
 
 
-def with_joins(transcode: Transcode, joined: Sequence[Joined]) -> Transcode:
-    """Returns a translation that is given the latest messages of joins."""
+def with_joins(
+    transcode: Transcode, joined: Sequence[Joined], *, is_compiled: bool = False
+) -> Transcode:
+    """Returns a translation that is given the latest messages of joins.
+
+    Args:
+        is_compiled: Whether it asks joins itself, since it takes bytes first.
+    """
+    if is_compiled:
+        asked = {each.name: each for each in joined}
+        return lambda data: transcode(data, **asked)
 
     def transcode_joined(data: bytes) -> bytes | None:
         return transcode(data, **{each.name: each.fresh() for each in joined})

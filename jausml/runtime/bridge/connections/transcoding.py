@@ -34,10 +34,11 @@ def uses_ros_classes(translate: Callable[..., Any]) -> bool:
 
 
 class Form(Enum):
-    """Classes that the translation of a connection works on; the value is what diagnostics say."""
+    """What the translation of a connection works on; the value is what diagnostics say."""
 
     LIGHT = "light classes"
     ROS_CLASSES = "ROS classes"
+    COMPILED = "compiled"
 
 
 def transcoder(

@@ -227,6 +227,12 @@ def latency(connection: str = "") -> Parameter:
     return Parameter(name, default=False, description=text)
 
 
+def compiled() -> Parameter:
+    """Returns whether the compiled core of the bridge is used where it is built."""
+    text = "Whether compiled translations are used where they are built."
+    return Parameter("compiled", default=True, description=text)
+
+
 def lift_emergency(check: Callable[[str], None]) -> Parameter:
     """Returns whose emergencies are to be lifted, by somebody at the robot."""
     text = "JAUS address of clients that set an emergency and are gone; setting it lifts theirs."

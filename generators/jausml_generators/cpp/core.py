@@ -1,0 +1,238 @@
+"""The compiled core of a bridge: one source of C++ with its codecs and its translations.
+
+Maps that say the same share a function. What has no form in C++ is left to Python.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from jausml.generation.literals import printable
+from jausml.generation.tasks import templates_beside
+from jausml.language.cdr import types_within
+from jausml_generators.common.ros import ros_type
+from jausml_generators.cpp.jaus_codec import JausCodec
+from jausml_generators.cpp.printing import Used, printed
+from jausml_generators.cpp.ros_codec import RosCodec
+from jausml_generators.cpp.types import Struct, UnprintableError, cpp_name
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+    from jausml.language.metamodel.classes import ros
+    from jausml_generators.bridge.light.module import LightModule
+    from jausml_generators.bridge.ros_classes import RosClasses
+    from jausml_generators.bridge.translation.steps import Step
+    from jausml_generators.bridge.translation.surroundings import Surroundings
+    from jausml_generators.cpp.printing import Printed
+    from jausml_generators.python.codec.messages import MessageView
+
+SUPPORT = "core.hpp"
+"""The header that each core includes, which stands beside it."""
+
+
+_PARAMETERS = (("const Source&", "source"), ("Target&", "target"), ("jausml::Check&", "check"))
+
+
+@dataclass(frozen=True)
+class Ends:
+    """What a translation goes from and to.
+
+    Attributes:
+        message: The JAUS message.
+        type: The type of ROS.
+        joins: The joined messages, by parameter of the method.
+    """
+
+    message: MessageView
+    type: ros.MessageType
+    joins: Mapping[str, MessageView | ros.MessageType]
+    to_ros: bool
+
+
+@dataclass(frozen=True)
+class Compiled:
+    """A translation that has a function in C++.
+
+    Attributes:
+        function: Name of the function.
+        quantities: Attributes of the bridge that are numbers, in the order that it is given them.
+        texts: Attributes of the bridge that are texts.
+        joins: Parameters of the method that are joined messages.
+    """
+
+    function: str
+    quantities: tuple[str, ...] = ()
+    texts: tuple[str, ...] = ()
+    joins: tuple[str, ...] = ()
+    needs_clock: bool = False
+
+    def renamed(self, named: Callable[[str], str]) -> Compiled:
+        """Returns the same function for attributes of other names."""
+        quantities, texts = tuple(map(named, self.quantities)), tuple(map(named, self.texts))
+        return replace(self, quantities=quantities, texts=texts)
+
+
+@dataclass
+class Core:
+    """Collects the translations of a bridge.
+
+    Attributes:
+        functions: Their text, by name.
+        left: Why translations are left to Python, by name of the map and direction.
+    """
+
+    light: LightModule
+    ros_classes: RosClasses
+    uses: Surroundings
+    functions: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    left: dict[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self._jaus = JausCodec()
+        self._names = {each: self.light.name_of(each) for each in self.light.types}
+        self._ros = RosCodec(self.light.types, self._names)
+        self._unprintable: dict[MessageView, str] = {}
+        self._types: dict[ros.MessageType, None] = {}
+        self._used = Used({}, {})
+        self._known: dict[tuple[object, ...], str] = {}
+
+    def add(self, name: str, steps: Iterable[Step], ends: Ends) -> Compiled | None:
+        """Adds a translation; returns None where it is left to Python.
+
+        Args:
+            name: What its function is called, where no other one is.
+        """
+        try:
+            source, target = self._structs(ends)
+            joins = {each: self._struct(what) for each, what in ends.joins.items()}
+            self._used.classes = self._classes()
+            self._used.tables = {e.name: e.items for e in self.uses.constants.values()}
+            found = printed(steps, source, target, joins, self._used)
+        except UnprintableError as error:
+            self.left.setdefault(name, str(error))
+            return None
+        function = self._function(name, found, ends, source, target, joins)
+        self._types |= dict.fromkeys(self._roots(ends))
+        joined = tuple(joins)
+        return Compiled(function, found.quantities, found.texts, joined, found.needs_clock)
+
+    # -- parts -----------------------------------------------------------------------------------
+
+    def _structs(self, ends: Ends) -> tuple[Struct, Struct]:
+        both = self._struct(ends.message), self._struct(ends.type)
+        return both if ends.to_ros else both[::-1]
+
+    def _struct(self, end: MessageView | ros.MessageType) -> Struct:
+        if hasattr(end, "class_name"):
+            return self._message(end)
+        if end not in self._ros.structs:
+            raise UnprintableError(f"the type {end.name}")
+        return self._ros.structs[end]
+
+    def _message(self, message: MessageView) -> Struct:
+        if message not in self._unprintable and message.class_name not in self._jaus.structs:
+            try:
+                self._jaus.add(message)
+            except UnprintableError as error:
+                self._unprintable[message] = str(error)
+        if message in self._unprintable:
+            raise UnprintableError(self._unprintable[message])
+        return self._jaus.structs[message.class_name]
+
+    def _classes(self) -> dict[str, Struct]:
+        """The structs by the names that steps have for classes."""
+        by_type = {ros_type(each): struct for each, struct in self._ros.structs.items()}
+        named = self.ros_classes.names.items()
+        return {
+            **{name: by_type[kind] for kind, name in named if kind in by_type},
+            **self._jaus.structs,
+        }
+
+    @staticmethod
+    def _roots(ends: Ends) -> list[ros.MessageType]:
+        return [e for e in (ends.type, *ends.joins.values()) if not hasattr(e, "class_name")]
+
+    def _function(
+        self,
+        name: str,
+        found: Printed,
+        ends: Ends,
+        source: Struct,
+        target: Struct,
+        joins: Mapping[str, Struct],
+    ) -> str:
+        key = (found.lines, source, target, *joins.values())
+        if key in self._known:
+            return self._known[key]
+        own, count = name, 2
+        while own in self.functions:
+            own, count = f"{name}_{count}", count + 1
+        self._known[key] = own
+        how = "joined_ros" if not ends.to_ros else "joined_jaus"
+        body = [
+            f"const auto {cpp_name(each)} = jausml::{how}<{struct.cpp}>(live->joins[{at}], check);"
+            for at, (each, struct) in enumerate(joins.items())
+        ]
+        text = "\n".join([*body, *found.lines])
+        live, parameters = " live" if "live->" in text else "", []
+        for kind, each in _PARAMETERS:
+            parameters.append(f"{kind} {each}" if re.search(rf"\b{each}\b", text) else kind)
+        lines = [*body, *found.lines]
+        way = "jaus_to_ros" if ends.to_ros else "ros_to_jaus"
+        self.functions[own] = (
+            f"JAUSML_EXPORT std::int64_t {own}(const std::uint8_t* data, std::size_t size,",
+            f"    const jausml::Live*{live}, const std::uint8_t** made) {{",
+            f"    using Source = {source.cpp};",
+            f"    using Target = {target.cpp};",
+            f"    return jausml::{way}<Source, Target>(data, size, made,",
+            f"        [&]({', '.join(parameters)}) {{",
+            *(f"        {'    ' if line else ''}{line}" for line in lines),
+            "        });",
+            "}",
+        )
+        return own
+
+    # -- the file --------------------------------------------------------------------------------
+
+    @property
+    def jaus_lines(self) -> tuple[str, ...]:
+        """The structs of the JAUS messages."""
+        return tuple(self._jaus.lines)
+
+    @property
+    def ros_lines(self) -> tuple[str, ...]:
+        """The structs of the types of ROS that are used."""
+        wanted = types_within(self._types)
+        return tuple(line for each in wanted for line in ("", *self._ros.text[each]))[1:]
+
+    @property
+    def conversions(self) -> tuple[tuple[str, ...], ...]:
+        """The functions of conversions that are called."""
+        return tuple(map(tuple, self._used.conversions.values()))
+
+    @property
+    def constants(self) -> tuple[str, ...]:
+        """The tables."""
+        return tuple(self._used.constants.values())
+
+    @property
+    def left_lines(self) -> tuple[str, ...]:
+        """What is left to Python, and why, as text of comments."""
+        texts = (printable(f"{name}: {reason}") for name, reason in self.left.items())
+        return tuple(" ".join(each.replace("\\", "/").split()) for each in texts)
+
+    @property
+    def digest(self) -> str:
+        """What tells a library that was compiled of another text."""
+        parts = [self.jaus_lines, self.ros_lines, self.conversions, self.constants]
+        text = repr([*parts, self.functions, support()])
+        return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+def support() -> str:
+    """Returns the text of the header that each core includes."""
+    return (templates_beside(__file__) / SUPPORT).read_text(encoding="utf-8")

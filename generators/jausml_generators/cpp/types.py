@@ -1,0 +1,170 @@
+"""Types of C++ that messages are made of, and the names that they have there."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TypeAlias
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+_RESERVED = frozenset(
+    """
+    alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t
+    char32_t class compl concept const consteval constexpr constinit const_cast continue co_await
+    co_return co_yield decltype default delete do double dynamic_cast else enum explicit export
+    extern false float for friend goto if inline int long mutable namespace new noexcept not not_eq
+    nullptr operator or or_eq private protected public register reinterpret_cast requires return
+    short signed sizeof static static_assert static_cast struct switch template this thread_local
+    throw true try typedef typeid typename union unsigned using virtual void volatile wchar_t while
+    xor xor_eq
+    assert errno linux offsetof stderr stdin stdout unix CODE INFINITY NAN bits check from_bits in
+    jausml std out read write
+    """.split()
+)
+"""Words of C++, macros of its library, and what printed code calls its own."""
+
+
+class UnprintableError(ValueError):
+    """Something that has no form in C++; Python does it."""
+
+
+def cpp_name(name: str) -> str:
+    """Returns a name of Python as one of C++."""
+    return f"{name}_" if name in _RESERVED else name
+
+
+def cpp_string(text: str) -> str:
+    """Returns a text as a `std::string` of C++.
+
+    Raises:
+        UnprintableError: It has characters beyond ASCII, which the two sides encode differently.
+    """
+    if not text.isascii() or not text.isprintable():
+        raise UnprintableError(f"the text {text!a}")
+    return f"std::string({json.dumps(text)})"
+
+
+def cpp_number(value: float) -> str:
+    """Returns a number as a literal of C++, exact to the last bit."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int):
+        return cpp_integer(value)
+    if value != value:
+        return "std::numeric_limits<double>::quiet_NaN()"
+    if value in (float("inf"), float("-inf")):
+        sign = "-" if value < 0 else ""
+        return f"{sign}std::numeric_limits<double>::infinity()"
+    return repr(value)
+
+
+def cpp_integer(value: int) -> str:
+    """Returns an integer as a literal of C++."""
+    if value == -(2**63):
+        return "std::numeric_limits<std::int64_t>::min()"
+    if -(2**31) < value < 2**31:
+        return str(value)
+    return f"{value}LL" if value < 2**63 else f"{value}ULL"
+
+
+@dataclass(frozen=True)
+class Plain:
+    """A number, text or octets.
+
+    Attributes:
+        element: What it is as an element of a list of ROS, which lies as on the wire.
+    """
+
+    cpp: str
+    element: str = ""
+
+
+REAL = Plain("double")
+INTEGER = Plain("std::int64_t")
+TRUTH = Plain("bool")
+TEXT = Plain("std::string")
+OCTETS = Plain("jausml::Octets")
+
+
+@dataclass(frozen=True)
+class Elements:
+    """Elements of one type.
+
+    Attributes:
+        count: Their number where it is fixed, as in arrays of ROS; 0 for vectors.
+    """
+
+    of: Type
+    count: int = 0
+
+    @property
+    def cpp(self) -> str:
+        """The type in C++."""
+        inner = getattr(self.of, "element", "") or self.of.cpp
+        return f"std::array<{inner}, {self.count}>" if self.count else f"std::vector<{inner}>"
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One of several structs."""
+
+    options: tuple[Struct, ...]
+
+    @property
+    def cpp(self) -> str:
+        """The type in C++."""
+        return f"std::variant<{', '.join(each.cpp for each in self.options)}>"
+
+
+@dataclass(frozen=True)
+class Member:
+    """A member of a struct.
+
+    Attributes:
+        initial: What it is in a struct as it is made, in braces or empty.
+    """
+
+    name: str
+    type: Type
+    is_optional: bool = False
+    initial: str = ""
+
+    @property
+    def line(self) -> str:
+        """Its declaration."""
+        kind = f"std::optional<{self.type.cpp}>" if self.is_optional else self.type.cpp
+        return f"{kind} {self.name}{self.initial};"
+
+
+@dataclass(eq=False)
+class Struct:
+    """A message, or a part of one.
+
+    Attributes:
+        cpp: Its full name, e.g. `jaus::ReportLocalPose::TimeStamp`.
+        members: By their names in Python.
+    """
+
+    cpp: str
+    members: dict[str, Member] = field(default_factory=dict)
+
+    @property
+    def own_name(self) -> str:
+        """Its name where it is declared."""
+        return self.cpp.rpartition("::")[2]
+
+
+Type: TypeAlias = Plain | Elements | Choice | Struct
+
+
+def find(structs: Mapping[str, Struct], name: str) -> Struct:
+    """Returns the struct of a class of Python.
+
+    Raises:
+        UnprintableError: There is none.
+    """
+    if name not in structs:
+        raise UnprintableError(f"the class {name}")
+    return structs[name]

@@ -1,0 +1,108 @@
+"""The build of the compiled cores of a workspace: one library beside the module of each bridge."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+FLAGS = ("-std=c++17", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden", "-shared")
+"""How a core is compiled. Without contractions, sums of products have the bits of Python's."""
+
+COMPILERS = ("g++", "clang++")
+"""What is looked for where `CXX` names no compiler."""
+
+SOURCE = Path("core", "core.cpp")
+"""Where a package has its core."""
+
+LIBRARY = "_core.so"
+
+_DIGEST = b'jausml_digest[] = "'
+_LONGEST_BUILD = 600.0
+"""Seconds after which a compiler is given up."""
+
+
+class State(Enum):
+    """What became of a core; the value is what users are told."""
+
+    BUILT = "built"
+    UNCHANGED = "unchanged"
+    FAILED = "failed"
+
+
+@dataclass(frozen=True)
+class Built:
+    """The core of one package.
+
+    Attributes:
+        reason: Why there is no library; empty where there is one.
+    """
+
+    library: Path
+    state: State
+    reason: str = ""
+
+
+def compiler() -> str | None:
+    """Returns the path of the compiler: that of the environment, or the first that is there."""
+    named = os.environ.get("CXX")
+    return next(filter(None, map(shutil.which, [named] if named else COMPILERS)), None)
+
+
+def cores(workspace: Path) -> list[Path]:
+    """Returns the sources of the cores of a workspace."""
+    return sorted(workspace.glob(f"*/{SOURCE}"))
+
+
+def library_of(source: Path) -> Path:
+    """Returns the library that is made of a source."""
+    package = source.parent.parent
+    return package / package.name / LIBRARY
+
+
+def is_current(source: Path) -> bool:
+    """Tells whether the library of a source was made of its present text."""
+    try:
+        digest = source.read_bytes().partition(_DIGEST)[2].partition(b'"')[0]
+        return bool(digest) and digest in library_of(source).read_bytes()
+    except OSError:
+        return False
+
+
+def build(sources: Sequence[Path], program: str) -> list[Built]:
+    """Builds cores, as many at once as there are processors; those that are current stay.
+
+    Args:
+        program: The compiler.
+    """
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(lambda each: _build(each, program), sources))
+
+
+def _build(source: Path, program: str) -> Built:
+    library = library_of(source)
+    if is_current(source):
+        return Built(library, State.UNCHANGED)
+    try:
+        with TemporaryDirectory(dir=source.parent.parent, prefix=".core-") as folder:
+            made = Path(folder, LIBRARY)
+            command = [program, *FLAGS, "-o", str(made), str(source)]
+            subprocess.run(  # noqa: S603 - the compiler of the user, on generated text
+                command, check=True, capture_output=True, timeout=_LONGEST_BUILD
+            )
+            made.replace(library)
+    except subprocess.CalledProcessError as error:
+        said = error.stderr.decode(errors="replace").strip().splitlines()
+        return Built(library, State.FAILED, said[0] if said else str(error))
+    except (OSError, subprocess.TimeoutExpired) as error:
+        return Built(library, State.FAILED, str(error))
+    return Built(library, State.BUILT)

@@ -1,0 +1,220 @@
+"""Compiled translations: functions of a library that stands beside the module of a bridge.
+
+A function does the usual case alone. In every other one it gives way, and the method of the bridge
+treats the same bytes: what is dropped, limited, counted and said does not depend on the form. The
+library is made by `jausml build`, `jausml run` or the build of the workspace; where it is missing,
+or was made of another text, the methods do all.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from .transcoding import Transcode
+
+MethodT = TypeVar("MethodT", bound="Callable[..., Any]")
+
+Function: TypeAlias = "Callable[..., bytes | None]"
+"""Makes bytes of bytes and of those of joins, or gives way with None."""
+
+LIBRARIES = "_core*.so"
+"""Names of the libraries beside the module of a bridge."""
+
+_DIGEST = "jausml_digest"
+_DIGEST_SIZE = 32
+
+
+class NoCoreError(Exception):
+    """A bridge has no compiled core; the text says why."""
+
+
+@dataclass(frozen=True)
+class Core:
+    """The compiled core of a bridge package.
+
+    Attributes:
+        module: File of the module beside which its library stands.
+        digest: What the library must say of the text that it was made of.
+    """
+
+    module: str
+    digest: str
+
+    def function(
+        self,
+        name: str,
+        *,
+        quantities: Sequence[str] = (),
+        texts: Sequence[str] = (),
+        joins: Sequence[str] = (),
+        needs_clock: bool = False,
+    ) -> Callable[[MethodT], MethodT]:
+        """Returns a decorator: a method with a compiled form, which an override does not have.
+
+        Args:
+            quantities: Attributes of the bridge that are numbers, as the function is given them.
+            texts: Attributes of the bridge that are texts.
+            joins: Parameters that are joined messages.
+            needs_clock: Whether it is told the present time.
+        """
+        found = Compiled(self, name, tuple(quantities), tuple(texts), tuple(joins), needs_clock)
+
+        def mark(method: MethodT) -> MethodT:
+            vars(method)["compiled"] = found
+            return method
+
+        return mark
+
+    def load(self) -> ctypes.CDLL:
+        """Returns the library.
+
+        Raises:
+            NoCoreError: There is none of this text, or it cannot be loaded.
+        """
+        found = sorted(Path(self.module).parent.glob(LIBRARIES))
+        reason = "it is not built"
+        for each in found:
+            try:
+                # With the lock of the interpreter held: a function takes microseconds.
+                library = ctypes.PyDLL(str(each))
+                made_of = (ctypes.c_char * _DIGEST_SIZE).in_dll(library, _DIGEST).value.decode()
+            except (OSError, ValueError) as error:
+                reason = str(error)
+                continue
+            if made_of == self.digest:
+                return library
+            reason = "it was built of another model"
+        raise NoCoreError(reason)
+
+
+@dataclass(frozen=True)
+class Compiled:
+    """What a method has besides itself; `Core.function` says what its attributes are."""
+
+    core: Core
+    name: str
+    quantities: tuple[str, ...]
+    texts: tuple[str, ...]
+    joins: tuple[str, ...]
+    needs_clock: bool
+
+    def of(self, bridge: Any, library: ctypes.CDLL) -> Function:
+        """Returns the function of a bridge, from its library."""
+        function = getattr(library, self.name)
+        function.argtypes = (
+            ctypes.c_char_p,
+            ctypes.c_size_t,
+            ctypes.POINTER(_Live),
+            ctypes.POINTER(ctypes.c_void_p),
+        )
+        function.restype = ctypes.c_int64
+        made = ctypes.c_void_p()
+        where, text = ctypes.byref(made), ctypes.string_at
+        if not (self.quantities or self.texts or self.joins or self.needs_clock):
+
+            def plain(data: bytes) -> bytes | None:
+                size = function(data, len(data), None, where)
+                return None if size < 0 else text(made.value, size)
+
+            return plain
+        live = _LiveValues(bridge, self)
+        given, update = ctypes.byref(live.given), live.update
+
+        def with_live(data: bytes, *joins: bytes | None) -> bytes | None:
+            if not update(joins):
+                return None
+            size = function(data, len(data), given, where)
+            return None if size < 0 else text(made.value, size)
+
+        return with_live
+
+
+def compiled_of(translate: Callable[..., Any]) -> Compiled | None:
+    """Returns the compiled form of a translation; none of an override."""
+    found: Compiled | None = getattr(translate, "compiled", None)
+    return found
+
+
+def before(function: Function, names: Sequence[str], slow: Transcode) -> Transcode:
+    """Returns a translation that asks a function first.
+
+    Args:
+        names: The joins, in the order in which the function is given them.
+        slow: Treats what is not usual; is given the messages of joins.
+    """
+    if not names:
+
+        def transcode(data: bytes) -> bytes | None:
+            made = function(data)
+            return slow(data) if made is None else made
+
+        return transcode
+
+    def transcode_joined(data: bytes, **joins: Any) -> bytes | None:
+        made = function(data, *(joins[name].fresh_data() for name in names))
+        if made is not None:
+            return made
+        return slow(data, **{name: each.fresh() for name, each in joins.items()})
+
+    return transcode_joined
+
+
+class _Bytes(ctypes.Structure):
+    _fields_ = (("data", ctypes.c_char_p), ("size", ctypes.c_size_t))
+
+
+class _Live(ctypes.Structure):
+    _fields_ = (
+        ("quantities", ctypes.POINTER(ctypes.c_double)),
+        ("texts", ctypes.POINTER(_Bytes)),
+        ("joins", ctypes.POINTER(_Bytes)),
+        ("sec", ctypes.c_int64),
+        ("nanosec", ctypes.c_int64),
+    )
+
+
+class _LiveValues:
+    """What may change while the bridge runs, as a function is given it."""
+
+    def __init__(self, bridge: Any, compiled: Compiled) -> None:
+        self._bridge = bridge
+        self._quantities, self._texts = compiled.quantities, compiled.texts
+        self._needs_clock = compiled.needs_clock
+        self._known: list[Any] = [None] * len(self._texts)
+        self._numbers = (ctypes.c_double * max(1, len(self._quantities)))()
+        self._lent = (_Bytes * max(1, len(self._texts)))()
+        self._joins = (_Bytes * max(1, len(compiled.joins)))()
+        self.given = _Live(self._numbers, self._lent, self._joins, 0, 0)
+
+    def update(self, joins: Sequence[bytes | None]) -> bool:
+        """Takes the present values; False where one of them is not what it should be."""
+        bridge = self._bridge
+        for at, name in enumerate(self._quantities):
+            value = getattr(bridge, name)
+            if type(value) is not float:
+                return False
+            self._numbers[at] = value
+        for at, name in enumerate(self._texts):
+            value = getattr(bridge, name)
+            if value is not self._known[at] and not self._take(at, value):
+                return False
+        for at, data in enumerate(joins):
+            self._joins[at] = (data, 0 if data is None else len(data))
+        if self._needs_clock:
+            now = bridge.now()
+            self.given.sec, self.given.nanosec = now.sec, now.nanosec
+        return True
+
+    def _take(self, at: int, value: Any) -> bool:
+        if not isinstance(value, str) or not value.isascii():
+            return False
+        data = value.encode()
+        self._lent[at] = (data, len(data))
+        self._known[at] = value
+        return True

@@ -1,0 +1,171 @@
+"""The compiled core makes of the ready maps what the methods make, to the last bit, or gives way."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import struct
+from random import Random
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from by_chance import by_bytes, cdr, outcome, ros_value
+from for_each import for_each
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from test_by_chance import SEEDS, drawn, name, strategy, to_jaus, to_ros, view_of, wrong
+
+from jausml.generation.native import State, build, compiler, cores
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from mapping_support import Translator
+
+GUARDS = ("models/library/mappings", "generators/jausml_generators/cpp")
+
+LEFT_TO_PYTHON = {
+    "cost_map_to_ros": "octets by a table",
+    "cost_map_to_jaus": "octets by a table",
+    "cost_map_enu_to_ros": "octets by a table",
+    "cost_map_enu_to_jaus": "octets by a table",
+    "global_vector_to_jaus": "hypot is Python's own",
+    "global_vector_report_to_jaus": "hypot is Python's own",
+    "local_vector_to_jaus": "hypot is Python's own",
+    "local_vector_report_to_jaus": "hypot is Python's own",
+    "local_waypoint_list_to_ros": "messages inside messages",
+    "local_waypoint_list_to_jaus": "messages inside messages",
+    "global_waypoint_list_to_ros": "messages inside messages",
+    "global_waypoint_list_to_jaus": "messages inside messages",
+    "joint_positions_to_ros": "elements by name",
+    "joint_positions_to_jaus": "elements by name",
+    "set_joint_positions_to_ros": "elements by name",
+    "set_joint_positions_to_jaus": "elements by name",
+}
+
+
+@pytest.fixture(scope="session")
+def built(workspace: Path) -> Path:
+    program = compiler()
+    if program is None:
+        pytest.skip("there is no compiler of C++")
+    made = build(cores(workspace), program)
+    assert [each for each in made if each.state is State.FAILED] == []
+    return workspace
+
+
+class Function:
+    """The compiled form of a translation of a bridge."""
+
+    def __init__(self, maps: Translator, name: str) -> None:
+        self.compiled = getattr(getattr(maps.bridge, f"translate_{name}"), "compiled", None)
+        if self.compiled is not None:
+            self.call = self.compiled.of(maps.bridge, maps.bridge.core.load())
+
+    def made(self, data: bytes, joins: dict[str, Any]) -> Any:
+        given = [_encoded(joins[each]) for each in self.compiled.joins]
+        return self.call(data, *given)
+
+
+def _encoded(message: Any) -> bytes | None:
+    if message is None:
+        return None
+    made: bytes = message.to_cdr() if hasattr(message, "to_cdr") else message.encode()
+    return made
+
+
+def check(connection: Any, method: Any, function: Function, data: bytes, **joins: Any) -> bool:
+    """Checks that what the function makes is what the method does, and whether it does."""
+    made = function.made(data, joins)
+    if made is None:
+        return False
+    found = outcome(connection, method, data, **joins)
+    assert found.counts == {}, data.hex()
+    assert same(found.result, made), (data.hex(), found.result.hex(), made.hex())
+    return True
+
+
+def same(one: bytes, other: bytes) -> bool:
+    """Whether bytes are the same; a NaN is one whatever its bits."""
+    return one == other or (
+        len(one) == len(other) and [*numbers(one)] == [*numbers(other)] and is_nan_in(one)
+    )
+
+
+def numbers(data: bytes) -> Any:
+    for at in range(4, len(data) - 7, 8):
+        value = struct.unpack_from("<d", data, at)[0]
+        yield "nan" if math.isnan(value) else data[at : at + 8]
+
+
+def is_nan_in(data: bytes) -> bool:
+    return "nan" in [*numbers(data)]
+
+
+@for_each(("stem", "each"), to_ros, ids=name, shards=4)
+@settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
+@given(data=st.data(), seed=SEEDS)
+def test_to_ros(
+    built: Path,
+    translator: Callable[[str], Translator],
+    stem: str,
+    each: Any,
+    data: Any,
+    seed: int,
+) -> None:
+    maps, way = translator(stem), f"{each.name}_to_ros"
+    function = Function(maps, way)
+    assert (function.compiled is None) is (way in LEFT_TO_PYTHON)
+    if function.compiled is None:
+        return
+    bridge, view = maps.bridge, view_of(each.message)
+    payload = data.draw(strategy(view, getattr(maps.messages, view.class_name))).encode()
+    joins = {join.name: drawn(maps, join, data) for join in each.reportJoins}
+    chance = Random(seed)
+    now = importlib.import_module("jausml_runtime.conversions").Time(
+        chance.randrange(2**31), chance.randrange(10**9)
+    )
+    bridge.now = lambda: now
+    method, connection = by_bytes(bridge, way), getattr(bridge, way)
+    for sent in (payload, *wrong(payload, chance)):
+        check(connection, method, function, sent, **joins)
+
+
+@for_each(("stem", "each"), to_jaus, ids=name, shards=4)
+@settings(max_examples=10, deadline=None)
+@given(seed=SEEDS)
+def test_to_jaus(
+    built: Path, translator: Callable[[str], Translator], stem: str, each: Any, seed: int
+) -> None:
+    maps, way = translator(stem), f"{each.name}_to_jaus"
+    function = Function(maps, way)
+    assert (function.compiled is None) is (way in LEFT_TO_PYTHON)
+    if function.compiled is None:
+        return
+    bridge, chance = maps.bridge, Random(seed)
+    method, connection = by_bytes(bridge, way), getattr(bridge, way)
+    for _ in range(10):
+        joins = {
+            join.name: joined_topic(maps, join, chance) if chance.random() < 0.7 else None
+            for join in each.joins
+        }
+        payload = cdr(each.type, ros_value(each.type, chance))
+        for sent in (payload, *wrong_cdr(payload, chance)):
+            check(connection, method, function, sent, **joins)
+
+
+def joined_topic(maps: Translator, join: Any, chance: Random) -> Any:
+    package = type(maps.bridge).__module__.partition(".")[0]
+    types = importlib.import_module(f"{package}.ros_types")
+    return getattr(types, join.type.name).from_cdr(cdr(join.type, ros_value(join.type, chance)))
+
+
+def wrong_cdr(payload: bytes, chance: Random) -> list[bytes]:
+    """The same with another byte, less or more of them."""
+    made = [payload[: chance.randrange(len(payload))], payload + b"\1"]
+    for _ in range(10):
+        each = bytearray(payload)
+        each[chance.randrange(len(each))] = chance.choice([0, 1, 0x7F, 0x80, 0xFF, 0x3F])
+        made.append(bytes(each))
+    return made
