@@ -32,6 +32,7 @@ VERBS = {
     "new": ("authoring", "Add an element to a model: a bridge, a component, a node."),
     "validate": ("models", "Check models."),
     "generate": ("models", "Generate a workspace from the system in a model."),
+    "build": ("live", "Compile the translations of a generated workspace."),
     "run": ("live", "Start the processes of a generated workspace."),
     "report": ("models", "Report the load and the worst-case times of a system."),
     "diagram": ("models", "Draw a system, a map, a service or a state machine."),

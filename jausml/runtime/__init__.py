@@ -26,7 +26,6 @@ from .bridge.calls.calls import CallTranslation
 from .bridge.calls.jaus_to_service import JausToRosService
 from .bridge.calls.service_to_jaus import RosServiceToJaus
 from .bridge.connections.command_answers import CommandAnswer
-from .bridge.connections.compiled import Core
 from .bridge.connections.connection import AnyConnection
 from .bridge.connections.joins import Join
 from .bridge.connections.report_joins import ReportJoin
@@ -44,6 +43,7 @@ from .bridge.ends.topics import Qos, RosService, Topic
 from .bridge.forms import differing_forms
 from .bridge.lists.action_to_list import ActionToList
 from .bridge.lists.list_to_action import ListToAction
+from .bridge.messages.compiled import Core
 from .bridge.messages.errors import AbsentFieldError, OutOfRangeError, StaleJoinError
 from .bridge.messages.values import by_name, set_quaternion, set_time
 from .bridge.process import run_bridge, run_node
@@ -96,8 +96,8 @@ __all__ = [
     "Condition",
     "ControlSession",
     "ControlState",
-    "Core",
     "ConversionError",
+    "Core",
     "DecodeError",
     "ElementList",
     "EncodeError",

@@ -73,7 +73,7 @@ class ConnectionView:
         if found is None:
             return ""
         given = [python_string(found.function)]
-        for name in ("quantities", "texts", "joins"):
+        for name in ("quantities", "texts", "joins", "unknown"):
             values = getattr(found, name)
             given += [f"{name}={tuple_of(*map(python_string, values))}"] if values else []
         given += ["needs_clock=True"] if found.needs_clock else []

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from jausml.generation import native
 from jausml.generation.system import source_of, system_of
 from jausml.generation.target import Target
 from jausml.generation.tasks import FileTask, Task, TextFile, TextTask, templates_beside
 from jausml_generators.bridge.checks.module import TestModule
-from jausml_generators.bridge.views import bridge_views
+from jausml_generators.bridge.views import BridgeView, bridge_views
 from jausml_generators.cpp.core import SUPPORT, support
 from jausml_generators.messages.views import SystemMessages
 from jausml_generators.python.package import (
@@ -41,6 +42,7 @@ def tasks(model: Model) -> list[Task]:
             dependencies=(*bridge.dependencies, *messages.needed_by(bridge)),
             test_dependencies=test.dependencies,
             executables=((bridge.package, f"{bridge.package}.main"),),
+            core=native.SOURCE.as_posix() if bridge.has_core else "",
         )
         for bridge, test in zip(bridges, tests, strict=True)
     ]
@@ -63,11 +65,11 @@ def tasks(model: Model) -> list[Task]:
             skeleton="skeleton.py.j2",
             words=lambda view: view.connection_names,
         ),
-        FileTask("core.cpp.j2", with_core, lambda bridge: f"{bridge.package}/core/core.cpp"),
+        FileTask("core.cpp.j2", with_core, _source),
         TextTask(
             [
-                TextFile(f"{e.package}/core/{SUPPORT}", support(), e.element_id, "jausml")
-                for e in with_core
+                TextFile(f"{each.package}/core/{SUPPORT}", support(), each.element_id, "jausml")
+                for each in with_core
             ]
         ),
         FileTask(
@@ -78,6 +80,10 @@ def tasks(model: Model) -> list[Task]:
             words=lambda view: view.bridge.connection_names,
         ),
     ]
+
+
+def _source(bridge: BridgeView) -> str:
+    return f"{bridge.package}/{native.SOURCE.as_posix()}"
 
 
 TARGET = Target(

@@ -15,9 +15,11 @@ from jausml.generation.tasks import templates_beside
 from jausml.language.cdr import types_within
 from jausml_generators.common.ros import ros_type
 from jausml_generators.cpp.jaus_codec import JausCodec
+from jausml_generators.cpp.layout import laid_out
 from jausml_generators.cpp.printing import Used, printed
 from jausml_generators.cpp.ros_codec import RosCodec
 from jausml_generators.cpp.types import Struct, UnprintableError, cpp_name
+from jausml_generators.python.codec.messages import MessageView
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -28,7 +30,6 @@ if TYPE_CHECKING:
     from jausml_generators.bridge.translation.steps import Step
     from jausml_generators.bridge.translation.surroundings import Surroundings
     from jausml_generators.cpp.printing import Printed
-    from jausml_generators.python.codec.messages import MessageView
 
 SUPPORT = "core.hpp"
 """The header that each core includes, which stands beside it."""
@@ -62,6 +63,7 @@ class Compiled:
         quantities: Attributes of the bridge that are numbers, in the order that it is given them.
         texts: Attributes of the bridge that are texts.
         joins: Parameters of the method that are joined messages.
+        unknown: Paths of the fields that it may leave out, in the order of their bits.
     """
 
     function: str
@@ -69,6 +71,7 @@ class Compiled:
     texts: tuple[str, ...] = ()
     joins: tuple[str, ...] = ()
     needs_clock: bool = False
+    unknown: tuple[str, ...] = ()
 
     def renamed(self, named: Callable[[str], str]) -> Compiled:
         """Returns the same function for attributes of other names."""
@@ -117,8 +120,14 @@ class Core:
             return None
         function = self._function(name, found, ends, source, target, joins)
         self._types |= dict.fromkeys(self._roots(ends))
-        joined = tuple(joins)
-        return Compiled(function, found.quantities, found.texts, joined, found.needs_clock)
+        return Compiled(
+            function,
+            found.quantities,
+            found.texts,
+            tuple(joins),
+            found.needs_clock,
+            found.unknown,
+        )
 
     # -- parts -----------------------------------------------------------------------------------
 
@@ -127,7 +136,7 @@ class Core:
         return both if ends.to_ros else both[::-1]
 
     def _struct(self, end: MessageView | ros.MessageType) -> Struct:
-        if hasattr(end, "class_name"):
+        if isinstance(end, MessageView):
             return self._message(end)
         if end not in self._ros.structs:
             raise UnprintableError(f"the type {end.name}")
@@ -154,7 +163,8 @@ class Core:
 
     @staticmethod
     def _roots(ends: Ends) -> list[ros.MessageType]:
-        return [e for e in (ends.type, *ends.joins.values()) if not hasattr(e, "class_name")]
+        all_ = (ends.type, *ends.joins.values())
+        return [each for each in all_ if not isinstance(each, MessageView)]
 
     def _function(
         self,
@@ -184,13 +194,14 @@ class Core:
         lines = [*body, *found.lines]
         way = "jaus_to_ros" if ends.to_ros else "ros_to_jaus"
         self.functions[own] = (
-            f"JAUSML_EXPORT std::int64_t {own}(const std::uint8_t* data, std::size_t size,",
-            f"    const jausml::Live*{live}, const std::uint8_t** made) {{",
+            f"JAUSML_EXPORT std::int64_t {own}(",
+            "    const std::uint8_t* data, std::size_t size,"
+            f" const jausml::Live*{live}, jausml::Made* made) {{",
             f"    using Source = {source.cpp};",
             f"    using Target = {target.cpp};",
             f"    return jausml::{way}<Source, Target>(data, size, made,",
             f"        [&]({', '.join(parameters)}) {{",
-            *(f"        {'    ' if line else ''}{line}" for line in lines),
+            *laid_out(f"            {line}" if line else "" for line in lines),
             "        });",
             "}",
         )
@@ -201,23 +212,24 @@ class Core:
     @property
     def jaus_lines(self) -> tuple[str, ...]:
         """The structs of the JAUS messages."""
-        return tuple(self._jaus.lines)
+        return tuple(laid_out(self._jaus.lines))
 
     @property
     def ros_lines(self) -> tuple[str, ...]:
         """The structs of the types of ROS that are used."""
         wanted = types_within(self._types)
-        return tuple(line for each in wanted for line in ("", *self._ros.text[each]))[1:]
+        lines = [line for each in wanted for line in ("", *self._ros.text[each])]
+        return tuple(laid_out(lines[1:]))
 
     @property
     def conversions(self) -> tuple[tuple[str, ...], ...]:
         """The functions of conversions that are called."""
-        return tuple(map(tuple, self._used.conversions.values()))
+        return tuple(tuple(laid_out(each)) for each in self._used.conversions.values())
 
     @property
     def constants(self) -> tuple[str, ...]:
         """The tables."""
-        return tuple(self._used.constants.values())
+        return tuple(laid_out(self._used.constants.values()))
 
     @property
     def left_lines(self) -> tuple[str, ...]:

@@ -45,7 +45,8 @@ _PARTIAL = {
 
 _FOLDED = {"min": "jausml::least", "max": "jausml::greatest"}
 _LOGICAL = {"and": "&&", "or": "||"}
-_TRUTHS = COMPARISONS | {"and", "or", "not"}
+# How tightly an operator binds what stands beside it.
+_ATOM, _SIGNED, _PRODUCT, _SUM, _COMPARISON, _OR, _CHOICE = range(7)
 
 STRUCTS = {
     QUATERNION: "jausml::Quaternion",
@@ -55,11 +56,12 @@ STRUCTS = {
 """Structs of the values that are no single number."""
 
 
-def number(expression: Expression, names: Mapping[str, str]) -> str:
+def number(expression: Expression, names: Mapping[str, str], binding: int = _CHOICE) -> str:
     """Returns C++ that computes an expression as a `double`.
 
     Args:
         names: C++ for each variable.
+        binding: How tightly what stands around it binds; what binds less is put in parentheses.
 
     Raises:
         UnprintableError: An operation has no counterpart of the same bits.
@@ -67,54 +69,64 @@ def number(expression: Expression, names: Mapping[str, str]) -> str:
     match expression:
         case Number(value=value):
             text = cpp_number(float(value))
-            return f"({text})" if text.startswith("-") else text
+            return _within(text, _SIGNED if text.startswith("-") else _ATOM, binding)
         case Variable(name=name):
             return names[name]
         case Conditional(condition=condition, then=then, otherwise=otherwise):
-            branches = f"{number(then, names)} : {number(otherwise, names)}"
-            return f"({truth(condition, names)} ? {branches})"
-        case Call(function="isfinite") | Operation(sign="<" | "<=" | ">" | ">=" | "==" | "!="):
-            return f"static_cast<double>({truth(expression, names)})"
-        case Call(function=function, arguments=arguments):
+            branches = f"{number(then, names, _OR)} : {number(otherwise, names)}"
+            return _within(f"{truth(condition, names, _OR)} ? {branches}", _CHOICE, binding)
+        case Call(function=function, arguments=arguments) if function != "isfinite":
             return _call(function, [number(each, names) for each in arguments])
-        case Operation(sign="and" | "or" | "not"):
-            return f"static_cast<double>({truth(expression, names)})"
-        case Operation(sign="/", operands=operands):
-            dividend, divisor = (number(each, names) for each in operands)
-            if isinstance(operands[1], Number) and operands[1].value:
-                return f"({dividend} / {divisor})"
-            return f"check.divide({dividend}, {divisor})"
-        case Operation(sign="^", operands=operands):
-            base, exponent = (number(each, names) for each in operands)
-            return f"check.valued(std::pow({base}, {exponent}))"
-        case Operation(sign=sign, operands=(only,)):
-            return f"({sign}{number(only, names)})"
-        case Operation(sign=sign, operands=(left, right)):
-            return f"({number(left, names)} {sign} {number(right, names)})"
-    raise UnprintableError(f"the expression {expression}")
+        case Operation(sign="/", operands=(dividend, divisor)) if not _is_divisor(divisor):
+            return f"check.divide({number(dividend, names)}, {number(divisor, names)})"
+        case Operation(sign="^", operands=(base, exponent)):
+            power = f"std::pow({number(base, names)}, {number(exponent, names)})"
+            return f"check.valued({power})"
+        case Operation(sign="-", operands=(only,)):
+            return _within(f"-{number(only, names, _ATOM)}", _SIGNED, binding)
+        case Operation(sign="+" | "-" | "*" | "/" as sign, operands=(left, right)):
+            own = _PRODUCT if sign in "*/" else _SUM
+            text = f"{number(left, names, own)} {sign} {number(right, names, own - 1)}"
+            return _within(text, own, binding)
+    return f"static_cast<double>({truth(expression, names)})"
 
 
-def truth(expression: Expression, names: Mapping[str, str]) -> str:
+def truth(expression: Expression, names: Mapping[str, str], binding: int = _CHOICE) -> str:
     """Returns C++ that tells whether an expression differs from 0.
 
     Args:
         names: C++ for each variable.
+        binding: How tightly what stands around it binds.
     """
     match expression:
         case Call(function="isfinite", arguments=(only,)):
             return f"std::isfinite({number(only, names)})"
         case Operation(sign="not", operands=(only,)):
-            return f"!{_bracketed(truth(only, names))}"
+            return f"!{truth(only, names, _ATOM)}"
         case Operation(sign="and" | "or" as sign, operands=operands):
-            left, right = (_bracketed(truth(each, names)) for each in operands)
-            return f"{left} {_LOGICAL[sign]} {right}"
+            # Compilers warn where one of them stands within the other without parentheses.
+            bindings = [_OR if _is_of(each, sign) else _COMPARISON for each in operands]
+            left, right = (
+                truth(each, names, inner) for each, inner in zip(operands, bindings, strict=True)
+            )
+            return _within(f"{left} {_LOGICAL[sign]} {right}", _OR, binding)
         case Operation(sign=sign, operands=(left, right)) if sign in COMPARISONS:
-            return f"{number(left, names)} {sign} {number(right, names)}"
-    return f"{number(expression, names)} != 0.0"
+            text = f"{number(left, names, _SUM)} {sign} {number(right, names, _SUM)}"
+            return _within(text, _COMPARISON, binding)
+    return _within(f"{number(expression, names, _SUM)} != 0.0", _COMPARISON, binding)
 
 
-def _bracketed(text: str) -> str:
-    return f"({text})" if " " in text else text
+def _is_of(expression: Expression, sign: str) -> bool:
+    return isinstance(expression, Operation) and expression.sign == sign
+
+
+def _is_divisor(expression: Expression) -> bool:
+    """Whether a quotient by it has a value: it is a number other than 0."""
+    return isinstance(expression, Number) and expression.value != 0
+
+
+def _within(text: str, own: int, binding: int) -> str:
+    return f"({text})" if own > binding else text
 
 
 def _call(function: str, arguments: Sequence[str]) -> str:
@@ -143,21 +155,28 @@ def conversion_lines(conversion: Conversion) -> list[str]:
     parameters, lines, types = _parameters(conversion, definition)
     names = {each: cpp_name(each) for each in (*definition.parameters, *definition.steps)}
     if definition.refusal is not None:
-        lines.append(f"check.require(!({truth(definition.refusal, names)}));")
+        lines.append(f"check.require({_opposite(definition.refusal, names)});")
     for name, value in definition.steps.items():
         lines.append(f"const double {names[name]} = {number(value, names)};")
     results = [number(each, names) for each in definition.results]
     kind, made = _result(conversion, results)
-    text = "\n".join([*lines, made])
+    text = "\n".join([*lines, *made])
     check = "jausml::Check& check" if "check." in text else "jausml::Check&"
     template = [f"template <{', '.join(f'class {each}' for each in types)}>"] if types else []
     return [
         *template,
         f"inline {kind} {conversion.name}({', '.join([check, *parameters])}) {{",
         *(f"    {line}" for line in lines),
-        f"    return {made};",
+        *(f"    {line}" for line in made),
         "}",
     ]
+
+
+def _opposite(condition: Expression, names: Mapping[str, str]) -> str:
+    match condition:
+        case Operation(sign="not", operands=(only,)):
+            return truth(only, names)
+    return f"!{truth(condition, names, _ATOM)}"
 
 
 def _parameters(
@@ -192,14 +211,12 @@ def _parameters(
     return parameters, kept, types
 
 
-def _result(conversion: Conversion, results: Sequence[str]) -> tuple[str, str]:
-    outputs = conversion.outputs
-    if len(outputs) > 1:
-        return f"std::array<double, {len(outputs)}>", f"{{{', '.join(results)}}}"
-    (kind,) = outputs
-    if kind == QUATERNION:
-        return STRUCTS[kind], f"{{{', '.join(results)}}}"
-    if kind in STRUCTS:
-        whole = (f"jausml::to_integer({each})" for each in results)
-        return STRUCTS[kind], f"{{{', '.join(whole)}}}"
-    return "double", results[0]
+def _result(conversion: Conversion, results: Sequence[str]) -> tuple[str, list[str]]:
+    """The type of what a conversion makes, and the statement that returns it."""
+    (kind, *more) = conversion.outputs
+    if kind not in STRUCTS and not more:
+        return "double", [f"return {results[0]};"]
+    if kind in {TIME, TIME_STAMP}:
+        results = [f"jausml::to_integer({each})" for each in results]
+    made = STRUCTS.get(kind, f"std::array<double, {len(conversion.outputs)}>")
+    return made, ["return {", *(f"    {each}," for each in results), "};"]

@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
 _INDENT = "    "
+_MOST_UNKNOWN = 64
 _TYPES = {values.REAL: REAL, values.INTEGER: INTEGER, values.BOOLEAN: TRUTH, values.TEXT: TEXT}
 _KINDS = {QUATERNION: values.QUATERNION, TIME: values.TIME, TIME_STAMP: values.BITS}
 _CHECKED = {"": "limited", "within": "within", "integer": "integer", "listed": "listed"}
@@ -105,12 +106,14 @@ class Printed:
     Attributes:
         quantities: Attributes of the bridge that are numbers, in the order of `live.quantities`.
         texts: Attributes of the bridge that are texts, in the order of `live.texts`.
+        unknown: Paths of the fields that may be left out, in the order of their bits.
     """
 
     lines: tuple[str, ...]
     quantities: tuple[str, ...]
     texts: tuple[str, ...]
     needs_clock: bool
+    unknown: tuple[str, ...]
 
 
 def printed(
@@ -127,7 +130,11 @@ def printed(
     printer = _Printer(used, {"source": source, "target": target}, joins)
     lines = printer.statements(steps)
     return Printed(
-        tuple(lines), tuple(printer.quantities), tuple(printer.texts), printer.needs_clock
+        tuple(lines),
+        tuple(printer.quantities),
+        tuple(printer.texts),
+        printer.needs_clock,
+        tuple(printer.unknown),
     )
 
 
@@ -175,7 +182,8 @@ class _Printer:
     ) -> None:
         self._used = used
         self._roots = {name: _Found(name, kind) for name, kind in roots.items()}
-        self._roots |= {name: _Found(cpp_name(name), kind, True) for name, kind in joins.items()}
+        for name, kind in joins.items():
+            self._roots[name] = _Found(cpp_name(name), kind, is_optional=True)
         self._locals: dict[Local, _Found] = {}
         self._names = {*map(cpp_name, self._roots), "live", "check"}
         self._options: dict[Place, Struct] = {}
@@ -183,6 +191,8 @@ class _Printer:
         self.quantities: dict[str, None] = {}
         self.texts: dict[str, None] = {}
         self.needs_clock = False
+        self.unknown: list[str] = []
+        self._is_in_list = False
 
     # -- steps -----------------------------------------------------------------------------------
 
@@ -210,10 +220,8 @@ class _Printer:
                 self._lines.append(f"if (!({self.holds(condition)})) return check.fail();")
             case Choose(conditions=alternatives, steps=inner):
                 tests = [" && ".join(map(self.holds, each)) for each in alternatives]
-                several = len(tests) > 1
-                test = " || ".join(f"({each})" if several and "&&" in each else each for each in tests)
                 body = self.statements(inner)
-                self._lines += [f"if ({test}) {{", *_indented(body), "}"]
+                self._lines += [f"if ({_any(tests)}) {{", *_indented(body), "}"]
             case Each():
                 self._each(step)
             case _:
@@ -263,8 +271,22 @@ class _Printer:
             if isinstance(found.type, Choice):
                 self._options[place] = kind
             return
-        text = self._fitting(value, found.type, is_element=found.is_element)
+        if isinstance(value, Limit) and found.is_optional and self._may_be_unknown(value):
+            text = self._known(value)
+        else:
+            text = self._fitting(value, found.type, is_element=found.is_element)
         self._lines.append(f"{found.text} = {text};{comment}")
+
+    def _may_be_unknown(self, value: Limit) -> bool:
+        """Whether a field is left out, and counted, where its value is no number."""
+        is_real = value.how == "" and value.value.kind == values.REAL
+        has_room = len(self.unknown) < _MOST_UNKNOWN and not self._is_in_list
+        return value.drops_field and is_real and has_room
+
+    def _known(self, value: Limit) -> str:
+        given = [self.text(value.value), *map(self.text, value.bounds), str(len(self.unknown))]
+        self.unknown.append(value.path)
+        return f"check.known({', '.join(given)})"
 
     def _fitting(self, value: Expression, kind: Type, *, is_element: bool) -> str:
         """A value as a place of a type takes it."""
@@ -309,7 +331,9 @@ class _Printer:
             put = f"{target.value}.push_back({self._put(element, target.type.of)});"
         else:
             put = f"{target.value}[{index}] = {self._put(element, target.type.of)};"
-        size = f"{items}.size()" if not target.type.count else f"check.passed() ? {items}.size() : 0"
+        size = (
+            f"{items}.size()" if not target.type.count else f"check.passed() ? {items}.size() : 0"
+        )
         self._lines += [
             f"for (std::size_t {index} = 0, size = {size}; {index} < size; ++{index}) {{",
             *_indented([f"{bound} = {items}[{index}];", *made, put]),
@@ -334,7 +358,10 @@ class _Printer:
             initial = f" = {literal(step.new)}"
         elif isinstance(kind, Plain):
             initial = "{}"
-        return [f"{kind.cpp} {name}{initial};", *self.statements(step.steps)]
+        outer, self._is_in_list = self._is_in_list, True
+        statements = self.statements(step.steps)
+        self._is_in_list = outer
+        return [f"{kind.cpp} {name}{initial};", *statements]
 
     @staticmethod
     def _put(element: str, kind: Type) -> str:
@@ -461,11 +488,11 @@ class _Printer:
                 test = " && ".join(map(self.holds, conditions))
                 return f"({test} ? {self.text(inner)} : {self.text(otherwise)})"
             case New(is_spread=True, class_name=name, parts=(only,)):
-                kind = find(self._used.classes, name)
-                return f"jausml::stamped<{kind.cpp}>({self.text(only)})"
+                struct = find(self._used.classes, name)
+                return f"jausml::stamped<{struct.cpp}>({self.text(only)})"
             case New(class_name=name, parts=parts):
-                kind = find(self._used.classes, name)
-                return f"{kind.cpp}{{{', '.join(map(self.text, parts))}}}"
+                struct = find(self._used.classes, name)
+                return f"{struct.cpp}{{{', '.join(map(self.text, parts))}}}"
             case values.IfKept(made=made):
                 return self.text(made)
         raise UnprintableError(f"the expression {type(value).__name__}")
@@ -535,6 +562,12 @@ class _Printer:
         else:
             bounds = [self.text(each) for each in value.bounds]
         return f"check.{_CHECKED[value.how]}({', '.join([text, *bounds])})"
+
+
+def _any(tests: Sequence[str]) -> str:
+    if len(tests) == 1:
+        return tests[0]
+    return " || ".join(f"({each})" if "&&" in each else each for each in tests)
 
 
 def _in_64_bits(bounds: Sequence[Expression], texts: Sequence[str]) -> list[str]:

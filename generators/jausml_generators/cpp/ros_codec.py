@@ -38,7 +38,9 @@ class RosCodec:
         text: The lines of each.
     """
 
-    def __init__(self, types: Iterable[ros.MessageType], names: Mapping[ros.MessageType, str]):
+    def __init__(
+        self, types: Iterable[ros.MessageType], names: Mapping[ros.MessageType, str]
+    ) -> None:
         """Writes the structs of types, those of the messages inside them first."""
         self.structs: dict[ros.MessageType, Struct] = {}
         self.text: dict[ros.MessageType, list[str]] = {}

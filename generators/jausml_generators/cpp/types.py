@@ -6,10 +6,12 @@ import json
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
+from jausml_generators.python.names import names_in
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-_RESERVED = frozenset(
+_RESERVED = names_in(
     """
     alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t
     char32_t class compl concept const consteval constexpr constinit const_cast continue co_await
@@ -19,9 +21,10 @@ _RESERVED = frozenset(
     short signed sizeof static static_assert static_cast struct switch template this thread_local
     throw true try typedef typeid typename union unsigned using virtual void volatile wchar_t while
     xor xor_eq
-    assert errno linux offsetof stderr stdin stdout unix CODE INFINITY NAN bits check from_bits in
-    jausml std out read write
-    """.split()
+    assert errno linux offsetof stderr stdin stdout unix
+    CODE NAN INFINITY bits check data from_bits in index jausml live made out read size source
+    std target to_bits write
+    """
 )
 """Words of C++, macros of its library, and what printed code calls its own."""
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
+from jausml.generation import native
 from jausml.generation.artifact import Kind
 from jausml.generation.languages.python import Imports, layout
+from jausml.generation.literals import python_string
 from jausml.generation.tasks import FileTask, Task, TextFile, TextTask, templates_beside
 from jausml_generators.common import runtime
 
@@ -27,6 +29,7 @@ class PackageView:
 
     Attributes:
         dependencies: Packages that it needs at run time, sorted.
+        core: Source of its compiled core; empty without one.
     """
 
     name: str
@@ -43,6 +46,7 @@ class PackageView:
     data: tuple[tuple[str, str], ...] = ()
     python: bool = True
     has_own_init: bool = False
+    core: str = ""
 
     @property
     def asks_for_api(self) -> bool:
@@ -53,6 +57,12 @@ class PackageView:
     def runtime_api(self) -> tuple[int, int]:
         """API of the runtime that its code is written for."""
         return runtime.API_VERSION
+
+    @property
+    def core_flags(self) -> str:
+        """How the core is compiled, as Python text; setuptools itself makes it a library."""
+        own = [each for each in native.FLAGS if each not in {"-shared", "-fPIC"}]
+        return f"[{', '.join(map(python_string, own))}]"
 
 
 def package_view(

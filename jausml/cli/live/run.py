@@ -8,17 +8,19 @@ import re
 import sys
 from dataclasses import dataclass
 from importlib.machinery import PathFinder
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from jausml.cli.live.build import build_before_run
 from jausml.cli.live.supervisor import Command, Supervisor
+from jausml.cli.live.workspace import workspace_of
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault
 from jausml.cli.shared.options import FiniteRange
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
+    from pathlib import Path
 
 _MAIN = (
     "import runpy, sys; sys.path = [each for each in sys.path if each]; "
@@ -54,6 +56,9 @@ def command(out: str, rest: tuple[str, ...], only: tuple[str, ...], duration: fl
 
     Arguments after -- are never options of this command.
 
+    The translations of bridges are compiled first, if that has not been done and there is a
+    compiler (see `jausml build`).
+
     The environment (ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, ...) is passed on unchanged. If
     ROS_DOMAIN_ID is not set, the ROS domain of the model is used. All processes stop when one of
     them ends with an error, on Ctrl-C and on SIGTERM, and when this command is killed. Pressing
@@ -62,7 +67,7 @@ def command(out: str, rest: tuple[str, ...], only: tuple[str, ...], duration: fl
     Exit status: 0 all ended normally or were stopped, 1 a process failed, 2 OUT is not a generated
     workspace, or rclpy or a message package is missing, 3 internal error.
     """
-    folder = _workspace(out)
+    folder = workspace_of(out)
     process, arguments = split_arguments(rest)
     entries = _chosen(_entries(folder), (*only, *process))
     passed = process_arguments(entries, arguments, is_named=bool(process))
@@ -70,6 +75,7 @@ def command(out: str, rest: tuple[str, ...], only: tuple[str, ...], duration: fl
     if any(entry["kind"] in _ROS_KINDS for entry in entries):
         _require_rclpy()
         require_packages(entries, folder, environment["PYTHONPATH"])
+        build_before_run(folder, [entry["module"].partition(".")[0] for entry in entries])
     supervisor = Supervisor(
         [_command(entry, folder, more) for entry, more in zip(entries, passed, strict=True)],
         environment=environment,
@@ -79,20 +85,6 @@ def command(out: str, rest: tuple[str, ...], only: tuple[str, ...], duration: fl
         for name, reason in supervisor.failures:
             click.echo(f"jausml: {name} {reason}", err=True)
         raise click.exceptions.Exit(PROBLEMS)
-
-
-def _workspace(out: str) -> Path:
-    """Returns the generated folder: OUT itself, or its src when OUT is the colcon workspace."""
-    from jausml.generation import MANIFEST_PATH
-
-    for folder in (Path(out), Path(out, "src")):
-        if (folder / MANIFEST_PATH).is_file():
-            return folder.resolve()
-    name = click.format_filename(out)
-    raise EnvironmentFault(
-        f"{name} is no generated workspace: it has no {MANIFEST_PATH}; "
-        f"'jausml generate MODEL -o {name}' makes one"
-    )
 
 
 def _entries(folder: Path) -> list[Mapping[str, Any]]:

@@ -22,13 +22,13 @@ from ..component.component import JausComponent
 from ..conversions import Time
 from ..services.definitions import Guard, Status
 from ..services.management import PASSIVE
-from .connections.compiled import NoCoreError
 from .connections.sharing import SharedMessages, SharedTopics
 from .connections.transcoding import Form
 from .diagnosing import Diagnosing
 from .ends import parameters
 from .ends.list_driver import ListDriver
 from .ends.simulation import Simulation
+from .messages.compiled import NoCoreError
 from .reports.states import Standing, StopReason
 
 if TYPE_CHECKING:
@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     from ..services.element_list import ListElement
     from ..transports.transport import Transport
     from ..wire.message import Message
-    from .connections.compiled import Compiled, Core, Function
     from .diagnosing import Carried
     from .ends.by_sender import Taker
     from .ends.ends import Feed, ReportHolder, RosPublisher, RosSide
@@ -50,6 +49,7 @@ if TYPE_CHECKING:
     from .ends.parameters import AttributeParameter
     from .ends.settings import BridgeSettings
     from .ends.topics import Topic
+    from .messages.compiled import Compiled, Core, Function
 
 
 class Bridge:
@@ -229,12 +229,16 @@ class Bridge:
         """Time of the ROS clock, or of the system while the bridge is not open."""
         return self.ros.now() if self._is_open else Time(*divmod(time.time_ns(), 10**9))
 
-    def compiled(self, compiled: Compiled) -> Function | None:
-        """Returns the function of a translation; None where its library is not there."""
+    def compiled(self, compiled: Compiled, note: Callable[[str], None]) -> Function | None:
+        """Returns the function of a translation; None where its library is not there.
+
+        Args:
+            note: Counts a field that is left out, as its value is no number.
+        """
         if self._library is None:
             return None
         core, library = self._library
-        return compiled.of(self, library) if compiled.core == core else None
+        return compiled.of(self, library, note) if compiled.core == core else None
 
     @contextmanager
     def at(self, moment: Time) -> Iterator[None]:

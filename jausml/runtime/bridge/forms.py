@@ -10,6 +10,7 @@ from ..base.errors import JausError
 from ..wire.message import EncodeError
 from .connections.transcoding import uses_ros_classes
 from .light_message import LightMessage
+from .messages.compiled import NoCoreError, compiled_of
 from .messages.errors import RosTypeError
 
 if TYPE_CHECKING:
@@ -39,9 +40,10 @@ def differing_forms(
     """Returns what the ways of a translation do not make alike of a message and its variants.
 
     Lists that are translated as a whole are compared with their elements, translated one by one:
-    what they make, the error that they raise, and what they count as out of range. Variants lack an
-    optional field, or have another value in one byte. The light class of the ROS message is
-    compared with that of rclpy, where that is installed. The clock stands still meanwhile.
+    what they make, the error that they raise, and what they count as out of range. So is the
+    compiled form, where it is built and does not give way. Variants lack an optional field, or have
+    another value in one byte. The light class of the ROS message is compared with that of rclpy,
+    where that is installed. The clock stands still meanwhile.
 
     Args:
         **joins: Messages of joined topics, or None.
@@ -58,6 +60,7 @@ def differing_forms(
         return []
     kind, moment = type(source), bridge.now()
     made: list[Any] = []
+    compiled = _compiled(bridge, translate, connection, joins)
 
     def run(payload: bytes) -> bytes | None:
         message = _decoded(kind, payload)
@@ -78,10 +81,34 @@ def differing_forms(
             if outcome != expected:
                 told = f"one by one: {_shown(expected)}, as a whole: {_shown(outcome)}"
                 return [*found, f"of {each.hex()}: {told}"]
+            outcome = _outcome(bridge, connection, partial(compiled, each))
+            if outcome not in (expected, (None, {})):
+                told = f"by Python: {_shown(expected)}, compiled: {_shown(outcome)}"
+                return [*found, f"of {each.hex()}: {told}"]
     finally:
         connection.goes_over_lists = True
         del vars(bridge)["now"]
     return found
+
+
+def _compiled(
+    bridge: Bridge, translate: Callable[..., Any], connection: AnyConnection, joins: dict[str, Any]
+) -> Callable[[bytes], bytes | None]:
+    """Returns the compiled form, which gives way to everything where it is not built."""
+    found = compiled_of(translate)
+    if found is None or bridge.core is None:
+        return _gives_way
+    try:
+        library = bridge.core.load()
+    except NoCoreError:
+        return _gives_way
+    function = found.of(bridge, library, connection.drop_field.unknown)
+    given = [None if joins[each] is None else _encoded(joins[each]) for each in found.joins]
+    return lambda data: function(data, *given)
+
+
+def _gives_way(_data: bytes) -> None:
+    """Leaves a message to Python."""
 
 
 def _variants(source: Any, data: bytes) -> Iterator[bytes]:

@@ -276,5 +276,5 @@ def forms(ends: Ends, sample: Sample | None) -> Check:
     lines = [*ends.joined(), *ends.source.fill({}), compared]
     if sample is not None and sample.values:
         lines += [*ends.source.fill(sample.values), compared]
-    about = "Readable and flat translation, light classes and rclpy make the same bytes."
+    about = "Python, element by element and as a whole, compiled code and rclpy agree."
     return Check(f"{ends.name}_has_the_same_bytes_in_each_form", about, tuple(lines))

@@ -43,6 +43,16 @@ public:
         return value;
     }
 
+    // The same, and nothing for what is no number: the bridge counts the field that is left out.
+    std::optional<double> known(double value, double least, double greatest, unsigned field) {
+        if (!std::isnan(value)) return limited(value, least, greatest);
+        unknown_ |= std::uint64_t{1} << field;
+        return std::nullopt;
+    }
+
+    // The fields that were left out, each a bit.
+    std::uint64_t unknown() const { return unknown_; }
+
     // A number that a map limits on purpose; what is no number stays so.
     double within(double value, double least, double greatest) {
         require((value >= least && value <= greatest) || std::isnan(value));
@@ -102,6 +112,7 @@ public:
 
 private:
     bool passed_ = true;
+    std::uint64_t unknown_ = 0;
 };
 
 // A real number in the precision of its type. What is beyond that, though rounding might spare it,
@@ -630,14 +641,20 @@ Number narrowed(Check& check, std::int64_t value) {
     return given;
 }
 
+// What a translation makes: bytes, and which fields were left out.
+//
+// The bytes stand where they are until the next call of the same thread.
+struct Made {
+    const std::uint8_t* data;
+    std::uint64_t unknown;
+};
+
 // What a translation returns instead of a size where the case is not usual.
 constexpr std::int64_t GIVES_WAY = -1;
 
 // Reads a message, has another one made of it and writes that, from JAUS to ROS.
-//
-// The bytes that are made stand where they are until the next call of the same thread.
 template <class Source, class Target, class Translate>
-std::int64_t jaus_to_ros(const std::uint8_t* data, std::size_t size, const std::uint8_t** made,
+std::int64_t jaus_to_ros(const std::uint8_t* data, std::size_t size, Made* made,
                          const Translate& translate) {
     static thread_local Octets out;
     try {
@@ -652,7 +669,7 @@ std::int64_t jaus_to_ros(const std::uint8_t* data, std::size_t size, const std::
         if (!check.passed()) return GIVES_WAY;
         CdrOutput output(out, check);
         target.write(output);
-        *made = out.data();
+        *made = {out.data(), check.unknown()};
         return check.passed() ? static_cast<std::int64_t>(out.size()) : GIVES_WAY;
     } catch (...) {
         return GIVES_WAY;
@@ -661,7 +678,7 @@ std::int64_t jaus_to_ros(const std::uint8_t* data, std::size_t size, const std::
 
 // The same from ROS to JAUS.
 template <class Source, class Target, class Translate>
-std::int64_t ros_to_jaus(const std::uint8_t* data, std::size_t size, const std::uint8_t** made,
+std::int64_t ros_to_jaus(const std::uint8_t* data, std::size_t size, Made* made,
                          const Translate& translate) {
     static thread_local Octets out;
     try {
@@ -677,7 +694,7 @@ std::int64_t ros_to_jaus(const std::uint8_t* data, std::size_t size, const std::
         JausOutput output(out, check);
         output.raw(Target::CODE);
         target.write(output);
-        *made = out.data();
+        *made = {out.data(), check.unknown()};
         return check.passed() ? static_cast<std::int64_t>(out.size()) : GIVES_WAY;
     } catch (...) {
         return GIVES_WAY;

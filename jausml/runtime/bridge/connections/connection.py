@@ -15,16 +15,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from ..ends import parameters
+from ..messages.compiled import compiled_of
 from ..reports.latency import Latency
 from ..reports.limiting import Limiting
 from ..reports.states import StopReason
 from .backlog import Backlog
-from .compiled import before, compiled_of
 from .joins import with_joins
 from .reporting import Reporter
 from .shaping import Shape, Shaping
 from .stopping import Stopping, Switch
-from .transcoding import Form, transcoder
+from .transcoding import Form, compiled_first, transcoder
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -286,11 +286,13 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
             self._ends.loop.stopwatch,
         )
         compiled = compiled_of(self._translate)
-        function = None if compiled is None else self._ends.compiled(compiled)
+        function = (
+            None if compiled is None else self._ends.compiled(compiled, self.drop_field.unknown)
+        )
         if compiled is None or function is None:
             return transcode
         self.form = Form.COMPILED
-        return before(function, compiled.joins, transcode)
+        return compiled_first(function, compiled.joins, transcode)
 
     def halt(self, reason: StopReason | None) -> bool:
         """Passes nothing on from now on, after the stop; or again, for None.

@@ -14,7 +14,10 @@ from ...services.dispatch import LONGEST_CALL
 from ..light_message import is_light
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ..ends.ends import RosSide
+    from ..messages.compiled import Function
 
 Transcode: TypeAlias = Callable[..., bytes | None]
 """Makes encoded target messages of encoded source messages, or None to pass nothing on."""
@@ -68,6 +71,30 @@ def transcoder(
         return None if target is None else encode(target)
 
     return transcode
+
+
+def compiled_first(function: Function, names: Sequence[str], slow: Transcode) -> Transcode:
+    """Returns a translation that asks a function first.
+
+    Args:
+        names: The joins, in the order in which the function is given them.
+        slow: Treats what is not usual; is given the messages of joins.
+    """
+    if not names:
+
+        def transcode(data: bytes) -> bytes | None:
+            made = function(data)
+            return slow(data) if made is None else made
+
+        return transcode
+
+    def transcode_joined(data: bytes, **joins: Any) -> bytes | None:
+        made = function(data, *(joins[name].fresh_data() for name in names))
+        if made is not None:
+            return made
+        return slow(data, **{name: each.fresh() for name, each in joins.items()})
+
+    return transcode_joined
 
 
 def ros_decoder(ros: RosSide, message_type: type[Any], *, real: bool) -> Callable[[bytes], Any]:

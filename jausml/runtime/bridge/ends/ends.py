@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ...guardian.ward import Ward
     from ...services.definitions import Guard
     from ...wire import Message
-    from ..connections.compiled import Compiled, Function
+    from ..messages.compiled import Compiled, Function
     from .actions import ActionClient, GoalTaker, ListAction
     from .by_sender import Taker
     from .list_driver import ListDriver, ListMessages
@@ -207,8 +207,12 @@ class Ends(Protocol):
     def loop(self) -> Loop:
         """The loop of the JAUS side."""
 
-    def compiled(self, compiled: Compiled) -> Function | None:
-        """Returns the function of a translation; None where its library is not there."""
+    def compiled(self, compiled: Compiled, note: Callable[[str], None]) -> Function | None:
+        """Returns the function of a translation; None where its library is not there.
+
+        Args:
+            note: Counts a field that is left out, as its value is no number.
+        """
 
     def at(self, moment: Time) -> AbstractContextManager[None]:
         """Lets translations take a moment for the present."""

@@ -210,17 +210,20 @@ class DropField(Limit[None]):
         """Returns a real number within minimum .. maximum; None for others."""
         if isinstance(value, float):
             if math.isnan(value):
-                # ROS marks so what is unknown: it may be so in every message.
-                self._count(DROP_FIELD, field, "not a number")
+                self.unknown(field)
                 return None
         elif not isinstance(value, int):
             from ...conversions.columns import is_column, not_numbers  # noqa: PLC0415 - as above
 
             if is_column(value) and not_numbers(value):
                 for _ in range(len(value)):
-                    self._count(DROP_FIELD, field, "not a number")
+                    self.unknown(field)
                 return None
         return super().__call__(field, value, minimum, maximum)
+
+    def unknown(self, field: str) -> None:
+        """Counts a value that is no number: ROS marks so what is unknown, in every message."""
+        self._count(DROP_FIELD, field, "not a number")
 
     def _outside(self, field: str, reason: str, nearest: T | None) -> None:
         del nearest

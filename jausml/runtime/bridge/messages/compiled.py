@@ -16,8 +16,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from .transcoding import Transcode
-
 MethodT = TypeVar("MethodT", bound="Callable[..., Any]")
 
 Function: TypeAlias = "Callable[..., bytes | None]"
@@ -54,6 +52,7 @@ class Core:
         texts: Sequence[str] = (),
         joins: Sequence[str] = (),
         needs_clock: bool = False,
+        unknown: Sequence[str] = (),
     ) -> Callable[[MethodT], MethodT]:
         """Returns a decorator: a method with a compiled form, which an override does not have.
 
@@ -62,8 +61,10 @@ class Core:
             texts: Attributes of the bridge that are texts.
             joins: Parameters that are joined messages.
             needs_clock: Whether it is told the present time.
+            unknown: Paths of fields that it leaves out where their value is no number.
         """
-        found = Compiled(self, name, tuple(quantities), tuple(texts), tuple(joins), needs_clock)
+        live = tuple(quantities), tuple(texts), tuple(joins)
+        found = Compiled(self, name, *live, needs_clock, tuple(unknown))
 
         def mark(method: MethodT) -> MethodT:
             vars(method)["compiled"] = found
@@ -103,26 +104,31 @@ class Compiled:
     texts: tuple[str, ...]
     joins: tuple[str, ...]
     needs_clock: bool
+    unknown: tuple[str, ...]
 
-    def of(self, bridge: Any, library: ctypes.CDLL) -> Function:
-        """Returns the function of a bridge, from its library."""
+    def of(self, bridge: Any, library: ctypes.CDLL, note: Callable[[str], None]) -> Function:
+        """Returns the function of a bridge, from its library.
+
+        Args:
+            note: Counts a field that is left out, as its value is no number.
+        """
         function = getattr(library, self.name)
         function.argtypes = (
             ctypes.c_char_p,
             ctypes.c_size_t,
             ctypes.POINTER(_Live),
-            ctypes.POINTER(ctypes.c_void_p),
+            ctypes.POINTER(_Made),
         )
         function.restype = ctypes.c_int64
-        made = ctypes.c_void_p()
+        made = _Made()
         where, text = ctypes.byref(made), ctypes.string_at
         if not (self.quantities or self.texts or self.joins or self.needs_clock):
 
             def plain(data: bytes) -> bytes | None:
                 size = function(data, len(data), None, where)
-                return None if size < 0 else text(made.value, size)
+                return None if size < 0 else text(made.data, size)
 
-            return plain
+            return self._noting(plain, made, note)
         live = _LiveValues(bridge, self)
         given, update = ctypes.byref(live.given), live.update
 
@@ -130,39 +136,31 @@ class Compiled:
             if not update(joins):
                 return None
             size = function(data, len(data), given, where)
-            return None if size < 0 else text(made.value, size)
+            return None if size < 0 else text(made.data, size)
 
-        return with_live
+        return self._noting(with_live, made, note)
+
+    def _noting(self, function: Function, made: _Made, note: Callable[[str], None]) -> Function:
+        """Returns a function that counts the fields that are left out."""
+        if not self.unknown:
+            return function
+        bits = [(1 << at, path) for at, path in enumerate(self.unknown)]
+
+        def noting(data: bytes, *joins: bytes | None) -> bytes | None:
+            target = function(data, *joins)
+            if target is not None and made.unknown:
+                for bit, path in bits:
+                    if made.unknown & bit:
+                        note(path)
+            return target
+
+        return noting
 
 
 def compiled_of(translate: Callable[..., Any]) -> Compiled | None:
     """Returns the compiled form of a translation; none of an override."""
     found: Compiled | None = getattr(translate, "compiled", None)
     return found
-
-
-def before(function: Function, names: Sequence[str], slow: Transcode) -> Transcode:
-    """Returns a translation that asks a function first.
-
-    Args:
-        names: The joins, in the order in which the function is given them.
-        slow: Treats what is not usual; is given the messages of joins.
-    """
-    if not names:
-
-        def transcode(data: bytes) -> bytes | None:
-            made = function(data)
-            return slow(data) if made is None else made
-
-        return transcode
-
-    def transcode_joined(data: bytes, **joins: Any) -> bytes | None:
-        made = function(data, *(joins[name].fresh_data() for name in names))
-        if made is not None:
-            return made
-        return slow(data, **{name: each.fresh() for name, each in joins.items()})
-
-    return transcode_joined
 
 
 class _Bytes(ctypes.Structure):
@@ -177,6 +175,10 @@ class _Live(ctypes.Structure):
         ("sec", ctypes.c_int64),
         ("nanosec", ctypes.c_int64),
     )
+
+
+class _Made(ctypes.Structure):
+    _fields_ = (("data", ctypes.c_void_p), ("unknown", ctypes.c_uint64))
 
 
 class _LiveValues:
@@ -205,7 +207,7 @@ class _LiveValues:
             if value is not self._known[at] and not self._take(at, value):
                 return False
         for at, data in enumerate(joins):
-            self._joins[at] = (data, 0 if data is None else len(data))
+            self._joins[at] = _Bytes(data, 0 if data is None else len(data))
         if self._needs_clock:
             now = bridge.now()
             self.given.sec, self.given.nanosec = now.sec, now.nanosec
@@ -215,6 +217,6 @@ class _LiveValues:
         if not isinstance(value, str) or not value.isascii():
             return False
         data = value.encode()
-        self._lent[at] = (data, len(data))
+        self._lent[at] = _Bytes(data, len(data))
         self._known[at] = value
         return True
