@@ -25,7 +25,7 @@ ROOT = Path(__file__).resolve().parents[2]
 _UNKNOWN = "diagnostic_msgs geometry_msgs nav_msgs rcl_interfaces rclpy sensor_msgs std_msgs"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Generated:
     """A generated bridge.
 

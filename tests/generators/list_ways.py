@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import importlib
 import warnings
+from functools import cache
 from typing import TYPE_CHECKING, Any
+
+from jausml.generation.native import SOURCE, build, compiler
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -48,9 +51,31 @@ def outcome(made: Generated, name: str, translate: Callable[..., Any], data: byt
     return result, dict(counts)
 
 
+def compiled(made: Generated, name: str) -> Callable[[bytes], bytes | None] | None:
+    """The compiled form of the translation of a connection; None where there is none."""
+    found = getattr(getattr(made.bridge, f"translate_{name}"), "compiled", None)
+    program = compiler()
+    if found is None or program is None:
+        return None
+    (built,) = build([made.folder / made.package / SOURCE], program)
+    assert built.reason == ""
+    note = getattr(made.bridge, name).drop_field.unknown
+    function: Callable[[bytes], bytes | None] = found.of(made.bridge, library(made), note)
+    return function
+
+
+@cache
+def library(made: Generated) -> Any:
+    """The library of a bridge."""
+    return made.bridge.core.load()
+
+
 def check(made: Generated, name: str, data: bytes) -> Any:
-    """Both ways make the same; returns it."""
+    """All ways make the same, of which the compiled one may give way; returns it."""
     whole, one_by_one = ways(made, name)
     found = outcome(made, name, whole, data)
     assert found == outcome(made, name, one_by_one, data)
+    function = compiled(made, name)
+    if function is not None:
+        assert outcome(made, name, function, data) in (found, (None, {}))
     return found[0]

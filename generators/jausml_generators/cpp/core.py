@@ -5,6 +5,7 @@ Maps that say the same share a function. What has no form in C++ is left to Pyth
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import re
 from dataclasses import dataclass, field, replace
@@ -209,35 +210,35 @@ class Core:
 
     # -- the file --------------------------------------------------------------------------------
 
-    @property
+    @functools.cached_property
     def jaus_lines(self) -> tuple[str, ...]:
         """The structs of the JAUS messages."""
         return tuple(laid_out(self._jaus.lines))
 
-    @property
+    @functools.cached_property
     def ros_lines(self) -> tuple[str, ...]:
         """The structs of the types of ROS that are used."""
         wanted = types_within(self._types)
         lines = [line for each in wanted for line in ("", *self._ros.text[each])]
         return tuple(laid_out(lines[1:]))
 
-    @property
+    @functools.cached_property
     def conversions(self) -> tuple[tuple[str, ...], ...]:
         """The functions of conversions that are called."""
-        return tuple(tuple(laid_out(each)) for each in self._used.conversions.values())
+        return tuple(self._used.conversions.values())
 
-    @property
+    @functools.cached_property
     def constants(self) -> tuple[str, ...]:
         """The tables."""
         return tuple(laid_out(self._used.constants.values()))
 
-    @property
+    @functools.cached_property
     def left_lines(self) -> tuple[str, ...]:
         """What is left to Python, and why, as text of comments."""
         texts = (printable(f"{name}: {reason}") for name, reason in self.left.items())
         return tuple(" ".join(each.replace("\\", "/").split()) for each in texts)
 
-    @property
+    @functools.cached_property
     def digest(self) -> str:
         """What tells a library that was compiled of another text."""
         parts = [self.jaus_lines, self.ros_lines, self.conversions, self.constants]
@@ -245,6 +246,7 @@ class Core:
         return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
+@functools.cache
 def support() -> str:
     """Returns the text of the header that each core includes."""
     return (templates_beside(__file__) / SUPPORT).read_text(encoding="utf-8")

@@ -6,6 +6,7 @@ Each operation gives the bits that Python's gives: the file is compiled without 
 
 from __future__ import annotations
 
+import functools
 from typing import TYPE_CHECKING
 
 from jausml.language.attributes.expressions import (
@@ -18,6 +19,7 @@ from jausml.language.attributes.expressions import (
 )
 from jausml.language.semantics.conversions.definition import PARTS, QUATERNION, Definition
 from jausml.language.semantics.paths.attributes import TIME, TIME_STAMP
+from jausml_generators.cpp.layout import laid_out
 from jausml_generators.cpp.types import UnprintableError, cpp_name, cpp_number
 
 if TYPE_CHECKING:
@@ -143,7 +145,8 @@ def _call(function: str, arguments: Sequence[str]) -> str:
     raise UnprintableError(f"the function {function}")
 
 
-def conversion_lines(conversion: Conversion) -> list[str]:
+@functools.cache
+def conversion_lines(conversion: Conversion) -> tuple[str, ...]:
     """Returns the function of a conversion, whose arguments are those of its definition.
 
     Raises:
@@ -163,13 +166,14 @@ def conversion_lines(conversion: Conversion) -> list[str]:
     text = "\n".join([*lines, *made])
     check = "jausml::Check& check" if "check." in text else "jausml::Check&"
     template = [f"template <{', '.join(f'class {each}' for each in types)}>"] if types else []
-    return [
+    lines = [
         *template,
         f"inline {kind} {conversion.name}({', '.join([check, *parameters])}) {{",
         *(f"    {line}" for line in lines),
         *(f"    {line}" for line in made),
         "}",
     ]
+    return tuple(laid_out(lines))
 
 
 def _opposite(condition: Expression, names: Mapping[str, str]) -> str:

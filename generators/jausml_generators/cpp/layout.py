@@ -19,8 +19,11 @@ _MORE = "    "
 def laid_out(lines: Iterable[str]) -> Iterator[str]:
     """Yields lines, none of them longer than it should be if it can be broken."""
     for line in lines:
+        if len(line) <= LINE_WIDTH:
+            yield line
+            continue
         code, remark, comment = line.partition("  // ")
-        if remark and len(line) > LINE_WIDTH:
+        if remark:
             indent = " " * (len(code) - len(code.lstrip()))
             yield f"{indent}// {comment}"
             yield from _broken(code)

@@ -70,7 +70,7 @@ class Used:
 
     classes: Mapping[str, Struct]
     tables: Mapping[str, Sequence[str]]
-    conversions: dict[str, list[str]] = field(default_factory=dict)
+    conversions: dict[str, tuple[str, ...]] = field(default_factory=dict)
     constants: dict[str, str] = field(default_factory=dict)
 
     def conversion(self, name: str) -> None:
