@@ -50,7 +50,7 @@ DAMAGES = {
         'self.own_speed.drop_field(\n            "Velocity_Z"',
     ),
     "drop for error": ("self.drive.error(", "self.drive.drop_message("),
-    "the name of a counter": ('"PropulsiveLinearEffortY",', '"PropulsiveLinearEffortZ",'),
+    "the name of a counter": ('"PropulsiveLinearEffortY", c', '"PropulsiveLinearEffortZ", c'),
     "a limit": ("linear.y, -20.0), -100.0, 100.0", "linear.y, -20.0), -100.0, 200.0"),
     "the world for the body": (
         "ned_angles_to_enu_quaternion(source.roll",

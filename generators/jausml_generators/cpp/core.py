@@ -17,9 +17,10 @@ from jausml.language.cdr import types_within
 from jausml_generators.common.ros import ros_type
 from jausml_generators.cpp.jaus_codec import JausCodec
 from jausml_generators.cpp.layout import laid_out
-from jausml_generators.cpp.printing import Used, printed
+from jausml_generators.cpp.printing import printed
 from jausml_generators.cpp.ros_codec import RosCodec
 from jausml_generators.cpp.types import Struct, UnprintableError, cpp_name
+from jausml_generators.cpp.values import Used
 from jausml_generators.python.codec.messages import MessageView
 
 if TYPE_CHECKING:

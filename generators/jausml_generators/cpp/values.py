@@ -1,0 +1,265 @@
+"""Typed expressions of translations, in C++."""
+
+from __future__ import annotations
+
+import ast
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from jausml.language.semantics.conversions import CONVERSIONS
+from jausml.language.semantics.conversions.definition import PARTS, QUATERNION
+from jausml.language.semantics.paths.attributes import TIME, TIME_STAMP
+from jausml_generators.bridge.translation import expressions as values
+from jausml_generators.bridge.translation.expressions import Constant, Expression, Limit, New
+from jausml_generators.cpp.formulas import conversion_lines, number
+from jausml_generators.cpp.places import Places
+from jausml_generators.cpp.types import (
+    INTEGER,
+    REAL,
+    TEXT,
+    TRUTH,
+    Elements,
+    Plain,
+    Struct,
+    Type,
+    UnprintableError,
+    cpp_integer,
+    cpp_number,
+    cpp_string,
+    find,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from jausml_generators.bridge.translation.places import Place
+
+_TYPES = {values.REAL: REAL, values.INTEGER: INTEGER, values.BOOLEAN: TRUTH, values.TEXT: TEXT}
+_KINDS = {QUATERNION: values.QUATERNION, TIME: values.TIME, TIME_STAMP: values.BITS}
+_CHECKED = {"": "limited", "within": "within", "integer": "integer", "listed": "listed"}
+_CHECKED |= {"finite": "finite", "single": "single"}
+_CHECKED |= dict.fromkeys(["text", "octets", "sized"], "sized")
+
+
+@dataclass
+class Used:
+    """What translations use of the file around them.
+
+    Attributes:
+        classes: Structs by the names of their classes in Python.
+        tables: The items of constants of the module, in Python, by name.
+    """
+
+    classes: Mapping[str, Struct]
+    tables: Mapping[str, Sequence[str]]
+    conversions: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    constants: dict[str, str] = field(default_factory=dict)
+
+    def conversion(self, name: str) -> None:
+        """Notes that a conversion is called.
+
+        Raises:
+            UnprintableError: It has no form in C++.
+        """
+        if name not in self.conversions:
+            self.conversions[name] = conversion_lines(CONVERSIONS[name])
+
+    def table(self, name: str, key: str, value: str) -> str:
+        """Notes that a table is asked; returns its name.
+
+        Args:
+            key: Kind of its keys.
+            value: Kind of what is found.
+        """
+        pairs = ast.literal_eval(f"{{{', '.join(self.tables[name])}}}")
+        kinds = f"{_TYPES[key].cpp}, {_TYPES[value].cpp}"
+        rows = ", ".join(
+            f"{{{literal(Constant(a, key))}, {literal(Constant(b, value))}}}"
+            for a, b in pairs.items()
+        )
+        self.constants[name] = f"const std::pair<{kinds}> {name}[] = {{{rows}}};"
+        return name
+
+
+def literal(constant: Constant) -> str:
+    """Returns a constant of the model.
+
+    Raises:
+        UnprintableError: It has no form in C++.
+    """
+    value = constant.value
+    if isinstance(value, str):
+        return cpp_string(value)
+    if isinstance(value, bytes):
+        return f"jausml::Octets{{{', '.join(map(str, value))}}}"
+    if constant.kind == values.INTEGER:
+        return f"std::int64_t{{{cpp_integer(int(value))}}}"
+    if constant.kind == values.REAL:
+        return cpp_number(float(value))
+    return cpp_number(bool(value))
+
+
+class Values(Places):
+    """The expressions of one translation, and what they are given besides its message.
+
+    Attributes:
+        quantities: Attributes of the bridge that are numbers.
+        texts: Attributes of the bridge that are texts.
+    """
+
+    def __init__(
+        self, used: Used, roots: Mapping[str, Struct], joins: Mapping[str, Struct]
+    ) -> None:
+        """Has met no expression yet."""
+        super().__init__(used.classes, roots, joins)
+        self._used = used
+        self.quantities: dict[str, None] = {}
+        self.texts: dict[str, None] = {}
+        self.needs_clock = False
+
+    def type(self, value: Expression) -> Type:
+        """Returns the type of an expression."""
+        match value:
+            case values.Read(place=place):
+                return self.at(place).type
+            case Limit(how="text" | "octets" | "sized", value=inner):
+                return self.type(inner)
+            case values.Cast(kind=values.OCTETS):
+                return Elements(Plain(INTEGER.cpp, "std::uint8_t"))
+            case New(class_name=name):
+                return find(self.classes, name)
+        if value.kind in _TYPES:
+            return _TYPES[value.kind]
+        if value.kind == values.OCTETS:
+            return Elements(Plain(INTEGER.cpp, "std::uint8_t"))
+        return Plain(value.kind)
+
+    def text(self, value: Expression) -> str:  # noqa: C901 - one for each kind
+        """Returns an expression."""
+        match value:
+            case Constant():
+                return literal(value)
+            case values.Read(place=place):
+                return self._read(place)
+            case values.Setting(name=name, kind=values.REAL):
+                self.quantities.setdefault(name)
+                return f"live->quantities[{list(self.quantities).index(name)}]"
+            case values.Setting(name=name, kind=values.TEXT):
+                self.texts.setdefault(name)
+                return f"live->texts[{list(self.texts).index(name)}].text()"
+            case values.Negative(value=inner):
+                return f"-{self.text(inner)}"
+            case values.Now():
+                self.needs_clock = True
+                return "live->now()"
+            case values.Cast(value=inner, kind=kind):
+                return self._cast(inner, kind)
+            case values.Length(of=place):
+                return f"static_cast<std::int64_t>({self.at(place).value}.size())"
+            case values.Convert():
+                return self._convert(value)
+            case values.LookUp(key=key, table=table, kind=kind) if key.kind in _TYPES:
+                name = self._used.table(table, key.kind, kind)
+                kinds = f"{_TYPES[key.kind].cpp}, {_TYPES[kind].cpp}"
+                return f"jausml::look_up<{kinds}>(check, {name}, {self.text(key)})"
+            case Limit():
+                return self._limit(value)
+            case values.Ranges(ranges=ranges):
+                pairs = (f"{{{cpp_integer(low)}, {cpp_integer(high)}}}" for low, high in ranges)
+                return f"{{{', '.join(pairs)}}}"
+            case values.Authored(expression=expression, operands=operands):
+                names = {name: f"{self._operand(each.value)}" for name, each in operands}
+                return number(expression, names)
+            case values.Either(conditions=conditions, value=inner, otherwise=otherwise):
+                test = " && ".join(map(self.holds, conditions))
+                return f"({test} ? {self.text(inner)} : {self.text(otherwise)})"
+            case New(is_spread=True, class_name=name, parts=(only,)):
+                struct = find(self.classes, name)
+                return f"jausml::stamped<{struct.cpp}>({self.text(only)})"
+            case New(class_name=name, parts=parts):
+                struct = find(self.classes, name)
+                return f"{struct.cpp}{{{', '.join(map(self.text, parts))}}}"
+            case values.IfKept(made=made):
+                return self.text(made)
+        raise UnprintableError(f"the expression {type(value).__name__}")
+
+    def _read(self, place: Place) -> str:
+        found = self.at(place)
+        kind = found.type
+        element = getattr(kind, "element", "")
+        if not found.is_element or not element or element == kind.cpp:
+            return found.value
+        if kind.cpp == TRUTH.cpp:
+            return f"({found.value} != 0)"
+        return f"static_cast<{kind.cpp}>({found.value})"
+
+    def _operand(self, value: Expression) -> str:
+        text = self.text(value)
+        return text if value.kind == values.REAL else f"static_cast<double>({text})"
+
+    def _cast(self, inner: Expression, kind: str) -> str:
+        text = self.text(inner)
+        if kind == values.REAL:
+            return f"static_cast<double>({text})"
+        if kind == values.BOOLEAN:
+            return f"({text} != 0)"
+        source = self.type(inner)
+        if isinstance(source, Elements) and source.count:
+            return f"jausml::Octets({text}.begin(), {text}.end())"
+        if source.cpp not in {"jausml::Octets", "std::vector<std::uint8_t>"}:
+            raise UnprintableError(f"octets of {source.cpp}")
+        return text
+
+    def _convert(self, value: values.Convert) -> str:
+        known = CONVERSIONS[value.name]
+        given = ["check"]
+        for each, kind in zip(value.inputs, known.inputs, strict=True):
+            if kind not in PARTS and each.kind == values.INTEGER and known.keeps_integers:
+                return self._of_integers(value)
+            if kind in PARTS and each.kind != _KINDS[kind]:
+                raise UnprintableError(f"{each.kind} as {kind}")
+            given.append(self.text(each) if kind in PARTS else self._operand(each))
+        self._used.conversion(value.name)
+        given += map(self._operand, value.arguments)
+        if value.near is not None:
+            given.append(self.text(value.near))
+        return f"{value.name}({', '.join(given)})"
+
+    def _of_integers(self, value: values.Convert) -> str:
+        """Conversions that keep integers: what has 63 bits of them has an opposite."""
+        if value.name != "negate":
+            raise UnprintableError(f"{value.name} of integers")
+        return f"jausml::opposite(check, {self.text(value.inputs[0])})"
+
+    def _limit(self, value: Limit) -> str:
+        inner = value.value
+        text = self.text(inner)
+        if value.how == "within" and inner.kind != values.REAL:
+            raise UnprintableError("integers that a map limits")
+        if value.how in {"", "finite", "single"} and inner.kind != values.REAL:
+            text = f"static_cast<double>({text})"
+        elif inner.kind == values.BOOLEAN:
+            text = f"static_cast<std::int64_t>({text})"
+        if value.how == "integer":
+            bounds = [cpp_integer(int(_constant(each))) for each in value.bounds]
+            return f"check.integer({', '.join([text, *_in_64_bits(value.bounds, bounds)])})"
+        if value.how in {"text", "octets", "sized"}:
+            bounds = [f"{int(_constant(each))}ULL" for each in value.bounds]
+        else:
+            bounds = [self.text(each) for each in value.bounds]
+        return f"check.{_CHECKED[value.how]}({', '.join([text, *bounds])})"
+
+
+def _in_64_bits(bounds: Sequence[Expression], texts: Sequence[str]) -> list[str]:
+    """Bounds of integers, as far as 63 bits go."""
+    most = 2**63 - 1
+    return [
+        text if abs(int(_constant(each))) <= most else cpp_integer(most)
+        for each, text in zip(bounds, texts, strict=True)
+    ]
+
+
+def _constant(value: Expression) -> float:
+    if isinstance(value, Constant) and isinstance(value.value, int | float):
+        return value.value
+    raise UnprintableError("limits that change")
