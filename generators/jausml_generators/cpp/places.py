@@ -85,13 +85,23 @@ class Places:
             UnprintableError: Nothing does.
         """
         root = place.root
-        found = self._roots[root] if isinstance(root, str) else self.locals[root]
+        found = self.root(root) if isinstance(root, str) else self.locals[root]
         for at, step in enumerate(place.steps):
             option = self.options.get(replace(place, steps=place.steps[:at]))
             if isinstance(found.type, Choice) and option is not None:
                 found = Found(f"std::get<{option.cpp}>({found.value})", option)
             found = self._inner(found, step)
         return found
+
+    def root(self, name: str) -> Found:
+        """Returns a parameter of the method.
+
+        Raises:
+            UnprintableError: It is none.
+        """
+        if name not in self._roots:
+            raise UnprintableError(f"the constant {name}")
+        return self._roots[name]
 
     @staticmethod
     def _inner(found: Found, step: str | int) -> Found:
@@ -125,4 +135,6 @@ class Places:
                 return f"std::holds_alternative<{option.cpp}>({found.value})"
             case places.Equal(number=value):
                 return f"{found.value} == {value}"
+            case places.AsLongAs(names=names):
+                return f"{found.value}.size() >= {self.root(names).text}.size()"
         raise UnprintableError(f"the condition {type(condition).__name__}")

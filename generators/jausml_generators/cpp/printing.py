@@ -218,8 +218,8 @@ class _Printer(Values):
             raise UnprintableError("elements of no list")
         self.locals[step.index] = Found(f"static_cast<std::int64_t>({index})", INTEGER)
         item = self.name(step.item.hint)
-        self.locals[step.item] = Found(item, kind.of)
-        is_plain = isinstance(kind.of, Plain) and bool(kind.of.element)
+        self.locals[step.item] = Found(item, kind.of, is_optional=kind.may_lack)
+        is_plain = isinstance(kind.of, Plain) and bool(kind.of.element) and not kind.may_lack
         bound = f"const {kind.of.cpp} {item}" if is_plain else f"const auto& {item}"
         element = self.claim(step.element, target.type.of)
         made = self._element(step, element, target.type.of)

@@ -22,7 +22,7 @@ _RESERVED = names_in(
     throw true try typedef typeid typename union unsigned using virtual void volatile wchar_t while
     xor xor_eq
     assert errno linux offsetof stderr stdin stdout unix
-    CODE NAN INFINITY bits check data from_bits in index jausml live made out read size source
+    CODE NAN INFINITY bits check data from_bits in jausml live made out read size source
     std target to_bits write
     """
 )
@@ -97,15 +97,18 @@ class Elements:
 
     Attributes:
         count: Their number where it is fixed, as in arrays of ROS; 0 for vectors.
+        may_lack: Whether some of them may not be there.
     """
 
     of: Type
     count: int = 0
+    may_lack: bool = False
 
     @property
     def cpp(self) -> str:
         """The type in C++."""
         inner = getattr(self.of, "element", "") or self.of.cpp
+        inner = f"std::optional<{inner}>" if self.may_lack else inner
         return f"std::array<{inner}, {self.count}>" if self.count else f"std::vector<{inner}>"
 
 

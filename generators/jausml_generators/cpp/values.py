@@ -12,7 +12,7 @@ from jausml.language.semantics.paths.attributes import TIME, TIME_STAMP
 from jausml_generators.bridge.translation import expressions as values
 from jausml_generators.bridge.translation.expressions import Constant, Expression, Limit, New
 from jausml_generators.cpp.formulas import conversion_lines, number
-from jausml_generators.cpp.places import Places
+from jausml_generators.cpp.places import Found, Places
 from jausml_generators.cpp.types import (
     INTEGER,
     REAL,
@@ -63,6 +63,18 @@ class Used:
         """
         if name not in self.conversions:
             self.conversions[name] = conversion_lines(CONVERSIONS[name])
+
+    def names(self, name: str) -> str:
+        """Notes that a constant of names is used; returns its name.
+
+        Raises:
+            UnprintableError: It is no such constant.
+        """
+        if name not in self.tables:
+            raise UnprintableError(f"the constant {name}")
+        texts = ", ".join(cpp_string(ast.literal_eval(each)) for each in self.tables[name])
+        self.constants[name] = f"const std::vector<std::string> {name} = {{{texts}}};"
+        return name
 
     def table(self, name: str, key: str, value: str) -> str:
         """Notes that a table is asked; returns its name.
@@ -117,6 +129,12 @@ class Values(Places):
         self.texts: dict[str, None] = {}
         self.needs_clock = False
 
+    def root(self, name: str) -> Found:
+        """Returns a parameter of the method, or names that are a constant."""
+        if name in self._roots:
+            return self._roots[name]
+        return Found(self._used.names(name), Elements(TEXT))
+
     def type(self, value: Expression) -> Type:
         """Returns the type of an expression."""
         match value:
@@ -128,6 +146,12 @@ class Values(Places):
                 return Elements(Plain(INTEGER.cpp, "std::uint8_t"))
             case New(class_name=name):
                 return find(self.classes, name)
+            case values.ByName(items=items):
+                return Elements(self._elements(items), may_lack=True)
+            case values.FirstOf(items=items):
+                return Elements(self._elements(items))
+            case values.NamesOf():
+                return Elements(TEXT)
         if value.kind in _TYPES:
             return _TYPES[value.kind]
         if value.kind == values.OCTETS:
@@ -181,7 +205,20 @@ class Values(Places):
                 return f"{struct.cpp}{{{', '.join(map(self.text, parts))}}}"
             case values.IfKept(made=made):
                 return self.text(made)
+            case values.ByName(names=names, keys=keys, items=items):
+                given = (self.root(names).text, self.text(keys), self.text(items))
+                return f"jausml::by_name({', '.join(given)})"
+            case values.FirstOf(items=items, names=names):
+                return f"jausml::first_of({self.text(items)}, {self.root(names).text}.size())"
+            case values.NamesOf(names=names, items=place):
+                return f"jausml::first_of({self.root(names).text}, {self.at(place).value}.size())"
         raise UnprintableError(f"the expression {type(value).__name__}")
+
+    def _elements(self, items: Expression) -> Type:
+        kind = self.type(items)
+        if not isinstance(kind, Elements):
+            raise UnprintableError("items of no list")
+        return kind.of
 
     def _read(self, place: Place) -> str:
         found = self.at(place)

@@ -38,10 +38,6 @@ LEFT_TO_PYTHON = {
     "local_waypoint_list_to_jaus": "messages inside messages",
     "global_waypoint_list_to_ros": "messages inside messages",
     "global_waypoint_list_to_jaus": "messages inside messages",
-    "joint_positions_to_ros": "elements by name",
-    "joint_positions_to_jaus": "elements by name",
-    "set_joint_positions_to_ros": "elements by name",
-    "set_joint_positions_to_jaus": "elements by name",
 }
 
 

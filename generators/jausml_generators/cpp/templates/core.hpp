@@ -200,6 +200,26 @@ Value look_up(Check& check, const std::pair<Key, Value> (&table)[size], const Ke
     return Value{};
 }
 
+// Elements in the order of names, by the key of each; of equal keys the last one counts.
+template <class Element>
+std::vector<std::optional<Element>> by_name(const std::vector<std::string>& names,
+                                            const std::vector<std::string>& keys,
+                                            const std::vector<Element>& items) {
+    std::vector<std::optional<Element>> found(names.size());
+    for (std::size_t at = 0; at < std::min(keys.size(), items.size()); ++at) {
+        for (std::size_t name = 0; name < names.size(); ++name) {
+            if (names[name] == keys[at]) found[name] = items[at];
+        }
+    }
+    return found;
+}
+
+// As many of the first elements of a list as are wanted and there.
+template <class Element>
+std::vector<Element> first_of(const std::vector<Element>& items, std::size_t count) {
+    return {items.begin(), items.begin() + static_cast<std::ptrdiff_t>(std::min(count, items.size()))};
+}
+
 // Bytes that Python lends for the time of a call.
 struct Bytes {
     const std::uint8_t* data;
