@@ -9,12 +9,12 @@ from jausml.generation import docstrings as docs
 from jausml.generation.literals import printable, python_literal, python_string
 
 if TYPE_CHECKING:
-    from jausml_generators.bridge.translation import Surroundings
     from jausml_generators.bridge.translation.surroundings import (
         Constant,
         FrameView,
         NestedTranslation,
         QuantityView,
+        Surroundings,
         UserMethod,
     )
 

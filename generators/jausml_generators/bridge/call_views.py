@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from jausml.language.metamodel.classes import bridge, jaus
-    from jausml_generators.bridge.translation import TranslatedCall
+    from jausml_generators.bridge.translation.translating import TranslatedCall
     from jausml_generators.python.codec.messages import MessageView
 
 

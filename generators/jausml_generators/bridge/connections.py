@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes import jaus
     from jausml.language.semantics.connections.report_joins import JoinedReport
-    from jausml_generators.bridge.translation import Translated
+    from jausml_generators.bridge.translation.translating import Translated
     from jausml_generators.python.codec.messages import MessageView
 
 

@@ -14,8 +14,8 @@ from jausml.language.semantics.connections.freshness import freshness_of
 from jausml.language.semantics.connections.topics import reliability, resolve_topic
 from jausml_generators.bridge.actions import ActionView
 from jausml_generators.bridge.topics import JoinView
-from jausml_generators.bridge.translation import AssignmentError
 from jausml_generators.bridge.translation.ros_fields import PathError
+from jausml_generators.bridge.translation.values import AssignmentError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

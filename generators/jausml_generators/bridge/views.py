@@ -28,8 +28,9 @@ from jausml_generators.bridge.connections import ConnectionView
 from jausml_generators.bridge.jaus_ends import query_of
 from jausml_generators.bridge.light.module import LightModule
 from jausml_generators.bridge.report_joins import messages_of_joins
-from jausml_generators.bridge.translation import AssignmentError, Translations, translate
 from jausml_generators.bridge.translation.ros_fields import PathError
+from jausml_generators.bridge.translation.translating import Translations, translate
+from jausml_generators.bridge.translation.values import AssignmentError
 from jausml_generators.common import runtime
 from jausml_generators.common.components import (
     SUBSYSTEM_TYPES,

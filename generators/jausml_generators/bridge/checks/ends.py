@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from jausml_generators.bridge.checks.filling import Message, Place, Scalar
     from jausml_generators.bridge.connections import ConnectionView
     from jausml_generators.bridge.topics import JoinView
-    from jausml_generators.bridge.translation import Surroundings
+    from jausml_generators.bridge.translation.surroundings import Surroundings
 
     AnyJoin: TypeAlias = JoinView | ReportJoinView
     from collections.abc import Iterator

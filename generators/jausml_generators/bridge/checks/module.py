@@ -27,9 +27,9 @@ from jausml_generators.bridge.checks.ends import Ends
 from jausml_generators.bridge.checks.filling import Code, JausMessage, is_there, short_name
 from jausml_generators.bridge.checks.limits import chain_gain, limits
 from jausml_generators.bridge.checks.samples import sample_of
-from jausml_generators.bridge.translation import AssignmentError
 from jausml_generators.bridge.translation.expressions import INTEGER, REAL
 from jausml_generators.bridge.translation.ros_fields import PathError, ros_field
+from jausml_generators.bridge.translation.values import AssignmentError
 from jausml_generators.common import runtime
 from jausml_generators.python.names import Scope
 from jausml_generators.python.statements import call
