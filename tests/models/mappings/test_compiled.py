@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 
 GUARDS = ("models/library/mappings", "generators/jausml_generators/cpp")
 
+# A shard builds up to five libraries.
+pytestmark = pytest.mark.timeout(600)
+
 LEFT_TO_PYTHON = {
     "cost_map_to_ros": "octets by a table",
     "cost_map_to_jaus": "octets by a table",
