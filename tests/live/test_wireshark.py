@@ -12,7 +12,7 @@ from wire_vectors import golden_vectors, payload_of, vectors
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml.live.messages import load_catalogue
-from jausml_generators.wireshark.target import library_services
+from jausml_generators.common.services import library_services
 from jausml_generators.wireshark.views import DissectorView
 
 from .wireshark_bodies import body, matches, tells

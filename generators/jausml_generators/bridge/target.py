@@ -10,7 +10,7 @@ from jausml.generation.target import Target
 from jausml.generation.tasks import FileTask, Task, TextFile, TextTask, templates_beside
 from jausml_generators.bridge.checks.module import TestModule
 from jausml_generators.bridge.views import BridgeView, bridge_views
-from jausml_generators.cpp.core import SUPPORT, support
+from jausml_generators.cpp.support import CORE, support
 from jausml_generators.messages.views import SystemMessages
 from jausml_generators.python.package import (
     PACKAGE_TEMPLATES,
@@ -68,8 +68,9 @@ def tasks(model: Model) -> list[Task]:
         FileTask("core.cpp.j2", with_core, _source),
         TextTask(
             [
-                TextFile(f"{each.package}/core/{SUPPORT}", support(), each.element_id, "jausml")
+                TextFile(f"{each.package}/core/{name}", support(name), each.element_id, "jausml")
                 for each in with_core
+                for name in CORE
             ]
         ),
         FileTask(

@@ -12,13 +12,13 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import printable
-from jausml.generation.tasks import templates_beside
 from jausml.language.cdr import types_within
 from jausml_generators.common.ros import ros_type
 from jausml_generators.cpp.jaus_codec import JausCodec
 from jausml_generators.cpp.layout import laid_out
 from jausml_generators.cpp.printing import printed
 from jausml_generators.cpp.ros_codec import RosCodec
+from jausml_generators.cpp.support import CORE, support
 from jausml_generators.cpp.types import Struct, UnprintableError, cpp_name
 from jausml_generators.cpp.values import Used
 from jausml_generators.python.codec.messages import MessageView
@@ -32,10 +32,6 @@ if TYPE_CHECKING:
     from jausml_generators.bridge.translation.steps import Step
     from jausml_generators.bridge.translation.surroundings import Surroundings
     from jausml_generators.cpp.printing import Printed
-
-SUPPORT = "core.hpp"
-"""The header that each core includes, which stands beside it."""
-
 
 _PARAMETERS = (("const Source&", "source"), ("Target&", "target"), ("jausml::Check&", "check"))
 
@@ -243,11 +239,5 @@ class Core:
     def digest(self) -> str:
         """What tells a library that was compiled of another text."""
         parts = [self.jaus_lines, self.ros_lines, self.conversions, self.constants]
-        text = repr([*parts, self.functions, support()])
+        text = repr([*parts, self.functions, *map(support, CORE)])
         return hashlib.sha256(text.encode()).hexdigest()[:32]
-
-
-@functools.cache
-def support() -> str:
-    """Returns the text of the header that each core includes."""
-    return (templates_beside(__file__) / SUPPORT).read_text(encoding="utf-8")

@@ -3,9 +3,20 @@
 from __future__ import annotations
 
 import ast
+import textwrap
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from jausml.generation.literals import LINE_WIDTH
+from jausml_generators.cpp.jaus_numbers import (
+    BY_SIZE,
+    NUMBERS,
+    checked_group,
+    group,
+    read_number,
+    unsigned,
+    write_number,
+)
 from jausml_generators.cpp.types import (
     INTEGER,
     OCTETS,
@@ -14,9 +25,10 @@ from jausml_generators.cpp.types import (
     Choice,
     Elements,
     Member,
+    Plain,
     Struct,
     Type,
-    UnprintableError,
+    cpp_class,
     cpp_integer,
     cpp_name,
     cpp_number,
@@ -25,6 +37,7 @@ from jausml_generators.cpp.types import (
 from jausml_generators.python.codec.classes import (
     BitFieldClass,
     ContainerClass,
+    Enumeration,
     VariableFieldClass,
 )
 from jausml_generators.python.codec.compounds import ArrayValue, ListValue, PartValue, VariantValue
@@ -39,22 +52,8 @@ if TYPE_CHECKING:
 
 Value = Fixed | Blob | PartValue | VariantValue | ListValue | ArrayValue
 
-NUMBERS = {
-    "b": "std::int8_t",
-    "B": "std::uint8_t",
-    "h": "std::int16_t",
-    "H": "std::uint16_t",
-    "i": "std::int32_t",
-    "I": "std::uint32_t",
-    "q": "std::int64_t",
-    "Q": "std::uint64_t",
-    "f": "float",
-    "d": "double",
-}
-"""Types of C++ by the format characters of `struct`."""
-
-_PRESENCE = {1: "B", 2: "H", 4: "I", 8: "Q"}
 _INDENT = "    "
+_NO_OPTION = "jausml::Status::no_such_option"
 
 
 @dataclass
@@ -62,10 +61,13 @@ class JausCodec:
     """The structs of messages, by the names of their classes in Python.
 
     Attributes:
+        is_bounded: Whether lists and texts have the capacity that they may need, numbers the
+            type of the wire, and members comments: for programs of their own.
         lines: The text of the structs.
     """
 
     structs: dict[str, Struct] = field(default_factory=dict)
+    is_bounded: bool = False
     lines: list[str] = field(default_factory=list)
 
     def add(self, message: MessageView) -> None:
@@ -74,29 +76,42 @@ class JausCodec:
         Raises:
             UnprintableError: A field has no form in C++.
         """
-        made = _Message(message)
+        made = _Message(message, is_bounded=self.is_bounded)
         self.structs |= made.structs
         self.lines += ["", *made.lines] if self.lines else made.lines
 
 
 class _Message:
-    def __init__(self, message: MessageView) -> None:
-        self._outer = message.class_name
+    def __init__(self, message: MessageView, *, is_bounded: bool) -> None:
+        self._is_bounded = is_bounded
         self.structs: dict[str, Struct] = {}
+        # Parts stand before their message: inside of it they are complete only when it is.
+        self.lines: list[str] = []
         inner: list[str] = []
         for each in message.nested:
             match each:
+                case Enumeration() if is_bounded:
+                    inner += _constants(each)
                 case BitFieldClass():
-                    inner += ["", *self._bit_field(each)]
+                    inner += self._part(self._bit_field(each), each.path)
                 case VariableFieldClass():
-                    inner += ["", *self._variable(each)]
+                    inner += self._part(self._variable(each), each.path)
                 case ContainerClass():
-                    inner += ["", *self._container(each, ())]
-        head = [f"static constexpr std::uint16_t CODE = {message.code_text};", *inner, ""]
-        self.lines = [f"// {message.code_text}", *self._container(message.body, head)]
+                    inner += self._part(self._container(each, ()), each.path)
+        code = f"static constexpr std::uint16_t CODE = {message.code_text};"
+        self.lines += self._container(message.body, [code, *inner, ""])
+
+    def _part(self, lines: Sequence[str], path: str) -> list[str]:
+        """Writes a part, and returns the name that it has inside of its message."""
+        self.lines += [*lines, ""]
+        return [f"using {cpp_class(path.rpartition('.')[2])} = {self.structs[path].own_name};"]
+
+    def _comment(self, text: str) -> tuple[str, ...]:
+        lines = textwrap.wrap(text, LINE_WIDTH - 16) if self._is_bounded else ()
+        return tuple(f"// {line}" for line in lines)
 
     def _declared(self, path: str) -> Struct:
-        made = self.structs[path] = Struct("jaus::" + path.replace(".", "::"))
+        made = self.structs[path] = Struct("jaus::" + "_".join(map(cpp_class, path.split("."))))
         return made
 
     # -- classes ---------------------------------------------------------------------------------
@@ -106,18 +121,19 @@ class _Message:
         reading, writing = [], []
         for each in view.sub_fields:
             name, default = cpp_name(each.attribute), cpp_integer(int(each.value.default))
-            struct.members[each.attribute] = Member(name, INTEGER, initial=f" = {default}")
-            reading.append(f"made.{name} = {_group(each)};")
-            writing += _checked_group(each, name)
+            kind = self._group_type(each)
+            struct.members[each.attribute] = Member(
+                name, kind, initial=f" = {default}", comment=self._comment(each.description)
+            )
+            reading.append(f"{name} = {group(each, kind)};")
+            writing += checked_group(each, name, kind)
         return _struct(
             struct,
             (),
             [
                 "",
-                f"static {struct.own_name} from_bits(std::uint64_t bits) {{",
-                f"{_INDENT}{struct.own_name} made;",
+                "void from_bits(std::uint64_t bits) {",
                 *(f"{_INDENT}{each}" for each in reading),
-                f"{_INDENT}return made;",
                 "}",
                 "",
                 "std::uint64_t to_bits(jausml::JausOutput& out) const {",
@@ -130,22 +146,28 @@ class _Message:
 
     def _variable(self, view: VariableFieldClass) -> list[str]:
         struct = self._declared(view.path)
-        kind = REAL if view.python_type == "float" else INTEGER
+        kind = self._number_type([each.value for each in view.alternatives])
         first = view.alternatives[0]
-        default = ast.literal_eval(view.default)
-        struct.members["index"] = Member("index", INTEGER, initial=f" = {first.index}")
-        struct.members["value"] = Member("value", kind, initial=f" = {cpp_number(default)}")
-        reading = [f"{struct.own_name} made;", "made.index = in.integer<std::uint8_t>();"]
-        writing = ["out.integer<std::uint8_t>(index, 0, 255);"]
+        types = {
+            "index": (self._integer_type("B"), first.index),
+            "value": (kind, ast.literal_eval(view.default)),
+        }
+        for name, comment in view.attributes:
+            type_, initial = types[name]
+            struct.members[name] = Member(
+                name, type_, initial=f" = {cpp_number(initial)}", comment=self._comment(comment)
+            )
+        reading = ["in.integer<std::uint8_t>(index);"]
+        writing = ["out.integer<std::uint8_t>(index, {{0, 255}});"]
         for each in view.alternatives:
             branch = "if" if each is first else "} else if"
-            reading += [f"{branch} (made.index == {each.index}) {{"]
-            reading += [f"{_INDENT}made.value = {_read_number(each.value)};"]
+            reading += [f"{branch} (index == {each.index}) {{"]
+            reading += [f"{_INDENT}{read_number(each.value, 'value')}"]
             writing += [f"{branch} (index == {each.index}) {{"]
-            writing += [f"{_INDENT}{_write_number(each.value, 'value')}"]
-        reading += ["} else {", f"{_INDENT}in.fail();", "}", "return made;"]
-        writing += ["} else {", f"{_INDENT}out.fail();", "}"]
-        return _struct(struct, (), ["", *_methods(struct, reading, writing)])
+            writing += [f"{_INDENT}{write_number(each.value, 'value', kind)}"]
+        reading += ["} else {", f"{_INDENT}in.fail({_NO_OPTION});", "}"]
+        writing += ["} else {", f"{_INDENT}out.fail({_NO_OPTION});", "}"]
+        return _struct(struct, (), ["", *_methods(reading, writing)])
 
     def _container(self, view: ContainerClass, head: Sequence[str]) -> list[str]:
         struct = self._declared(view.path)
@@ -154,11 +176,12 @@ class _Message:
         for each in view.members:
             name, kind = cpp_name(each.attribute), self._type(each.value)
             initial = "" if each.is_optional else self._initial(each.value)
-            struct.members[each.attribute] = Member(name, kind, each.is_optional, initial)
+            comment = self._comment(each.description)
+            struct.members[each.attribute] = Member(name, kind, each.is_optional, initial, comment)
             reading += self._reading(each, name)
             writing += self._writing(each, name)
         if view.presence_size:
-            presence = NUMBERS[_PRESENCE[view.presence_size]]
+            presence = NUMBERS[BY_SIZE[view.presence_size]]
             mask = f"0x{view.presence_mask:X}"
             used = "const std::uint64_t presence = " if view.has_optional else ""
             reading.insert(0, f"{used}in.presence<{presence}>({mask});")
@@ -169,25 +192,47 @@ class _Message:
                 *writing,
                 f"out.over<{presence}>(start, presence);",
             ]
-        reading = [f"{struct.own_name} made;", *reading, "return made;"]
-        methods = _methods(struct, reading, writing)
+        methods = _methods(reading, writing)
         return _struct(struct, head, ["", *methods] if view.members else methods)
 
     # -- types -----------------------------------------------------------------------------------
 
     def _type(self, value: Value) -> Type:
+        most = self._is_bounded
         match value:
             case Bits() | PartValue():
                 return self.structs[value.python_type]
+            case Fixed() if value.python_type == "str":
+                return Plain(f"jausml::Text<{value.size}>") if most else TEXT
             case Fixed():
-                return {"float": REAL, "int": INTEGER, "str": TEXT}[value.python_type]
+                return self._number_type([value])
             case Blob():
-                return TEXT if value.is_text else OCTETS
+                if not most:
+                    return TEXT if value.is_text else OCTETS
+                if value.is_text:
+                    return Plain(f"jausml::Text<{value.upper}>")
+                return Elements(Plain(NUMBERS["B"]), most=value.upper)
             case VariantValue():
                 options = tuple(self.structs[each.python_type] for each in value.options)
                 return options[0] if len(options) == 1 else Choice(options)
-            case ListValue() | ArrayValue():
-                return Elements(self._type(value.element))
+            case ListValue():
+                return Elements(self._type(value.element), most=value.upper if most else 0)
+            case ArrayValue():
+                return Elements(self._type(value.element), value.count if most else 0)
+
+    def _number_type(self, values: Sequence[Fixed]) -> Plain:
+        """The type of what is one of some numbers."""
+        formats = {each.format if not each.offset else "" for each in values}
+        if any(each.python_type == "float" for each in values):
+            return Plain("float") if self._is_bounded and formats == {"f"} else REAL
+        return self._integer_type(formats.pop() if len(formats) == 1 else "")
+
+    def _group_type(self, sub: SubField) -> Plain:
+        fitting = (each for size, each in BY_SIZE.items() if sub.mask < 1 << 8 * size)
+        return self._integer_type("" if sub.value.offset else next(fitting))
+
+    def _integer_type(self, kind: str) -> Plain:
+        return Plain(NUMBERS[kind]) if self._is_bounded and kind else INTEGER
 
     def _initial(self, value: Value) -> str:
         if isinstance(value, Fixed) and not isinstance(value, Bits):
@@ -198,6 +243,10 @@ class _Message:
         if isinstance(value, ArrayValue):
             inner = self._initial(value.element).removeprefix(" = ")
             kind = self._type(value).cpp
+            if self._is_bounded:
+                element = self._type(value.element).cpp
+                made = f" = jausml::filled<{element}, {value.count}>({inner})"
+                return made if inner not in {"", "0", "0.0"} else "{}"
             more = f", {inner}" if inner else ""
             return f" = {kind}({value.count}{more})"
         return ""
@@ -205,60 +254,41 @@ class _Message:
     # -- reading and writing ---------------------------------------------------------------------
 
     def _reading(self, member: View, name: str) -> list[str]:
-        value = member.value
-        if isinstance(value, ListValue | ArrayValue):
-            target = "items" if member.is_optional else f"made.{name}"
-            lines = self._read_elements(value, target)
-            if member.is_optional:
-                kind = self._type(value).cpp
-                lines = [f"auto& items = made.{name}.emplace();", *lines]
-                del kind
-        else:
-            lines = self._read_into(value, f"made.{name}")
-        return _if_there(f"presence & 0x{member.bit:X}", lines) if member.is_optional else lines
+        if not member.is_optional:
+            return self._read_value(member.value, name)
+        lines = [f"{name}.emplace();", *self._read_value(member.value, f"(*{name})")]
+        return _if_there(f"presence & 0x{member.bit:X}", lines)
 
-    def _read_elements(self, value: ListValue | ArrayValue, target: str) -> list[str]:
-        element = self._type(value.element)
-        if isinstance(value, ListValue):
-            count = NUMBERS[value.count_format]
-            size = f"in.count<{count}>({_unsigned(value.upper)}, {value.element_size})"
-        else:
-            size = str(value.count)
-        kind = element.cpp
-        return [
-            f"{target}.resize({size});",
-            f"for ({kind}& item : {target}) {{",
-            *(f"{_INDENT}{line}" for line in self._read_into(value.element, "item")),
-            "}",
-        ]
-
-    def _read_into(self, value: Value, target: str) -> list[str]:
+    def _read_value(self, value: Value, target: str) -> list[str]:
         match value:
             case Bits():
-                number = NUMBERS[value.format]
-                kind = self._type(value).cpp
-                return [f"{target} = {kind}::from_bits(in.bits<{number}>());"]
+                return [f"{target}.from_bits(in.bits<{NUMBERS[value.format]}>());"]
             case Fixed() if value.format.endswith("s"):
-                return [f"{target} = in.padded({value.size});"]
+                return [f"in.padded({target}, {value.size});"]
             case Fixed():
-                return [f"{target} = {_read_number(value)};"]
+                return [read_number(value, target)]
             case Blob():
-                how = "text" if value.is_text else "octets"
                 count = NUMBERS[value.count_format]
-                return [f"{target} = in.{how}<{count}>({_unsigned(value.upper)});"]
+                return [f"in.counted<{count}>({target}, {unsigned(value.upper)});"]
             case PartValue():
-                return [f"{target} = {self._type(value).cpp}::read(in);"]
+                return [f"{target}.read(in);"]
             case VariantValue():
                 return self._read_variant(value, target)
-        raise UnprintableError("a list within a list")
+            case ListValue():
+                bounds = f"{unsigned(value.upper)}, {value.element_size}"
+                first = f"in.sized<{NUMBERS[value.count_format]}>({target}, {bounds});"
+            case ArrayValue():
+                first = f"jausml::fit({target}, {value.count});"
+        inner = self._read_value(value.element, "item")
+        loop = f"for (auto& item : {target}) {{"
+        return [first, loop, *(f"{_INDENT}{line}" for line in inner), "}"]
 
     def _read_variant(self, value: VariantValue, target: str) -> list[str]:
-        tag = f"in.integer<{NUMBERS[value.tag_format]}>()"
-        lines = [f"switch ({tag}) {{"]
-        for index, each in enumerate(value.options):
-            option = self.structs[each.python_type].cpp
-            lines += [f"case {index}: {target} = {option}::read(in); break;"]
-        return [*lines, "default: in.fail();", "}"]
+        lines = [f"switch (in.bits<{NUMBERS[value.tag_format]}>()) {{"]
+        for index in range(len(value.options)):
+            made = target if len(value.options) == 1 else f"{target}.emplace<{index}>()"
+            lines += [f"case {index}: {made}.read(in); break;"]
+        return [*lines, f"default: in.fail({_NO_OPTION});", "}"]
 
     def _writing(self, member: View, name: str) -> list[str]:
         text = f"(*{name})" if member.is_optional else name
@@ -275,23 +305,21 @@ class _Message:
             case Fixed() if value.format.endswith("s"):
                 return [f"out.padded({text}, {value.size});"]
             case Fixed():
-                return [_write_number(value, text)]
+                return [write_number(value, text, self._type(value))]
             case Blob():
-                how = "text" if value.is_text else "octets"
-                bounds = f"{value.lower}, {_unsigned(value.upper)}"
-                return [f"out.{how}<{NUMBERS[value.count_format]}>({text}, {bounds});"]
+                bounds = f"{value.lower}, {unsigned(value.upper)}"
+                return [f"out.counted<{NUMBERS[value.count_format]}>({text}, {bounds});"]
             case PartValue():
                 return [f"{text}.write(out);"]
             case VariantValue():
                 return self._write_variant(value, text)
             case ListValue():
                 count = NUMBERS[value.count_format]
-                first = f"out.count<{count}>({text}, 0, {_unsigned(value.upper)});"
+                first = f"out.count<{count}>({text}, 0, {unsigned(value.upper)});"
             case ArrayValue():
-                first = f"out.require({text}.size() == {value.count});"
-        kind = self._type(value.element).cpp
+                first = f"out.require({text}.size() == {value.count}, jausml::Status::too_long);"
         inner = self._write_value(value.element, "item")
-        loop = [f"for (const {kind}& item : {text}) {{", *(f"{_INDENT}{e}" for e in inner), "}"]
+        loop = [f"for (const auto& item : {text}) {{", *(f"{_INDENT}{e}" for e in inner), "}"]
         return [first, *loop]
 
     def _write_variant(self, value: VariantValue, text: str) -> list[str]:
@@ -304,99 +332,33 @@ class _Message:
         ]
 
 
-def _group(sub: SubField) -> str:
-    """Bits of an integer as the number that they are."""
-    bits = f"(bits >> {sub.low} & 0x{sub.mask:X})" if sub.low else f"(bits & 0x{sub.mask:X})"
-    offset = _offset(sub.value)
-    return f"static_cast<std::int64_t>{bits}{f' + {offset}' if offset else ''}"
-
-
-def _checked_group(sub: SubField, name: str) -> list[str]:
-    ranges = _ranges(sub.value)
-    offset = _offset(sub.value)
-    value = f"jausml::shifted({name}, -{offset})" if offset else name
-    bits = f"static_cast<std::uint64_t>({value})"
-    return [
-        f"out.require(jausml::Check::is_within({name}, {ranges}));",
-        f"bits |= {bits} << {sub.low};" if sub.low else f"bits |= {bits};",
-    ]
-
-
-def _read_number(value: Fixed) -> str:
-    number = NUMBERS[value.format]
-    if value.scale is not None:
-        lower, step = _scale(value)
-        return f"in.scaled<{number}>({lower}, {step})"
-    if value.format in "fd":
-        return f"in.real<{number}>()"
-    return f"in.integer<{number}>({_offset(value) or ''})"
-
-
-def _write_number(value: Fixed, text: str) -> str:
-    number = NUMBERS[value.format]
-    match value.check:
-        case "scaled" | "scaled_down" | "scaled_up":
-            lower, step = _scale(value)
-            return f"out.{value.check}<{number}>({text}, {lower}, {step});"
-        case "real":
-            lower, upper = (cpp_number(float(each)) for each in value.limits)
-            return f"out.real<{number}>({text}, {lower}, {upper});"
-        case "whole" | "whole_of":
-            return f"out.whole<{number}>({text}, {_ranges(value)});"
-        case "integer" | "one_of":
-            offset = f", {_offset(value)}" if value.offset else ""
-            return f"out.one_of<{number}>({text}, {_ranges(value)}{offset});"
-    raise UnprintableError(f"the check {value.check}")
-
-
-def _scale(value: Fixed) -> tuple[str, str]:
-    """Lower end and step, the step as the division that the standard says."""
-    lower, upper = value.scale or (0.0, 0.0)
-    steps = 2 ** (8 * value.size) - 1
-    return cpp_number(lower), f"{cpp_number(upper - lower)} / {cpp_number(float(steps))}"
-
-
-def _ranges(value: Fixed) -> str:
-    """The legal ranges, as far as integers of 63 bits go."""
-    if value.check in {"one_of", "whole_of"}:
-        pairs = ast.literal_eval(value.limits[0])
-    else:
-        pairs = ((int(value.limits[0], 0), int(value.limits[1], 0)),)
-    most = 2**63 - 1
-    kept = [(max(low, -most), min(high, most)) for low, high in pairs if low <= most]
-    texts = (f"{{{cpp_integer(low)}, {cpp_integer(high)}}}" for low, high in kept)
-    return f"{{{', '.join(texts)}}}"
-
-
-def _offset(value: Fixed) -> str:
-    return cpp_integer(value.offset) if value.offset else ""
-
-
-def _unsigned(value: int) -> str:
-    return f"{value}u" if value < 2**32 else f"{value}ULL"
+def _constants(view: Enumeration) -> list[str]:
+    names = ((cpp_name(name.lower()), cpp_integer(value)) for name, value in view.constants)
+    kind = INTEGER.cpp if all(value < 2**63 for _, value in view.constants) else NUMBERS["Q"]
+    lines = [f"static constexpr {kind} {name} = {value};" for name, value in names]
+    return [f"struct {cpp_class(view.name)} {{", *(f"{_INDENT}{line}" for line in lines), "};"]
 
 
 def _if_there(test: str, lines: Sequence[str]) -> list[str]:
     return [f"if ({test}) {{", *(f"{_INDENT}{line}" for line in lines), "}"]
 
 
-def _methods(struct: Struct, reading: Sequence[str], writing: Sequence[str]) -> list[str]:
-    is_used = any("in." in line or "(in)" in line for line in reading)
-    name = "in" if is_used else ""
-    out = "out" if any("out" in line for line in writing) else ""
+def _methods(reading: Sequence[str], writing: Sequence[str]) -> list[str]:
     return [
-        f"static {struct.own_name} read(jausml::JausInput& {name}) {{".replace("& )", "&)"),
-        *(f"{_INDENT}{line}" for line in reading),
-        "}",
+        *_method("void read(jausml::JausInput&{})", " in", reading),
         "",
-        f"void write(jausml::JausOutput& {out}) const {{".replace("& )", "&)"),
-        *(f"{_INDENT}{line}" for line in writing),
-        "}",
+        *_method("void write(jausml::JausOutput&{}) const", " out", writing),
     ]
 
 
+def _method(head: str, parameter: str, body: Sequence[str]) -> list[str]:
+    if not body:
+        return [f"{head.format('')} {{}}"]
+    return [f"{head.format(parameter)} {{", *(f"{_INDENT}{line}" for line in body), "}"]
+
+
 def _struct(struct: Struct, head: Sequence[str], methods: Sequence[str]) -> list[str]:
-    members = [each.line for each in struct.members.values()]
+    members = [line for each in struct.members.values() for line in (*each.comment, each.line)]
     body = [*head, *members, *methods]
     return [
         f"struct {struct.own_name} {{",

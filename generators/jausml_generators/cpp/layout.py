@@ -10,7 +10,9 @@ from jausml.generation.literals import LINE_WIDTH
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-_PLACES = re.compile(r'"(?:[^"\\]|\\.)*"|(?<=,) | (?=(?:&&|\|\||[?:+*/-]) )|(?<= =) ')
+_PLACES = re.compile(
+    r'"(?:[^"\\]|\\.)*"|(?<=,) | (?=(?:&&|\|\||[?:+*/-]) )|(?<= =) |(?<=>) (?=\w+;)'
+)
 """Texts, in which nothing is broken, and blanks where a line may be."""
 
 _MORE = "    "

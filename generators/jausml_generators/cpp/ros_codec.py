@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.language.cdr import FieldLayout, Sizes, fields_of
-from jausml_generators.cpp.jaus_codec import NUMBERS
+from jausml_generators.cpp.jaus_numbers import NUMBERS
 from jausml_generators.cpp.types import (
     INTEGER,
     REAL,

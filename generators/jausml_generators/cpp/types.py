@@ -38,6 +38,11 @@ def cpp_name(name: str) -> str:
     return f"{name}_" if name in _RESERVED else name
 
 
+def cpp_class(name: str) -> str:
+    """Returns the name of a class; one in capitals might be a macro of some header."""
+    return f"{name}_" if name.isupper() and len(name) > 1 else name
+
+
 def cpp_string(text: str) -> str:
     """Returns a text as a `std::string` of C++.
 
@@ -98,17 +103,21 @@ class Elements:
     Attributes:
         count: Their number where it is fixed, as in arrays of ROS; 0 for vectors.
         may_lack: Whether some of them may not be there.
+        most: Their greatest number where they have a place for it.
     """
 
     of: Type
     count: int = 0
     may_lack: bool = False
+    most: int = 0
 
     @property
     def cpp(self) -> str:
         """The type in C++."""
         inner = getattr(self.of, "element", "") or self.of.cpp
         inner = f"std::optional<{inner}>" if self.may_lack else inner
+        if self.most:
+            return f"jausml::List<{inner}, {self.most}>"
         return f"std::array<{inner}, {self.count}>" if self.count else f"std::vector<{inner}>"
 
 
@@ -130,12 +139,14 @@ class Member:
 
     Attributes:
         initial: What it is in a struct as it is made, in braces or empty.
+        comment: Lines above it.
     """
 
     name: str
     type: Type
     is_optional: bool = False
     initial: str = ""
+    comment: tuple[str, ...] = ()
 
     @property
     def line(self) -> str:
@@ -149,7 +160,7 @@ class Struct:
     """A message, or a part of one.
 
     Attributes:
-        cpp: Its full name, e.g. `jaus::ReportLocalPose::TimeStamp`.
+        cpp: Its full name, e.g. `jaus::ReportLocalPose_TimeStamp`.
         members: By their names in Python.
     """
 

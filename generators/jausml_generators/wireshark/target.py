@@ -7,15 +7,13 @@ from typing import TYPE_CHECKING
 from jausml.generation.system import source_of, system_of
 from jausml.generation.target import Target, WholeLibrary
 from jausml.generation.tasks import FileTask, Task, templates_beside
-from jausml.language.metamodel.classes import jaus
-from jausml.language.project.library import library
-from jausml.language.semantics.jaus.core_services import CORE, NEWEST_SET
-from jausml_generators.common.components import services_of, with_inherited
+from jausml_generators.common.services import library_services, used_services
 from jausml_generators.wireshark.views import DissectorView
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from jausml.language.metamodel.classes import jaus
     from jausml.language.model.model import Model
 
 
@@ -32,33 +30,6 @@ def whole_library_tasks(model: Model) -> list[Task]:
 def _dissector(model: Model, services: Sequence[jaus.Service]) -> list[Task]:
     view = DissectorView(system_of(model), source_of(model), services)
     return [FileTask("dissector.lua.j2", [view], lambda view: view.path)]
-
-
-def used_services(model: Model) -> list[jaus.Service]:
-    """Returns the services whose messages the components of a system send or receive.
-
-    The core services come last; every component has some of them from the runtime.
-    """
-    system = system_of(model)
-    found = list(dict.fromkeys(services_of((*system.components, *system.bridges), system.bridges)))
-    own = [service for service in with_inherited(found) if not _is_core(service)]
-    old = [service for service in with_inherited(found) if _is_core(service)]
-    return [*own, *library_services(NEWEST_SET), *old]
-
-
-def library_services(pattern: str = "*.xmi") -> list[jaus.Service]:
-    """Returns the services of the shipped library, by file and place in it.
-
-    Args:
-        pattern: Which of its JAUS models.
-    """
-    model = library("jaus")
-    meant = [each for each in model.documents if each.path.match(pattern)]
-    return [each for each in model.instances(jaus.Service) if model.document_of(each) in meant]
-
-
-def _is_core(service: jaus.Service) -> bool:
-    return str(service.urn).startswith(CORE)
 
 
 TARGET = Target(

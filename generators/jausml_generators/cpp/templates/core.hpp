@@ -5,22 +5,10 @@
 // Python method treat the same bytes: it counts, drops and says what there is to say.
 #pragma once
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <cstring>
-#include <initializer_list>
-#include <limits>
-#include <optional>
 #include <string>
-#include <type_traits>
 #include <utility>
-#include <variant>
-#include <vector>
 
-static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "both forms are read as they lie");
+#include "jaus.hpp"
 
 // What the bridge finds by its name; all else stays inside of the library.
 #define JAUSML_EXPORT extern "C" __attribute__((visibility("default")))
@@ -28,15 +16,18 @@ static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "both forms are read as
 namespace jausml {
 
 using Octets = std::vector<std::uint8_t>;
-using Ranges = std::initializer_list<std::pair<std::int64_t, std::int64_t>>;
+
+// Texts go into the other form as they are, where only ASCII means the same.
+template <>
+struct Characters<std::string> {
+    static bool are_usual(const std::string& text) {
+        return std::none_of(text.begin(), text.end(), [](char each) { return (each & 0x80) != 0; });
+    }
+};
 
 // Tells whether the case is the usual one. A check that fails returns what may be computed with.
-class Check {
+class Check : public Verdict {
 public:
-    void fail() { passed_ = false; }
-    bool passed() const { return passed_; }
-    void require(bool holds) { passed_ = passed_ && holds; }
-
     // A real number within its limits.
     double limited(double value, double least, double greatest) {
         require(value >= least && value <= greatest);
@@ -84,7 +75,7 @@ public:
     }
 
     template <class Number>
-    std::int64_t listed(Number value, Ranges ranges) {
+    std::int64_t listed(Number value, Ranges<std::int64_t> ranges) {
         const std::int64_t found = integer(value, -(1LL << 53), 1LL << 53);
         require(is_within(found, ranges));
         return found;
@@ -96,13 +87,6 @@ public:
         return value;
     }
 
-    static bool is_within(std::int64_t value, Ranges ranges) {
-        for (const auto& [low, high] : ranges) {
-            if (value >= low && value <= high) return true;
-        }
-        return false;
-    }
-
     // Functions of expressions; one without a value is not usual.
     double valued(double value) { return finite(value); }
     double divide(double dividend, double divisor) {
@@ -111,21 +95,8 @@ public:
     }
 
 private:
-    bool passed_ = true;
     std::uint64_t unknown_ = 0;
 };
-
-// A real number in the precision of its type. What is beyond that, though rounding might spare it,
-// is not usual.
-template <class Number>
-Number precise(Check& check, double value) {
-    constexpr double most = static_cast<double>(std::numeric_limits<Number>::max());
-    if (std::isfinite(value) && std::fabs(value) > most) {
-        check.fail();
-        return 0;
-    }
-    return static_cast<Number>(value);
-}
 
 // The integer that a real number is; 0 for one that is none, which a check has found before.
 inline std::int64_t to_integer(double value) {
@@ -239,272 +210,11 @@ struct Live {
     Time now() const { return {sec, nanosec}; }
 };
 
-// A sum of which nothing is expected where it has no place in 64 bits.
-inline std::int64_t shifted(std::int64_t value, std::int64_t offset) {
-    return static_cast<std::int64_t>(static_cast<std::uint64_t>(value) +
-                                     static_cast<std::uint64_t>(offset));
-}
-
 // An integer with the opposite sign; the least one has none.
 inline std::int64_t opposite(Check& check, std::int64_t value) {
     check.require(value != std::numeric_limits<std::int64_t>::min());
     return static_cast<std::int64_t>(~static_cast<std::uint64_t>(value) + 1);
 }
-
-// Bytes of a message from front to back; where they end too early, zeros are read.
-class Input {
-public:
-    Input(const std::uint8_t* data, std::size_t size, Check& check)
-        : check_(check), data_(data), size_(size) {}
-
-    std::size_t left() const { return size_ - at_; }
-
-protected:
-    bool has(std::size_t count) {
-        if (count <= left()) return true;
-        check_.fail();
-        at_ = size_;
-        return false;
-    }
-
-    template <class Number>
-    Number raw() {
-        Number value{};
-        if (!has(sizeof value)) return value;
-        std::memcpy(&value, data_ + at_, sizeof value);
-        at_ += sizeof value;
-        return value;
-    }
-
-    // Characters of ASCII, which mean the same in both forms.
-    std::string ascii(std::size_t count) {
-        if (!has(count)) return {};
-        const char* const begin = reinterpret_cast<const char*>(data_ + at_);
-        at_ += count;
-        std::string found(begin, count);
-        for (const char each : found) check_.require((each & 0x80) == 0);
-        return found;
-    }
-
-    template <class Number>
-    std::int64_t whole() {
-        const Number value = raw<Number>();
-        if constexpr (sizeof(Number) == 8 && std::is_unsigned_v<Number>) {
-            check_.require(value <= static_cast<Number>(std::numeric_limits<std::int64_t>::max()));
-        }
-        return static_cast<std::int64_t>(value);
-    }
-
-    Check& check_;
-    const std::uint8_t* data_;
-    std::size_t size_;
-    std::size_t at_ = 0;
-};
-
-// A JAUS message (AS5684): packed, little endian.
-class JausInput : public Input {
-public:
-    using Input::Input;
-
-    bool begin(std::uint16_t code) {
-        check_.require(raw<std::uint16_t>() == code);
-        return check_.passed();
-    }
-
-    void end() { check_.require(left() == 0); }
-
-    template <class Number>
-    std::int64_t integer(std::int64_t offset = 0) {
-        return shifted(this->template whole<Number>(), offset);
-    }
-
-    template <class Number>
-    double real() {
-        return static_cast<double>(this->template raw<Number>());
-    }
-
-    template <class Number>
-    double scaled(double lower, double step) {
-        return static_cast<double>(this->template raw<Number>()) * step + lower;
-    }
-
-    template <class Number>
-    std::uint64_t bits() {
-        return this->template raw<Number>();
-    }
-
-    template <class Number>
-    std::uint64_t presence(std::uint64_t known) {
-        const std::uint64_t found = this->template raw<Number>();
-        check_.require((found & ~known) == 0);
-        return found;
-    }
-
-    std::string padded(std::size_t length) {
-        if (!has(length)) return {};
-        const void* const end = std::memchr(data_ + at_, 0, length);
-        const std::size_t behind = at_ + length;
-        const std::size_t count =
-            end == nullptr ? length : static_cast<const std::uint8_t*>(end) - (data_ + at_);
-        std::string found = ascii(count);
-        at_ = behind;
-        return found;
-    }
-
-    // The count of a list, for whose elements there are bytes; 0 where there are not.
-    template <class Number>
-    std::size_t count(std::uint64_t most, std::size_t least_size) {
-        const std::uint64_t found = this->template raw<Number>();
-        if (found > most || found > left() / least_size) {
-            check_.fail();
-            return 0;
-        }
-        return static_cast<std::size_t>(found);
-    }
-
-    template <class Number>
-    std::string text(std::uint64_t most) {
-        return ascii(this->template count<Number>(most, 1));
-    }
-
-    template <class Number>
-    Octets octets(std::uint64_t most) {
-        const std::size_t found = this->template count<Number>(most, 1);
-        const std::uint8_t* const begin = data_ + at_;
-        at_ += found;
-        return Octets(begin, begin + found);
-    }
-
-    void fail() { check_.fail(); }
-};
-
-// Part of a step by which floating point may miss an integer that was decoded before.
-constexpr double SLACK = 1e-3;
-
-class JausOutput {
-public:
-    JausOutput(Octets& out, Check& check) : check_(check), out_(out) {}
-
-    template <class Number>
-    void raw(Number value) {
-        const auto* const begin = reinterpret_cast<const std::uint8_t*>(&value);
-        out_.insert(out_.end(), begin, begin + sizeof value);
-    }
-
-    template <class Number>
-    void integer(std::int64_t value, std::int64_t lower, std::int64_t upper,
-                 std::int64_t offset = 0) {
-        check_.require(value >= lower && value <= upper);
-        raw(static_cast<Number>(shifted(value, -offset)));
-    }
-
-    template <class Number>
-    void one_of(std::int64_t value, Ranges ranges, std::int64_t offset = 0) {
-        check_.require(Check::is_within(value, ranges));
-        raw(static_cast<Number>(shifted(value, -offset)));
-    }
-
-    template <class Number>
-    void whole(double value, Ranges ranges) {
-        integer_of<Number>(value, ranges);
-    }
-
-    template <class Number>
-    void real(double value, double lower, double upper) {
-        check_.require(value >= lower && value <= upper);
-        raw(precise<Number>(check_, value));
-    }
-
-    template <class Number>
-    void scaled(double value, double lower, double step) {
-        const double position = placed<Number>(value, lower, step);
-        raw(bounded<Number>(std::nearbyint(position)));
-    }
-
-    template <class Number>
-    void scaled_down(double value, double lower, double step) {
-        const double position = placed<Number>(value, lower, step);
-        raw(bounded<Number>(std::floor(position + SLACK)));
-    }
-
-    template <class Number>
-    void scaled_up(double value, double lower, double step) {
-        const double position = placed<Number>(value, lower, step);
-        raw(bounded<Number>(std::ceil(position - SLACK)));
-    }
-
-    void padded(const std::string& value, std::size_t length) {
-        check_.require(value.size() <= length && value.find('\0') == std::string::npos);
-        put(value);
-        out_.resize(out_.size() + length - std::min(length, value.size()));
-    }
-
-    template <class Number, class Sized>
-    void count(const Sized& value, std::uint64_t fewest, std::uint64_t most) {
-        check_.require(value.size() >= fewest && value.size() <= most);
-        raw(static_cast<Number>(value.size()));
-    }
-
-    template <class Number>
-    void text(const std::string& value, std::uint64_t fewest, std::uint64_t most) {
-        this->template count<Number>(value, fewest, most);
-        put(value);
-    }
-
-    template <class Number>
-    void octets(const Octets& value, std::uint64_t fewest, std::uint64_t most) {
-        this->template count<Number>(value, fewest, most);
-        out_.insert(out_.end(), value.begin(), value.end());
-    }
-
-    std::size_t size() const { return out_.size(); }
-
-    // Writes over what was put where bytes begin, as a presence vector when all fields are known.
-    template <class Number>
-    void over(std::size_t at, std::uint64_t value) {
-        const Number given = static_cast<Number>(value);
-        std::memcpy(out_.data() + at, &given, sizeof given);
-    }
-
-    void require(bool holds) { check_.require(holds); }
-    void fail() { check_.fail(); }
-
-private:
-    void put(const std::string& value) {
-        for (const char each : value) check_.require((each & 0x80) == 0);
-        out_.insert(out_.end(), value.begin(), value.end());
-    }
-
-    // The position of a value between the ends of its scale, which it may miss by a trifle.
-    template <class Number>
-    double placed(double value, double lower, double step) {
-        constexpr double maximum = static_cast<double>(std::numeric_limits<Number>::max());
-        const double position = (value - lower) / step;
-        const double slack = SLACK + maximum * 0x1p-50;
-        check_.require(position >= -slack && position <= maximum + slack);
-        return position;
-    }
-
-    template <class Number>
-    Number bounded(double position) {
-        constexpr double maximum = static_cast<double>(std::numeric_limits<Number>::max());
-        if (!(position > 0.0)) return 0;
-        return position < maximum ? static_cast<Number>(position)
-                                  : std::numeric_limits<Number>::max();
-    }
-
-    template <class Number>
-    void integer_of(double value, Ranges ranges) {
-        const bool is_whole = std::fabs(value) < 0x1p53 && std::nearbyint(value) == value;
-        check_.require(is_whole);
-        const std::int64_t found = is_whole ? static_cast<std::int64_t>(value) : 0;
-        check_.require(Check::is_within(found, ranges));
-        raw(static_cast<Number>(found));
-    }
-
-    Check& check_;
-    Octets& out_;
-};
 
 // A message of ROS in XCDR version 1 (OMG DDS-XTypes 1.3, 7.4), little endian.
 class CdrInput : public Input {
@@ -537,7 +247,8 @@ public:
     std::string text() {
         const std::size_t count = static_cast<std::size_t>(integer<std::uint32_t>());
         if (count == 0) return {};
-        std::string found = ascii(count);
+        std::string found;
+        take(found, count);
         check_.require(!found.empty() && found.back() == '\0');
         if (!found.empty()) found.pop_back();
         return found;
@@ -681,7 +392,8 @@ std::int64_t jaus_to_ros(const std::uint8_t* data, std::size_t size, Made* made,
         Check check;
         JausInput in(data, size, check);
         if (!in.begin(Source::CODE)) return GIVES_WAY;
-        const Source source = Source::read(in);
+        Source source;
+        source.read(in);
         in.end();
         if (!check.passed()) return GIVES_WAY;
         Target target;
@@ -700,7 +412,7 @@ std::int64_t jaus_to_ros(const std::uint8_t* data, std::size_t size, Made* made,
 template <class Source, class Target, class Translate>
 std::int64_t ros_to_jaus(const std::uint8_t* data, std::size_t size, Made* made,
                          const Translate& translate) {
-    static thread_local Octets out;
+    static thread_local Octets out(512);
     try {
         Check check;
         CdrInput in(data, size, check);
@@ -710,12 +422,13 @@ std::int64_t ros_to_jaus(const std::uint8_t* data, std::size_t size, Made* made,
         Target target;
         translate(source, target, check);
         if (!check.passed()) return GIVES_WAY;
-        out.clear();
-        JausOutput output(out, check);
-        output.raw(Target::CODE);
-        target.write(output);
-        *made = {out.data(), check.unknown()};
-        return check.passed() ? static_cast<std::int64_t>(out.size()) : GIVES_WAY;
+        for (;;) {
+            const Outcome written = encode(target, out.data(), out.size());
+            *made = {out.data(), check.unknown()};
+            if (written) return static_cast<std::int64_t>(written.size);
+            if (written.status != Status::no_room) return GIVES_WAY;
+            out.resize(2 * out.size());
+        }
     } catch (...) {
         return GIVES_WAY;
     }
@@ -735,7 +448,8 @@ std::optional<Message> joined_jaus(const Bytes& bytes, Check& check) {
     if (bytes.data == nullptr) return std::nullopt;
     JausInput in(bytes.data, bytes.size, check);
     if (!in.begin(Message::CODE)) return std::nullopt;
-    std::optional<Message> found = Message::read(in);
+    std::optional<Message> found;
+    found.emplace().read(in);
     in.end();
     return found;
 }
