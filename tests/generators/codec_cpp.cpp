@@ -7,7 +7,6 @@
 #include <clocale>
 #include <cmath>
 #include <csetjmp>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>

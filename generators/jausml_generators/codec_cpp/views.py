@@ -63,7 +63,7 @@ class HeaderView:
         """What a visitor gets, by the codes of the messages."""
         found: dict[str, list[str]] = defaultdict(list)
         for message in self.messages:
-            found[message.code_text].append(self.codec.structs[message.class_name].own_name)
+            found[message.code_text].append(self.codec.structs[message.class_name].cpp)
         lines = (
             f"    case {code}: return jausml::visit<{', '.join(names)}>(data, size, visitor);"
             for code, names in found.items()

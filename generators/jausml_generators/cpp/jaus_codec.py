@@ -256,10 +256,10 @@ class _Message:
     def _reading(self, member: View, name: str) -> list[str]:
         if not member.is_optional:
             return self._read_value(member.value, name)
-        lines = [f"{name}.emplace();", *self._read_value(member.value, f"(*{name})")]
+        lines = self._read_value(member.value, f"{name}.emplace()", f"*{name}")
         return _if_there(f"presence & 0x{member.bit:X}", lines)
 
-    def _read_value(self, value: Value, target: str) -> list[str]:
+    def _read_value(self, value: Value, target: str, again: str = "") -> list[str]:
         match value:
             case Bits():
                 return [f"{target}.from_bits(in.bits<{NUMBERS[value.format]}>());"]
@@ -280,7 +280,7 @@ class _Message:
             case ArrayValue():
                 first = f"jausml::fit({target}, {value.count});"
         inner = self._read_value(value.element, "item")
-        loop = f"for (auto& item : {target}) {{"
+        loop = f"for (auto& item : {again or target}) {{"
         return [first, loop, *(f"{_INDENT}{line}" for line in inner), "}"]
 
     def _read_variant(self, value: VariantValue, target: str) -> list[str]:
@@ -298,28 +298,31 @@ class _Message:
         return _if_there(f"{name}.has_value()", [f"presence |= 0x{member.bit:X};", *lines])
 
     def _write_value(self, value: Value, text: str) -> list[str]:
+        given = text.strip("()")
         match value:
             case Bits():
                 kind = NUMBERS[value.format]
                 return [f"out.raw(static_cast<{kind}>({text}.to_bits(out)));"]
             case Fixed() if value.format.endswith("s"):
-                return [f"out.padded({text}, {value.size});"]
+                return [f"out.padded({given}, {value.size});"]
             case Fixed():
-                return [write_number(value, text, self._type(value))]
+                return [write_number(value, given, self._type(value))]
             case Blob():
                 bounds = f"{value.lower}, {unsigned(value.upper)}"
-                return [f"out.counted<{NUMBERS[value.count_format]}>({text}, {bounds});"]
+                return [f"out.counted<{NUMBERS[value.count_format]}>({given}, {bounds});"]
             case PartValue():
                 return [f"{text}.write(out);"]
             case VariantValue():
                 return self._write_variant(value, text)
             case ListValue():
                 count = NUMBERS[value.count_format]
-                first = f"out.count<{count}>({text}, 0, {unsigned(value.upper)});"
+                first = f"out.count<{count}>({given}, 0, {unsigned(value.upper)});"
             case ArrayValue():
-                first = f"out.require({text}.size() == {value.count}, jausml::Status::too_long);"
+                first = (
+                    f"out.require({text}.size() == {value.count}, jausml::Status::count_not_legal);"
+                )
         inner = self._write_value(value.element, "item")
-        loop = [f"for (const auto& item : {text}) {{", *(f"{_INDENT}{e}" for e in inner), "}"]
+        loop = [f"for (const auto& item : {given}) {{", *(f"{_INDENT}{e}" for e in inner), "}"]
         return [first, *loop]
 
     def _write_variant(self, value: VariantValue, text: str) -> list[str]:
@@ -328,7 +331,7 @@ class _Message:
             return [f"out.raw(static_cast<{number}>(0));", f"{text}.write(out);"]
         return [
             f"out.raw(static_cast<{number}>({text}.index()));",
-            f"std::visit([&](const auto& option) {{ option.write(out); }}, {text});",
+            f"std::visit([&](const auto& option) {{ option.write(out); }}, {text.strip('()')});",
         ]
 
 

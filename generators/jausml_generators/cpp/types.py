@@ -21,7 +21,7 @@ _RESERVED = names_in(
     short signed sizeof static static_assert static_cast struct switch template this thread_local
     throw true try typedef typeid typename union unsigned using virtual void volatile wchar_t while
     xor xor_eq
-    assert errno linux offsetof stderr stdin stdout unix
+    assert errno linux math_errhandling offsetof sched_priority stderr stdin stdout unix
     CODE NAN INFINITY bits check data from_bits in jausml live made out read size source
     std target to_bits write
     """

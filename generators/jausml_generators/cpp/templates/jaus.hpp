@@ -37,7 +37,7 @@ enum class Status : std::uint8_t {
     bytes_left_over,  // there are bytes behind the message
     unknown_bit,      // a bit of a presence vector stands for no field
     no_such_option,   // a tag or index chooses nothing
-    too_long,         // a list or text that the model does not allow
+    count_not_legal,  // a list or text has more or fewer elements than the model allows
     not_legal,        // a number that the model does not allow, or a text with a NUL
     no_room,          // the buffer, or a container without heap, is too small
     unusual,          // what the compiled translations of a bridge leave to others
@@ -326,7 +326,7 @@ private:
     template <class Number>
     std::size_t count(std::uint64_t most, std::size_t least_size) {
         const std::uint64_t found = raw<Number>();
-        require(found <= most, Status::too_long);
+        require(found <= most, Status::count_not_legal);
         require(found <= left() / least_size, Status::ends_early);
         return check_.passed() ? static_cast<std::size_t>(found) : 0;
     }
@@ -385,7 +385,7 @@ public:
 
     template <class Text>
     void padded(const Text& value, std::size_t length) {
-        require(value.size() <= length && !is_cut(value, 0), Status::too_long);
+        require(value.size() <= length && !is_cut(value, 0), Status::count_not_legal);
         require(std::find(value.begin(), value.end(), '\0') == value.end());
         put_all(value);
         for (std::size_t at = value.size(); at < length; ++at) raw(std::uint8_t{0});
@@ -394,7 +394,7 @@ public:
     template <class Number, class Sized>
     void count(const Sized& value, std::uint64_t fewest, std::uint64_t most) {
         const bool fits = value.size() >= fewest && value.size() <= most && !is_cut(value, 0);
-        require(fits, Status::too_long);
+        require(fits, Status::count_not_legal);
         raw(static_cast<Number>(value.size()));
     }
 
