@@ -45,7 +45,8 @@ def _broken(line: str) -> Iterator[str]:
         ]
         if not places:
             break
-        # Of the places that fill the line by more than half, the last of those that bind least, after a comma if may be.
+        # Of the places that fill the line by more than half, the last of those that bind least,
+        # and that behind a comma before an operator.
         far = [each for each in places if each > LINE_WIDTH // 2] or places
         at = min(reversed(far), key=lambda each: (depths[each], line[each - 1] != ","))
         yield line[:at]
