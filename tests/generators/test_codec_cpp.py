@@ -38,6 +38,8 @@ from jausml_generators.python.codec.message_examples import example_bytes
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+GUARDS = ("tests/vectors", "generators/jausml_generators/cpp")
+
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 MODELS = [
@@ -83,6 +85,13 @@ def program() -> str:
     if found is None:
         pytest.skip("there is no compiler of C++")
     return found
+
+
+def watched(program: str) -> tuple[str, ...]:
+    """Returns the flags of the sanitizers where the compiler has them."""
+    command = [program, "-print-file-name=libasan.so"]
+    found = subprocess.run(command, capture_output=True, text=True, check=False).stdout
+    return WATCHED if Path(found.strip()).is_absolute() else ()
 
 
 def compiled(program: str, *arguments: object) -> None:
@@ -263,7 +272,7 @@ def run(program: str, messages: Messages, tmp_path_factory: pytest.TempPathFacto
         "".join(f"{name} {payload.hex()}\n" for (_, payload), name in payloads.items()),
         encoding="utf-8",
     )
-    flags = (*STRICT, *WATCHED, f"-I{folder}")
+    flags = (*STRICT, *watched(program), f"-I{folder}")
     compiled(program, *flags, HERE / "codec_cpp.cpp", "-o", folder / "turn")
     said = subprocess.run(
         [folder / "turn", folder / "payloads"], capture_output=True, text=True, check=False
