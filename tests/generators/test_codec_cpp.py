@@ -40,6 +40,8 @@ if TYPE_CHECKING:
 
 GUARDS = ("tests/vectors", "generators/jausml_generators/cpp")
 
+pytestmark = pytest.mark.timeout(400)
+
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 MODELS = [
