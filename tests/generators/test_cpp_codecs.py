@@ -1,0 +1,37 @@
+"""Codecs in C++ of the messages that the library ships: what is printed of them can be compiled."""
+
+from __future__ import annotations
+
+import subprocess
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from codec_support import definitions, shipped_sets
+
+from jausml.generation.native import FLAGS, compiler
+from jausml_generators.cpp import jaus_codec
+from jausml_generators.cpp.types import UnprintableError
+
+GUARDS = ("generators/jausml_generators/cpp", "models/library/jaus")
+
+SUPPORT = Path(jaus_codec.__file__).parent / "templates"
+CHECKED = ("-fsyntax-only", "-Wall", "-Wextra", "-Werror")
+
+
+@pytest.mark.parametrize("name", shipped_sets())
+def test_messages_compile(name: str, tmp_path: Path) -> None:
+    program = compiler()
+    if program is None:
+        pytest.skip("there is no compiler of C++")
+    codec = jaus_codec.JausCodec()
+    for view in dict.fromkeys(definitions(name).values()):
+        with suppress(UnprintableError):
+            codec.add(view)
+    assert codec.structs
+    lines = ['#include "core.hpp"', "namespace jaus {", *codec.lines, "}", ""]
+    source = tmp_path / "messages.cpp"
+    source.write_text("\n".join(lines), encoding="utf-8")
+    command = [program, *FLAGS, *CHECKED, f"-I{SUPPORT}", str(source)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[:4000]
