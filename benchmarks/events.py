@@ -7,7 +7,7 @@ from itertools import cycle
 from typing import TYPE_CHECKING
 
 from ends import JausEnd
-from names import FLOOR
+from names import FLOORS
 from rclpy.serialization import deserialize_message, serialize_message
 from variants import Loop
 
@@ -93,7 +93,7 @@ class EventLoop(Loop):
 
     def down(self) -> float | None:
         """Publishes another message than the last one and waits for the event."""
-        if self.variant != FLOOR and not self.end.is_subscribed:
+        if self.variant not in FLOORS and not self.end.is_subscribed:
             self.end.send(self._request)
         self.sample = next(self._changes)
         return super().down()

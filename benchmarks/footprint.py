@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from ends import QUERY_STATUS, REPORT_STATUS, JausEnd, RosEnd, free_port, wait_until
 from figures import rounded
-from names import FLOOR, GENERATED, GENERIC
+from names import COMPILED, FLOOR, GENERATED, GENERIC, JUDGED
 from processes import Children
 from samples import sample
 from systems import Measured, generate
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from systems import System
 
 HERE = Path(__file__).resolve().parent
-CONNECTIONS = (1, 10, 100, 300)
+CONNECTIONS = (1, 20, 100, 300)
 COMPONENTS = (1, 10, 100)
 _RUNS = 3
 _IDLE = 1.0
@@ -48,7 +48,8 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
     Returns:
         By number of connections and variant: medians of `ready_s` (bridges that were generated),
         `through_s`, `processor_s`, `memory_mib` and `idle` (share of a processor); `span_s` of
-        `ready_s`; `code` with `lines` and `bytes` of what was generated.
+        `ready_s`; `code` with `lines` and `bytes` of what was generated, and `build_s`, in which
+        it was compiled.
     """
     found: dict[str, Any] = {}
     with closing(RosEnd("meter")) as ros:
@@ -60,9 +61,10 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
             system = generate(own, {name: Measured(("point",), count - 1, ways=("up",))})
             message = sample(system.model, "point")
             lines, size = system.lines(name)
+            code = {"lines": lines, "bytes": size, "build_s": rounded(system.compile())}
             found[str(count)] = {
                 **_of(scale, folder, system, name, message, ros),
-                "code": {"lines": lines, "bytes": size},
+                "code": code,
             }
             print(f"  {count} connections: {found[str(count)]}", flush=True)
     return found
@@ -71,11 +73,11 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
 def _of(
     scale: Scale, folder: Path, system: System, name: str, message: Sample, ros: RosEnd
 ) -> dict[str, Any]:
-    variants = [FLOOR, GENERATED, GENERIC]
+    variants = [FLOOR, COMPILED, GENERATED, GENERIC]
     samples: dict[str, list[dict[str, float]]] = {each: [] for each in variants}
     for number in range(scale.count(_RUNS, 1)):
         random.shuffle(variants)
-        for variant in variants if number == 0 else [GENERATED]:
+        for variant in variants if number == 0 else list(JUDGED):
             loop = Loop(variant, ros, system, name, message)
             with Children(system.environment(), folder / "processes.log") as children:
                 loop.start(children, folder)
@@ -92,7 +94,7 @@ def _add_start(samples: list[dict[str, float]], address: Numbers, loop: Loop) ->
 def _started(loop: Loop, address: Numbers) -> dict[str, float]:
     child = loop.processes[0]
     found = {}
-    if loop.variant == GENERATED:
+    if loop.variant in JUDGED:
         query = loop.end.outgoing(QUERY_STATUS, address)
         loop.until(lambda: _answers(loop.end, query))
         found["ready_s"] = time.monotonic() - child.started

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from ends import RosEnd
 from events import EventLoop
 from figures import Blocks
-from names import FLOOR, GENERATED, GENERIC, KINDS, VARIANTS, WAYS
+from names import COMPILED, FLOOR, GENERATED, GENERIC, JUDGED, KINDS, RELAY, VARIANTS, WAYS
 from processes import Children
 from samples import sample
 from systems import MAPS, REPORT, Measured, generate
@@ -65,6 +65,7 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
     names = {kind: f"one_{KINDS[kind][0]}" for kind in kinds}
     bridges = {f"one_{each}": Measured((each,)) for each in MAPS if f"one_{each}" in names.values()}
     system = generate(folder, bridges)
+    system.compile()
     found = {}
     with closing(RosEnd("meter")) as ros:
         for kind in kinds:
@@ -83,7 +84,7 @@ def measure_connections(scale: Scale, folder: Path) -> dict[str, Any]:
     Returns:
         Figures by connections each way, way and variant at 100 messages a second.
     """
-    variants = (FLOOR, GENERATED, GENERIC)
+    variants = (FLOOR, COMPILED, GENERATED, GENERIC)
     found = {}
     with closing(RosEnd("meter")) as ros:
         for count in scale.cases(IDLE, 2):
@@ -92,6 +93,7 @@ def measure_connections(scale: Scale, folder: Path) -> dict[str, Any]:
             own.mkdir()
             name = f"with_{count}"
             system = generate(own, {name: Measured(("point",), 2 * (count - 1))})
+            system.compile()
             message = sample(system.model, "point")
             figures = side_by_side(scale, folder, system, name, message, ros, variants, (100,))
             found[str(count)] = figures["100"]
@@ -109,11 +111,11 @@ def measure_events(scale: Scale, folder: Path) -> dict[str, Any]:
         Figures by rate, way and variant.
     """
     system = generate(folder, {"events": Measured((REPORT,))})
+    system.compile()
+    variants = (RELAY, FLOOR, COMPILED, GENERATED)
     message = sample(system.model, REPORT)
     with closing(RosEnd("meter")) as ros:
-        return side_by_side(
-            scale, folder, system, "events", message, ros, (FLOOR, GENERATED), loop=EventLoop
-        )
+        return side_by_side(scale, folder, system, "events", message, ros, variants, loop=EventLoop)
 
 
 def side_by_side(
@@ -228,6 +230,6 @@ def _told(found: dict[str, Any]) -> str:
     told = []
     for rate, ways in found.items():
         for way, variants in ways.items():
-            ratio = variants.get(GENERATED, {}).get("ratio")
-            told.append(f"{rate}/s {way} {ratio}")
+            ratios = [str(variants.get(each, {}).get("ratio")) for each in JUDGED]
+            told.append(f"{rate}/s {way} {' '.join(ratios)}")
     return ", ".join(told)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from counterpart import Counterpart
 from ends import PEER, RosEnd, datagrams
 from figures import Blocks
-from names import FLOOR, GENERATED, GENERIC, TYPED, WAYS
+from names import COMPILED, FLOOR, GENERATED, GENERIC, TYPED, WAYS
 from processes import Children
 from samples import sample
 from systems import Measured, generate
@@ -51,6 +51,7 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
         Figures by way and variant in microseconds; the tail is the 99.9th percentile.
     """
     system = generate(folder, {"one_point": Measured(("point",))})
+    system.compile()
     message = sample(system.model, "point")
     blocks = {way: Blocks() for way in WAYS}
     seconds = max(_SECONDS * scale.factor, 0.2)
@@ -58,7 +59,7 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
         Children(system.environment(), folder / "processes.log") as children,
         closing(RosEnd("meter")) as ros,
     ):
-        variants = scale.cases((FLOOR, GENERATED, TYPED, GENERIC), 2)
+        variants = scale.cases((FLOOR, COMPILED, GENERATED, TYPED, GENERIC), 3)
         loops = [Loop(each, ros, system, "one_point", message) for each in variants]
         to = ":".join(map(str, system.address("one_point")))
         shared = [f"{loop.end.sock.fileno()}:{loop.port}:{to}" for loop in loops]
@@ -103,8 +104,9 @@ def measure_beside_grids(scale: Scale, folder: Path) -> dict[str, Any]:
         ratios are; `carried` has the share of the grids that came through, by variant.
     """
     system = generate(folder, {"loaded": Measured(("twist",), load=True)})
+    system.compile()
     message, grid = sample(system.model, "twist"), sample(system.model, "grid")
-    variants = scale.cases((GENERATED, TYPED), 1)
+    variants = scale.cases((COMPILED, GENERATED, TYPED), 2)
     blocks = {(way, variant): Blocks() for way in WAYS for variant in variants}
     carried: dict[str, list[float]] = {each: [] for each in variants}
     datagrams_each = len(datagrams(grid.jaus, PEER, PEER))

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
-FLOOR, GENERATED, TYPED, GENERIC = "floor", "generated", "typed", "generic"
-VARIANTS = (FLOOR, GENERATED, TYPED, GENERIC)
+RELAY, FLOOR, COMPILED = "relay", "floor", "compiled"
+GENERATED, TYPED, GENERIC = "generated", "typed", "generic"
+VARIANTS = (RELAY, FLOOR, COMPILED, GENERATED, TYPED, GENERIC)
 """The bridges that stand side by side."""
 
-BRIDGES = (GENERATED, TYPED, GENERIC)
+FLOORS = (RELAY, FLOOR)
+"""Those that only forward bytes."""
+
+BRIDGES = (COMPILED, GENERATED, TYPED, GENERIC)
+
+JUDGED = (COMPILED, GENERATED)
+"""Those that users run, with a compiler and without."""
 
 WAYS = ("up", "down")
 """From JAUS to ROS, and from ROS to JAUS."""
@@ -15,7 +22,7 @@ ALL_WAYS = (*WAYS, "both")
 WAY_NAMES = {"up": "JAUS to ROS", "down": "ROS to JAUS", "both": "both ways at once"}
 
 LIGHT = "light"
-FORMS = (LIGHT, TYPED, GENERIC)
+FORMS = (COMPILED, LIGHT, TYPED, GENERIC)
 """Forms of a translation."""
 
 KINDS = {

@@ -10,12 +10,13 @@ import page_others
 from figures import rounded
 from names import (
     ALL_WAYS,
-    BRIDGES,
+    COMPILED,
     FLOOR,
     FORMS,
-    GENERATED,
     GENERIC,
+    JUDGED,
     KINDS,
+    LIGHT,
     READY_MAPS,
     TYPED,
     VARIANTS,
@@ -23,7 +24,7 @@ from names import (
     WAYS,
 )
 from pictures import pictures
-from tables import by_kind, counted, table, times
+from tables import among, by_kind, counted, table, times
 from targets import JUDGED_RATE, REMARKS, TAIL_RATE, TARGETS
 
 if TYPE_CHECKING:
@@ -32,7 +33,10 @@ if TYPE_CHECKING:
 HERE = Path(__file__).resolve().parent
 NAME = "performance.md"
 _QUIET_LOAD = 0.7
-_OWN_FORMS = tuple(form for form in FORMS if form != GENERIC)
+_COMPARED = ((COMPILED, LIGHT), (LIGHT, GENERIC))
+"""Forms of which the page says how many times less the first takes."""
+
+_RATIOS = tuple(each for each in VARIANTS if each != FLOOR)
 _REST = (
     "answers, s",
     "first message, s",
@@ -48,18 +52,21 @@ whether jausml is fast enough for your system. `make bench` writes it from
 `benchmarks/results.json`; do not edit it. The figures are from CPython {python} on {processors}
 processors.
 
-Four bridges are compared:
+These bridges are compared:
 
 - **floor**: a Python program that only forwards the same bytes between the same two sockets. One
   process for each direction runs `recv` and `Publisher.publish(bytes)`, or a wait set with one
   subscription, a raw take and `sendto`.
-- **generated**: the bridge that `jausml generate` writes.
+- **relay**: the same loops in C (`benchmarks/relay.cpp`), on ends that Python has opened.
+- **compiled**: the bridge that `jausml generate` writes, with its translations compiled.
+- **generated**: the same bridge without a compiler, so that Python translates.
 - **typed**: the same bridge, with each translation overridden to use the message classes of ROS.
 - **generic**: a bridge that interprets the same model at run time (`benchmarks/generic_bridge.py`),
   with typed messages, the executor of rclpy, and attribute paths by reflection.
 
 **Trust ratios more than times.** The bridges took turns within one run, which was divided into
-blocks with a shuffled order. The span of a ratio shows how much it varied over the blocks.
+blocks with a shuffled order. The span of a ratio shows how much it varied over the blocks. A
+variant that a part did not measure has no column there.
 
 "Up" means from JAUS to ROS, "down" from ROS to JAUS. The messages and maps are in
 `benchmarks/measured.ros2jaus`.
@@ -73,24 +80,32 @@ def files(data: Mapping[str, Any]) -> dict[str, str]:
         data: The data of a run.
     """
     sections = data["sections"]
+    runs = data["runs"]
     plots = dict(pictures(sections))
+
+    def told(part: Iterator[str], *names: str) -> Iterator[str]:
+        """Says after the beginning of a part which of its figures are to be taken with caution."""
+        for number, each in enumerate(part):
+            yield each
+            if number == 0:
+                yield from _cautions(runs, names)
+
     parts = [
         _INTRODUCTION.format(**data["machine"]),
-        *_scale(data["scale"]),
-        *_busy(data["machine"]),
+        *_cautions(runs, tuple(sections)),
         *_targets(sections),
-        *_latency(sections, plots),
-        *_events(sections),
-        *_connections(sections),
-        *_throughput(sections, plots),
-        *_load(sections),
-        *page_others.partition(sections),
-        *_translations(sections, plots),
-        *_footprint(sections),
-        *page_others.components(sections),
-        *page_others.codecs(sections),
-        *page_others.toolchain(sections),
-        *page_others.studio(sections),
+        *told(_latency(sections, plots), "latency"),
+        *told(_events(sections), "events"),
+        *told(_connections(sections), "connections"),
+        *told(_throughput(sections, plots), "throughput"),
+        *told(_load(sections), "load", "grids"),
+        *told(page_others.partition(sections), "partition"),
+        *told(_translations(sections, plots), "translations"),
+        *told(_footprint(sections), "footprint", "hosts"),
+        *told(page_others.components(sections), "components", "one_processor"),
+        *told(page_others.codecs(sections), "codecs"),
+        *told(page_others.toolchain(sections), "toolchain"),
+        *told(page_others.studio(sections), "studio"),
         *page_others.soak(data.get("soak")),
         *_failed(data["failed"]),
     ]
@@ -100,16 +115,19 @@ def files(data: Mapping[str, Any]) -> dict[str, str]:
 # ------------------------------------------------------------------ parts of the page
 
 
-def _scale(name: str) -> Iterator[str]:
-    if name != "full":
-        yield f"**This was a {name} run, not a full one**: it has few cases and few samples.\n"
-
-
-def _busy(machine: Mapping[str, Any]) -> Iterator[str]:
-    if machine.get("load", 0) > _QUIET_LOAD:
+def _cautions(runs: Mapping[str, Any], names: Sequence[str]) -> Iterator[str]:
+    """Says which sections are of no full run, or were measured beside other work."""
+    known = {name: runs[name] for name in names if name in runs}
+    short = [f"{name} ({run['scale']})" for name, run in known.items() if run["scale"] != "full"]
+    if short:
+        yield f"**Of no full run**: {', '.join(short)}. They have few cases and few samples.\n"
+    busy = [
+        f"{name} (load {run['load']:g})" for name, run in known.items() if run["load"] > _QUIET_LOAD
+    ]
+    if busy:
         yield (
-            f"**The computer was busy with other work**: its load was {machine['load']:g} at the "
-            "start. Times are too long and tails far too long; ratios are still a guide.\n"
+            f"**Measured while the computer had other work**: {', '.join(busy)}. Times are too "
+            "long and tails far too long; ratios are still a guide.\n"
         )
 
 
@@ -130,8 +148,8 @@ def _targets(sections: Mapping[str, Any]) -> Iterator[str]:
             why = REMARKS.get(target.key, "no explanation yet.")
             remarks.append(f"- **{target.text[0].upper()}{target.text[1:]}**: {why}")
     yield (
-        f"Each target is judged by the worst of its cases: medians at {JUDGED_RATE} messages a "
-        f"second, 99th percentiles at {TAIL_RATE}.\n"
+        "Each target is judged by the worst of its cases: medians of small messages at all rates, "
+        f"other medians at {JUDGED_RATE} messages a second, 99th percentiles at {TAIL_RATE}.\n"
     )
     yield table(("target", "aim", "worst measured", ""), rows)
     if remarks:
@@ -151,17 +169,36 @@ def _latency(sections: Mapping[str, Any], plots: Mapping[str, str]) -> Iterator[
     )
     yield _figure("latency", plots)
     for way in WAYS:
-        rows = []
-        for kind, rates in by_kind(sections["latency"]):
-            for rate, ways in sorted(rates.items(), key=lambda each: int(each[0])):
-                found = ways[way]
-                floor = found.get(FLOOR, {}).get("median")
-                ratios = (_marked(found.get(each, {})) for each in BRIDGES)
-                tail = found.get(GENERATED, {}).get("tail_ratio")
-                rows.append((KINDS[kind][1], int(rate), floor, *ratios, tail))
+        cases = [
+            ((KINDS[kind][1], int(rate)), ways[way])
+            for kind, rates in by_kind(sections["latency"])
+            for rate, ways in _by_rate(rates)
+        ]
         yield f"{WAY_NAMES[way]}:\n"
-        head = ("message", "a second", "floor, us", *BRIDGES, "generated, p99 against p99")
-        yield table(head, rows)
+        yield _against_floor(("message", "a second"), cases)
+
+
+def _by_rate(rates: Mapping[str, Any]) -> list[tuple[str, Any]]:
+    return sorted(rates.items(), key=lambda each: int(each[0]))
+
+
+def _against_floor(
+    head: Sequence[str], cases: Sequence[tuple[Sequence[object], Mapping[str, Any]]]
+) -> str:
+    """Returns a table of the ratios of the bridges that were measured to the floor."""
+    measured = [found for _, found in cases]
+    bridges, judged = among(_RATIOS, measured), among(JUDGED, measured)
+    rows = [
+        (
+            *names,
+            found.get(FLOOR, {}).get("median"),
+            *(_marked(found.get(each, {})) for each in bridges),
+            *(found.get(each, {}).get("tail_ratio") for each in judged),
+        )
+        for names, found in cases
+    ]
+    tails = (f"{each}, p99 against p99" for each in judged)
+    return table((*head, "floor, us", *bridges, *tails), rows)
 
 
 def _marked(figures: Mapping[str, Any]) -> str:
@@ -175,19 +212,12 @@ def _events(sections: Mapping[str, Any]) -> Iterator[str]:
         "The same for a point in a report that is sent as an event at every change. From JAUS to "
         "ROS, the bridge has asked for the event; from ROS to JAUS, it provides the event.\n"
     )
-    rows = [
-        (
-            WAY_NAMES[way],
-            int(rate),
-            ways[way].get(FLOOR, {}).get("median"),
-            _marked(ways[way].get(GENERATED, {})),
-            ways[way].get(GENERATED, {}).get("tail_ratio"),
-        )
+    cases = [
+        ((WAY_NAMES[way], int(rate)), ways[way])
         for way in WAYS
-        for rate, ways in sorted(sections["events"].items(), key=lambda each: int(each[0]))
+        for rate, ways in _by_rate(sections["events"])
     ]
-    head = ("event", "a second", "floor, us", GENERATED, "generated, p99 against p99")
-    yield table(head, rows)
+    yield _against_floor(("event", "a second"), cases)
 
 
 def _connections(sections: Mapping[str, Any]) -> Iterator[str]:
@@ -198,26 +228,12 @@ def _connections(sections: Mapping[str, Any]) -> Iterator[str]:
         f"Stamped points at {JUDGED_RATE} a second through a bridge whose other connections are "
         "idle.\n"
     )
-    rows = [
-        (
-            int(count),
-            WAY_NAMES[way],
-            found[way].get(FLOOR, {}).get("median"),
-            *(_marked(found[way].get(each, {})) for each in (GENERATED, GENERIC)),
-            found[way].get(GENERATED, {}).get("tail_ratio"),
-        )
-        for count, found in sorted(sections["connections"].items(), key=lambda each: int(each[0]))
+    cases = [
+        ((count, WAY_NAMES[way]), found[way])
+        for count, found in counted(sections["connections"])
         for way in WAYS
     ]
-    head = (
-        "connections each way",
-        "",
-        "floor, us",
-        GENERATED,
-        GENERIC,
-        "generated, p99 against p99",
-    )
-    yield table(head, rows)
+    yield _against_floor(("connections each way", ""), cases)
 
 
 def _throughput(sections: Mapping[str, Any], plots: Mapping[str, str]) -> Iterator[str]:
@@ -231,22 +247,23 @@ def _throughput(sections: Mapping[str, Any], plots: Mapping[str, str]) -> Iterat
         "of the bridge for each message, including all its threads and the kernel.\n"
     )
     yield _figure("throughput", plots)
+    variants = among(VARIANTS, list(found.values()))
     rows = [
-        (WAY_NAMES[way], *(_rate(found[way].get(each)) for each in VARIANTS))
+        (WAY_NAMES[way], *(_rate(found[way].get(each)) for each in variants))
         for way in ALL_WAYS
         if way in found
     ]
-    yield table(("without loss", *VARIANTS), rows)
+    yield table(("without loss", *variants), rows)
     steps = sorted(
         {int(rate) for way in found.values() for each in way.values() for rate in each["steps"]}
     )
     rows = []
     for way in (each for each in ALL_WAYS if each in found):
         for step in steps:
-            cells = [found[way].get(each, {}).get("steps", {}).get(str(step)) for each in VARIANTS]
+            cells = [found[way].get(each, {}).get("steps", {}).get(str(step)) for each in variants]
             if any(cells):
                 rows.append((f"{WAY_NAMES[way]}, {step:,}/s", *map(_step, cells)))
-    yield table(("us a message (lost)", *VARIANTS), rows)
+    yield table(("us a message (lost)", *variants), rows)
 
 
 def _rate(found: Mapping[str, Any] | None) -> str:
@@ -290,7 +307,7 @@ def _load(sections: Mapping[str, Any]) -> Iterator[str]:
         )
         yield table(
             ("", "variant", "median, us", "99 %, us", "median against alone", "99 % against alone"),
-            _load_rows(found, (GENERATED, TYPED)),
+            _load_rows(found, (*JUDGED, TYPED)),
         )
 
 
@@ -310,32 +327,46 @@ def _translations(sections: Mapping[str, Any], plots: Mapping[str, str]) -> Iter
     yield "## Translations\n"
     yield (
         "Microseconds of processor time from bytes to bytes, in one process with warm caches. "
-        "*light* is the generated method on light classes, which bridges run; "
-        "*typed* is the same method on the message classes of ROS, and *generic* the interpreter.\n"
+        "*compiled* is the compiled function, which bridges ask first where it is built; a grid "
+        "has none, as its octets go through a table in Python. *light* is the generated method on "
+        "light classes, which bridges run otherwise; *typed* is the same method on the message "
+        "classes of ROS, and *generic* the interpreter.\n"
     )
     yield _figure("translations", plots)
-    rows = []
-    for kind, ways in by_kind(found):
-        for way in WAYS:
-            forms = ways[way]
-            best = min(each["median"] for form, each in forms.items() if form != GENERIC)
-            less = rounded(forms[GENERIC]["median"] / best)
-            medians = (forms.get(form, {}).get("median") for form in FORMS)
-            rows.append((KINDS[kind][1], WAY_NAMES[way], *medians, f"{less:g} x"))
-    yield table(("message", "", *FORMS, "best against generic"), rows)
-    rows = [
-        (
-            called,
-            WAY_NAMES[way],
-            *(found[name][way].get(form, {}).get("median") for form in _OWN_FORMS),
-        )
+    cases = [(KINDS[kind][1], way, ways[way]) for kind, ways in by_kind(found) for way in WAYS]
+    yield _forms(cases)
+    cases = [
+        (called, way, found[name][way])
         for name, (_, called) in READY_MAPS.items()
         if name in found
         for way in WAYS
     ]
-    if rows:
+    if cases:
         yield "The same for ready maps of the library:\n"
-        yield table(("message", "", *_OWN_FORMS), rows)
+        yield _forms(cases)
+
+
+def _forms(cases: Sequence[tuple[str, str, Mapping[str, Any]]]) -> str:
+    """Returns a table of the forms that were measured, and how many times less each takes."""
+    measured = [found for _, _, found in cases]
+    forms = among(FORMS, measured)
+    pairs = [(less, more) for less, more in _COMPARED if less in forms and more in forms]
+    rows = [
+        (
+            called,
+            WAY_NAMES[way],
+            *(found.get(form, {}).get("median") for form in forms),
+            *(_times_less(found, less, more) for less, more in pairs),
+        )
+        for called, way, found in cases
+    ]
+    return table(("message", "", *forms, *(f"{a} against {b}" for a, b in pairs)), rows)
+
+
+def _times_less(found: Mapping[str, Any], less: str, more: str) -> str:
+    if less not in found or more not in found:
+        return ""
+    return f"{rounded(found[more]['median'] / found[less]['median']):g} x"
 
 
 def _footprint(sections: Mapping[str, Any]) -> Iterator[str]:
@@ -350,15 +381,17 @@ def _footprint(sections: Mapping[str, Any]) -> Iterator[str]:
         )
         rows = []
         for count, variants in counted(sections["footprint"]):
-            for each in (FLOOR, GENERATED, GENERIC):
+            for each in (FLOOR, *JUDGED, GENERIC):
                 if each in variants:
                     rows.append((count, each, *_rest(variants[each])))
         yield table(("connections", "variant", *_REST), rows)
         rows = [
-            (count, found["code"]["lines"], rounded(found["code"]["bytes"] / count / 1e3))
+            (count, code["lines"], rounded(code["bytes"] / count / 1e3), code.get("build_s"))
             for count, found in counted(sections["footprint"])
+            for code in (found["code"],)
         ]
-        yield table(("connections", "lines of generated code", "kB each connection"), rows)
+        yield "Python that is generated, and how long its compiled form is built:\n"
+        yield table(("connections", "lines", "kB each connection", "build, s"), rows)
     if "hosts" in sections:
         yield "Several JAUS components in one process, until the last one answers:\n"
         rows = [(count, *_rest(found)) for count, found in counted(sections["hosts"])]

@@ -10,7 +10,7 @@ from tables import by_kind
 from targets import JUDGED_RATE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 
 def pictures(sections: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
@@ -29,7 +29,8 @@ def pictures(sections: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
             for way in WAYS
         ]
         title = f"Latency against the floor, {JUDGED_RATE} messages a second"
-        yield "performance-latency.svg", bars(title, "times the floor", BRIDGES, panels, mark=1.0)
+        shown = _shown(BRIDGES, panels)
+        yield "performance-latency.svg", bars(title, "times the floor", shown, panels, mark=1.0)
     if sections.get("throughput"):
         rows = {
             WAY_NAMES[way]: {each: each_found["rate"] or None for each, each_found in found.items()}
@@ -38,7 +39,8 @@ def pictures(sections: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         }
         title = "Messages a second without loss"
         panels = [Panel("stamped points", rows)]
-        yield "performance-throughput.svg", bars(title, "a second", VARIANTS, panels, mark=10_000)
+        shown = _shown(VARIANTS, panels)
+        yield "performance-throughput.svg", bars(title, "a second", shown, panels, mark=10_000)
     if sections.get("translations"):
         panels = [
             Panel(
@@ -51,4 +53,11 @@ def pictures(sections: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
             for way in WAYS
         ]
         title = "Processor time of a translation, bytes to bytes"
-        yield "performance-translations.svg", bars(title, "microseconds", FORMS, panels)
+        shown = _shown(FORMS, panels)
+        yield "performance-translations.svg", bars(title, "microseconds", shown, panels)
+
+
+def _shown(order: Iterable[str], panels: Sequence[Panel]) -> list[str]:
+    """Returns the series that have a bar."""
+    rows = [row for panel in panels for row in panel.bars.values()]
+    return [each for each in order if any(row.get(each) is not None for row in rows)]

@@ -11,7 +11,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
 _COLOURS = {
+    "relay": "#93b98a",
     "floor": "#3f7a2a",
+    "compiled": "#6b3f9e",
     "generated": "#2b5f8f",
     "light": "#2b5f8f",
     "typed": "#a9730f",

@@ -4,8 +4,8 @@ Usage: run.py [--quick | --tiny] [--only NAME...] [--data FILE] [--page FILE] [-
 
 A full run takes about twelve minutes and writes benchmarks/results.json and docs/performance.md;
 any other writes into build/benchmarks unless it is told where. With --only, the other figures of
-the data file stay. Each section runs in a process of its own with a time limit; one that fails is
-told, and the others run.
+the data file stay, and the page says of each part what kind of run it is of. Each section runs in a
+process of its own with a time limit; one that fails is told, and the others run.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 DATA = HERE / "results.json"
 PAGE = ROOT / "docs" / "performance.md"
-FORMAT = 2
+FORMAT = 3
 """Version of the data; figures of another one are not kept."""
 
 LOOKS = ROOT / "build" / "benchmarks"
@@ -118,21 +118,23 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
 
 def _measured(names: Sequence[str], scale: Scale, data_file: Path) -> dict[str, Any]:
     """Runs sections one after the other; the data is stored after each."""
-    data: dict[str, Any] = {"format": FORMAT, "sections": {}, "failed": {}}
+    data: dict[str, Any] = {"format": FORMAT, "sections": {}, "runs": {}, "failed": {}}
     if len(names) < len(NAMES) and data_file.exists():
         stored = json.loads(data_file.read_text(encoding="utf-8"))
         data = stored if stored.get("format") == FORMAT else data
-    data.update(scale=scale.name, machine=machine())
+    data["machine"] = machine()
     data_file.parent.mkdir(parents=True, exist_ok=True)
     for section in (each for each in SECTIONS if each.name in names):
         print(f"== {section.name}", flush=True)
         started = time.monotonic()
+        run = {"scale": scale.name, "load": machine()["load"]}
         found, why = _in_a_process(section, scale)
         data["failed"].pop(section.name, None)
         if found is None:
             data["failed"][section.name] = why
         else:
             data["sections"][section.name] = found
+            data["runs"][section.name] = run
         print(f"   {time.monotonic() - started:.0f} s {why}", flush=True)
         text = json.dumps(data, indent=1, sort_keys=True)
         data_file.write_text(f"{text}\n", encoding="utf-8")

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import sys
+import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ends import FIRST_BRIDGE, PEER, SINK
 
-from jausml.generation import render
+from jausml.generation import native, render
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGES
@@ -156,6 +157,19 @@ class System:
         kept = {name: each for name, each in os.environ.items() if name != _NO_BYTECODE}
         return {**kept, "PYTHONPATH": os.pathsep.join([*self.path, str(HERE)])}
 
+    def compile(self) -> float:
+        """Compiles the translations of all bridges; returns the seconds that it took.
+
+        Raises:
+            RuntimeError: There is no compiler, or it refused a source.
+        """
+        started = time.perf_counter()
+        folder = self.model_file.parent / "src"
+        for each in native.build(native.cores(folder), needed_compiler()):
+            if each.reason:
+                raise RuntimeError(f"{each.library}: {each.reason}")
+        return time.perf_counter() - started
+
     def importable(self) -> None:
         """Makes the packages importable here."""
         sys.path[:0] = [each for each in self.path if each not in sys.path]
@@ -165,6 +179,18 @@ class System:
         folder = next(Path(each) for each in self.path if Path(each).name == bridge) / bridge
         texts = [each.read_bytes() for each in sorted(folder.glob("*.py"))]
         return sum(each.count(b"\n") for each in texts), sum(map(len, texts))
+
+
+def needed_compiler() -> str:
+    """Returns the compiler.
+
+    Raises:
+        RuntimeError: There is none.
+    """
+    found = native.compiler()
+    if found is None:
+        raise RuntimeError("no compiler: install g++ or clang++")
+    return found
 
 
 def read_system(model_file: Path) -> Model:

@@ -31,6 +31,11 @@ def times(figures: Mapping[str, Any], name: str = "ratio", span: str = "span") -
     return f"{told} ({ends[0]:.2f} to {ends[1]:.2f})" if ends else told
 
 
+def among(order: Iterable[str], measured: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Returns which variants or forms were measured in some case, in their order."""
+    return [each for each in order if any(each in found for found in measured)]
+
+
 def counted(found: Mapping[str, Any]) -> list[tuple[int, Any]]:
     """Returns what was found by number, in order."""
     return sorted((int(count), each) for count, each in found.items())

@@ -44,6 +44,7 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
         and the `rate` of the greatest one without loss.
     """
     system = generate(folder, {"one_point": Measured(("point",))})
+    system.compile()
     message = sample(system.model, "point")
     steps = scale.cases(STEPS, 4)
     seconds = max(_SECONDS * scale.factor, 0.3)

@@ -1,6 +1,7 @@
 """What a translation takes of a processor, from bytes to bytes, in this process and warm.
 
-The same maps in each form: on light classes, on the message classes of ROS, and interpreted.
+The same maps in each form: compiled, on light classes, on the message classes of ROS, and
+interpreted.
 Forms take turns. Decoding and encoding are part of it, publishing and sending are not.
 """
 
@@ -16,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import interpreting
 import typed_bridge
 from figures import Blocks
-from names import FORMS, GENERIC, KINDS, LIGHT, READY_MAPS, TYPED, WAYS
+from names import COMPILED, FORMS, GENERIC, KINDS, LIGHT, READY_MAPS, TYPED, WAYS
 from rclpy.serialization import deserialize_message, serialize_message
 from samples import sample
 from systems import MAPS, READY, Measured, generate
@@ -50,9 +51,10 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
     Returns:
         Figures by kind, way and form, in microseconds of processor time; ratios are to the
         interpreted form. Ready maps of the library stand under their names; the interpreter here
-        does not know what they use.
+        does not know what they use, and some have no compiled form.
     """
     system = generate(folder, {_OWN: Measured(MAPS), _READY: Measured(tuple(READY))})
+    system.compile()
     system.importable()
     forms = _Forms(system.model, _OWN)
     ready = _Forms(system.model, _READY)
@@ -106,6 +108,10 @@ class _Forms:
         light = _light_class(method, message)
         if light is not None:
             found[LIGHT] = self._light_form(message, way, light)
+        compiled = getattr(method, "compiled", None)
+        if compiled is not None:
+            note = getattr(self._bridge, name).drop_field.unknown
+            found[COMPILED] = compiled.of(self._bridge, self._base.core.load(), note)
         given = message.jaus if way == "up" else message.ros
         for form, translate in found.items():
             assert translate(given) is not None, f"{form} of {name} passes nothing on"

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import subprocess
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from ends import PEER, JausEnd, drained, free_port, wait_until
-from names import FLOOR, GENERIC, TYPED, WAYS
+from names import FLOORS, GENERATED, GENERIC, RELAY, TYPED, WAYS
+from systems import needed_compiler
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -37,7 +39,7 @@ class Route:
     Attributes:
         variant: Which bridge.
         end: The socket.
-        processes: Those of the bridge: two for the floor.
+        processes: Those of the bridge: two for a floor.
     """
 
     end_class: type[JausEnd] = JausEnd
@@ -70,24 +72,28 @@ class Route:
             children: Who starts processes.
             folder: Where files may be written.
         """
-        if self.variant == FLOOR:
+        if self.variant in FLOORS:
             self.processes = [self._floor(children, folder, way) for way in WAYS]
             return
         options = ["--jaus-port", str(self.port)]
-        namespace = ["--ros-args", "-r", f"__ns:=/{self.variant}"]
+        ros = ["--ros-args", "-r", f"__ns:=/{self.variant}"]
+        if self.variant == GENERATED:
+            ros += ["-p", "compiled:=false"]
         if self.variant == GENERIC:
             line = [HERE / "generic_bridge.py", self._system.model_file, self._bridge, *options]
         elif self.variant == TYPED:
             line = [HERE / "typed_bridge.py", self._bridge, *options, "--log-level", "warning"]
         else:
             line = ["-m", f"{self._bridge}.main", *options, "--log-level", "warning"]
-        self.processes = [children.start(*line, *namespace)]
+        self.processes = [children.start(*line, *ros)]
 
     def _floor(self, children: Children, folder: Path, way: str) -> Child:
         out = folder / f"{self.sample.kind}_{way}"
         out.write_bytes(self.sample.ros if way == "up" else self.sample.jaus)
         port = self.port if way == "up" else self.end.sock.getsockname()[1]
         options = ["--type", self.sample.type, "--topic", self.topic(way), "--port", str(port)]
+        if self.variant == RELAY:
+            options += ["--relay", str(relay(folder))]
         return children.start(HERE / "floor.py", way, out, *options)
 
     def send(self) -> None:
@@ -116,6 +122,27 @@ class Route:
     def close(self) -> None:
         """Closes the socket."""
         self.end.close()
+
+
+def relay(folder: Path) -> Path:
+    """Returns the library with the floor in C, which is made where it is not there.
+
+    Raises:
+        RuntimeError: There is no compiler.
+    """
+    library = folder / "relay.so"
+    if not library.exists():
+        command = [
+            needed_compiler(),
+            "-O2",
+            "-fPIC",
+            "-shared",
+            "-o",
+            str(library),
+            str(HERE / "relay.cpp"),
+        ]
+        subprocess.run(command, check=True)
+    return library
 
 
 RouteT = TypeVar("RouteT", bound=Route)

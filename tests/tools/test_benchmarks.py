@@ -14,6 +14,8 @@ from pathlib import Path
 import pytest
 from for_each import for_each
 
+from jausml.generation.native import compiler
+
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "benchmarks"
 RUN = FOLDER / "run.py"
@@ -76,7 +78,8 @@ def test_the_data_tells_nothing_of_the_computer(path):
 
 def test_a_page_without_data_has_its_targets(page):
     machine = {"python": "3.11.0", "processors": 2}
-    data = {"scale": "full", "sections": {}, "failed": {"load": "exit code 1"}, "machine": machine}
+    failed = {"load": "exit code 1"}
+    data = {"sections": {}, "runs": {}, "failed": failed, "machine": machine}
     files = page.files(data)
     assert list(files) == ["performance.md"]
     assert "not measured" in files["performance.md"]
@@ -89,11 +92,36 @@ def test_a_missed_target_is_told_with_its_reason(page, monkeypatch):
     machine = {"python": "3.11.0", "processors": 2}
     figures = {"median": 90.0, "tail": 120.0, "ratio": 3.1, "span": [2.9, 3.4], "tail_ratio": 3.0}
     sections = {"components": {"messages": figures}}
-    data = {"scale": "tiny", "sections": sections, "failed": {}, "machine": machine}
+    data = {"sections": sections, "runs": {}, "failed": {}, "machine": machine}
     text = page.files(data)["performance.md"]
     assert "| at most 2 x | 3.1 x (messages) | **missed** |" in text
     assert ": two loops wake up." in text
     assert {each.key for each in targets.TARGETS} >= set(targets.REMARKS)
+
+
+def test_what_is_of_no_full_run_is_told_where_it_stands(page):
+    figures = {"median": 90.0, "tail": 120.0}
+    sections = {"components": {"messages": figures}, "one_processor": {"messages": figures}}
+    runs = {
+        "components": {"scale": "full", "load": 0.2},
+        "one_processor": {"scale": "quick", "load": 8.5},
+    }
+    machine = {"python": "3.11.0", "processors": 2}
+    data = {"sections": sections, "runs": runs, "failed": {}, "machine": machine}
+    beginning, _, part = page.files(data)["performance.md"].partition("## Between")
+    for each in (beginning, part):
+        assert "**Of no full run**: one_processor (quick)." in each
+        assert "had other work**: one_processor (load 8.5)." in each
+
+
+def test_variants_stand_in_tables_that_measured_them(page):
+    floor, compiled = {"median": 200.0}, {"ratio": 0.8, "tail_ratio": 0.9}
+    found = {"10": {way: {"floor": floor, "compiled": compiled} for way in ("up", "down")}}
+    machine = {"python": "3.11.0", "processors": 2}
+    data = {"sections": {"events": found}, "runs": {}, "failed": {}, "machine": machine}
+    text = page.files(data)["performance.md"]
+    assert "| event | a second | floor, us | compiled | compiled, p99 against p99 |" in text
+    assert "| JAUS to ROS | 10 | 200 | 0.80 | 0.9 |" in text
 
 
 def test_the_page_on_faults_is_made_of_the_data(monkeypatch):
@@ -169,6 +197,7 @@ def test_all_sections_are_known():
 @pytest.mark.live
 @pytest.mark.slow
 @pytest.mark.timeout(300)
+@pytest.mark.skipif(compiler() is None, reason="what is compiled needs g++ or clang++")
 @pytest.mark.parametrize("section", SECTIONS)
 def test_each_section_measures(section, tmp_path):
     data, written = tmp_path / "results.json", tmp_path / "performance.md"
